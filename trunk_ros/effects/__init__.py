@@ -1,0 +1,55 @@
+"""One file, one phenomenon. Files in this folder, and in those named by TRUNK_ROS_EFFECTS, are found by themselves."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import pkgutil
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+from trunk_ros.effects.effect import Effect
+from trunk_ros.errors import ModelError
+
+
+@cache
+def registry() -> dict[str, type[Effect]]:
+    """All effects by ID, in physical order of stage and place."""
+    found: dict[str, type[Effect]] = {}
+    for module in _modules():
+        for item in vars(module).values():
+            if isinstance(item, type) and issubclass(item, Effect) and item.id:
+                found[item.id] = item
+    stages = ("servo", "wire", "arm")
+    return dict(sorted(found.items(), key=lambda pair: (stages.index(pair[1].stage), pair[1].place, pair[0])))
+
+
+def effect(name: str) -> type[Effect]:
+    """The effect with an ID. Raises ModelError naming those that exist."""
+    try:
+        return registry()[name]
+    except KeyError:
+        raise ModelError(f"unknown effect {name!r}: choose from {', '.join(registry())}") from None
+
+
+def _modules() -> Iterator[ModuleType]:
+    for _, name, _ in pkgutil.walk_packages(__path__, __name__ + "."):
+        yield importlib.import_module(name)
+    for folder in filter(None, os.environ.get("TRUNK_ROS_EFFECTS", "").split(os.pathsep)):
+        for path in sorted(Path(folder).glob("*.py")):
+            yield _load(path)
+
+
+def _load(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"trunk_ros_effect_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise ModelError(f"cannot load an effect from {path}")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+__all__ = ["Effect", "effect", "registry"]

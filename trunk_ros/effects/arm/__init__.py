@@ -1,0 +1,1 @@
+"""What happens between joints and tip."""

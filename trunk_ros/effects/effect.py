@@ -1,0 +1,146 @@
+"""What an effect is: a block like ``scipy.signal.lfilter``, or a change to what its stage's core does."""
+
+from __future__ import annotations
+
+from abc import ABC
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.errors import ModelError
+from trunk_ros.parameter import Parameter
+
+Stage = Literal["servo", "wire", "arm"]
+Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
+
+
+@dataclass
+class Now:
+    """What an effect may look at besides its input; time runs along axis 0, joints along axis 1.
+
+    ``angles`` holds all joints of the arm (columns named by ``joints``), the rest the joints being computed.
+    """
+
+    stamp: Array
+    """(n,) s since the first sample of the recording."""
+    dt: Array
+    """(n,) s since the sample before; 0 at the very first."""
+    gearbox: Array
+    """(n, columns) rad."""
+    speed: Array
+    """(n, columns) rad/s, on the joint side."""
+    load: Array
+    """(n, columns) N m, weight's moment, positive where it increases the angle."""
+    angles: Array
+    """(n, all joints) rad."""
+    joints: tuple[str, ...]
+    ratio: Array
+    """(columns,) joint angle per gearbox angle."""
+
+
+@dataclass
+class Core:
+    """The settings of a stage's own mechanism, which effects of that stage may change.
+
+    Wire: half-widths of the play and how a reversal is rounded. Servo: the loop. Arm: link lengths.
+    """
+
+    nominal_width: Array = field(default_factory=lambda: np.empty(0))
+    width: Array = field(default_factory=lambda: np.empty(0))
+    """(1 or n, columns) rad, half-width of the play."""
+    rounding: Any = None
+    """A friction element in the place of the sharp play: an object with ``run`` and ``invert``."""
+    kp: Array = field(default_factory=lambda: np.empty(0))
+    tau_v: Array = field(default_factory=lambda: np.empty(0))
+    v_max: Array = field(default_factory=lambda: np.empty(0))
+    delay: Array = field(default_factory=lambda: np.empty(0))
+    pull: Array = field(default_factory=lambda: np.empty(0))
+    """(n, columns) rad added to the setpoint."""
+    cogging: Array = field(default_factory=lambda: np.empty(0))
+    """(3, columns): amplitude rad, cycles per revolution, phase rad."""
+    link_length: Array = field(default_factory=lambda: np.empty(0))
+
+
+class Effect(ABC):
+    """One phenomenon. Subclasses state it as data and override ``run`` or ``adjust``, and ``invert`` where possible."""
+
+    id: ClassVar[str] = ""
+    stage: ClassVar[Stage]
+    place: ClassVar[int]
+    """Physical order: blocks below ``CORE`` act before the stage's core, blocks above it after."""
+    regime: ClassVar[Regime]
+    signature: ClassVar[str]
+    """What one sees in the residual, one sentence."""
+    source: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    texts: ClassVar[tuple[str, ...]] = ()
+    """Names of parameters that are words, one per joint."""
+    forms: ClassVar[tuple[str, ...]] = ("",)
+    compensable: ClassVar[bool] = True
+    everywhere: ClassVar[bool] = False
+    """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
+    needs: ClassVar[tuple[str, ...]] = ()
+    """``load``: the arm must have masses; ``dead_band``: a nominal dead band; ``several``: more than one joint."""
+    replaces: ClassVar[tuple[str, ...]] = ()
+    """Effects that this one includes: never both at once."""
+    confused_with: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """(effect, motion that separates the two)."""
+
+    CORE: ClassVar[int] = 100
+
+    def __init__(self, values: Mapping[str, Array], texts: Mapping[str, tuple[str, ...]] | None = None, form: str = ""):
+        """Bind parameter values, each (columns,); ``form`` is one of ``forms``. Raises ModelError for an unknown form."""
+        if form and form not in self.forms:
+            raise ModelError(f"{self.id} has no form {form!r}: choose one of {', '.join(filter(None, self.forms))}")
+        self.values = values
+        self.words = texts or {}
+        self.form = form or self.forms[0]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.values[name]
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        """Pass a signal (n, columns) through the phenomenon; ``state`` is None at the start of a recording."""
+        return x, state
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        """What must go in for ``y`` (n, columns) to come out."""
+        return y, state
+
+    def adjust(self, core: Core, now: Now) -> None:
+        """Change the core's settings in place of acting on the signal."""
+
+    def starts(self, now: Now, column: int) -> list[dict[str, Any]]:
+        """Start values for a fit on one column: every combination of the scanned parameters."""
+        combined: list[dict[str, Any]] = [{}]
+        for parameter in self.own_parameters(self.form):
+            if parameter.optional:
+                continue
+            grid = self.grid(parameter, now, column)
+            combined = [{**start, parameter.name: value} for start in combined for value in grid]
+        return combined
+
+    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+        """Start values of one parameter; override where they depend on the recording."""
+        return parameter.scan or (parameter.typical,)
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        """The parameters that a form uses."""
+        return cls.parameters
+
+    @classmethod
+    def null(cls) -> dict[str, float]:
+        """The values at which nothing changes."""
+        return {parameter.name: parameter.null for parameter in cls.parameters}
+
+    @classmethod
+    def parameter(cls, name: str) -> Parameter:
+        """Look a parameter up by name. Raises ModelError naming those that exist."""
+        for parameter in cls.parameters:
+            if parameter.name == name:
+                return parameter
+        raise ModelError(f"{cls.id} has no parameter {name!r}: it has {', '.join(p.name for p in cls.parameters)}")

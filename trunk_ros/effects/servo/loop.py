@@ -1,0 +1,47 @@
+"""The servo of the CONTRACT of the nominal arm: position loop over velocity loop, stepped at about 2 ms."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array, compiled
+
+STEP = 0.002  # s
+
+
+@compiled
+def servo_loop(
+    setpoint: Array, stamp: Array, kp: Array, tau_v: Array, v_max: Array, delay: Array, pull: Array, cogging: Array,
+    skip: int, state: Array, out: Array,
+) -> None:
+    """Gearbox angle at each stamp, before the setpoint of that stamp acts.
+
+    ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may still need; ``state``
+    (2, columns) holds angle and speed at row ``skip - 1``. ``out`` (m - skip, columns). Within a step that a late setpoint
+    falls into, its time-weighted mean acts, so that the result is smooth in the delay.
+    """
+    rows, columns = setpoint.shape
+    for j in range(columns):
+        phi, v = state[0, j], state[1, j]
+        held = 0
+        for k in range(skip, rows):
+            if k > 0:
+                span = stamp[k] - stamp[k - 1]
+                substeps = max(1, int(np.round(span / STEP)))
+                h = span / substeps
+                smooth = -np.expm1(-h / tau_v[j]) if tau_v[j] < h else h / tau_v[j]
+                for i in range(substeps):
+                    t = stamp[k - 1] + i * h - delay[j]
+                    while held + 1 < k and stamp[held + 1] <= t + 1e-9:
+                        held += 1
+                    target = setpoint[held, j]
+                    if held + 1 < k and stamp[held + 1] < t + h - 1e-9:
+                        share = (t + h - stamp[held + 1]) / h
+                        target += share * (setpoint[held + 1, j] - target)
+                    target += pull[k, j] + cogging[0, j] * np.sin(cogging[1, j] * phi + cogging[2, j])
+                    v_ref = min(max(kp[j] * (target - phi), -v_max[j]), v_max[j])
+                    v += smooth * (v_ref - v)
+                    phi += h * v
+            out[k - skip, j] = phi
+        state[0, j] = phi
+        state[1, j] = v

@@ -1,0 +1,20 @@
+"""The position loop is slower or faster than nominal."""
+
+from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.parameter import Parameter
+
+
+class ServoBandwidth(Effect):
+    """Kp (1 + relative)."""
+
+    id = "servo_bandwidth"
+    stage, place, regime = "servo", 100, "high_speed"
+    signature = "The gearbox lags the setpoint in proportion to speed, more or less than nominal."
+    source = "Position loop with gain Kp: velocity lag v/Kp."
+    parameters = (Parameter("relative", "1", (-0.95, 9.0), "relative error of the position gain", typical=0.1, shared=True),)
+    everywhere = True
+    compensable = False
+    confused_with = (("servo_delay", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),)
+
+    def adjust(self, core: Core, now: Now) -> None:
+        core.kp = core.kp * (1.0 + self["relative"])

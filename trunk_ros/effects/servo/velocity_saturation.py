@@ -1,0 +1,33 @@
+"""The servo reaches a lower top speed."""
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.parameter import Parameter
+
+UNLIMITED = 1e3  # rad/s
+
+
+class VelocitySaturation(Effect):
+    """v_ref = clip(Kp e, -v_max, v_max) with a lower v_max."""
+
+    id = "velocity_saturation"
+    stage, place, regime = "servo", 100, "high_speed"
+    signature = "In fast moves the gearbox falls behind at a constant speed, and follows exactly in slow ones."
+    source = "Supply voltage over the motor's back-EMF constant bounds its speed."
+    parameters = (Parameter("v_max", "rad/s", (1e-3, UNLIMITED), "top speed of the gearbox shaft", typical=0.8, null=UNLIMITED,
+                            scale="log", shared=True),)
+    everywhere = True
+    compensable = False
+
+    def adjust(self, core: Core, now: Now) -> None:
+        core.v_max = np.minimum(core.v_max, self["v_max"])
+
+    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+        fast = float(np.quantile(np.abs(_speed(now)), 0.998))
+        return tuple(max(share * fast, 2e-3) for share in (0.98, 0.85, 0.7))
+
+
+def _speed(now: Now) -> Array:
+    return np.asarray(now.speed / now.ratio)

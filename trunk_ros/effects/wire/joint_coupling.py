@@ -1,0 +1,44 @@
+"""Another joint's angle changes the path of this joint's wire."""
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.parameter import Parameter
+
+SOURCES = 3
+
+
+def _gain(k: int) -> Parameter:
+    name = "gain" if k == 1 else f"gain_{k}"
+    return Parameter(name, "1", (-3.0, 3.0), "joint angle per angle of the source", typical=0.005, optional=k > 1)
+
+
+class JointCoupling(Effect):
+    """u += gain theta_source, for up to three sources a joint."""
+
+    id = "joint_coupling"
+    stage, place, regime = "wire", 30, "posture"
+    signature = "The residual follows another joint's angle, whether this joint moves or not."
+    source = "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones."
+    parameters = tuple(_gain(k) for k in range(1, SOURCES + 1))
+    texts = ("source", *(f"source_{k}" for k in range(2, SOURCES + 1)))
+    needs = ("several",)
+    confused_with = (("load_elasticity", "hold this joint and turn others so that the arm's reach stays the same"),)
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x + self._pull(now), None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y - self._pull(now), None
+
+    def _pull(self, now: Now) -> Array:
+        """(n, columns) rad that the sources add."""
+        pulled = np.zeros_like(now.gearbox)
+        for gain, text in zip((p.name for p in self.parameters), self.texts, strict=True):
+            for column, source in enumerate(self.words.get(text, ())):
+                if source and self[gain][column] != 0.0:
+                    pulled[:, column] += self[gain][column] * now.angles[:, now.joints.index(source)]
+        return pulled

@@ -1,0 +1,24 @@
+"""The ratio of the radii is not the nominal one."""
+
+from typing import Any
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.parameter import Parameter
+
+
+class RatioError(Effect):
+    """u = r (1 + relative) phi."""
+
+    id = "ratio_error"
+    stage, place, regime = "wire", 10, "posture"
+    signature = "The residual grows in proportion to the joint angle."
+    source = "Ciofu & Stan, sect. 2: transmission ratio R_s/R_c; wear and tolerance of the grooved wheels."
+    parameters = (Parameter("relative", "1", (-0.95, 4.0), "relative error of the ratio", typical=0.005),)
+    confused_with = (("load_elasticity", "move the other joints while this one stands: only a load changes"),)
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x * (1.0 + self["relative"]), None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y / (1.0 + self["relative"]), None

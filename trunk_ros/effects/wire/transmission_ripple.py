@@ -1,0 +1,42 @@
+"""A wheel out of round or out of centre."""
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.parameter import Parameter
+
+
+class TransmissionRipple(Effect):
+    """u += amplitude sin(cycles_per_rev phi + phase)."""
+
+    id = "transmission_ripple"
+    stage, place, regime = "wire", 20, "posture"
+    signature = "The residual swings periodically over the gearbox angle, the same in both directions."
+    source = "Tuttle & Seering (1996), IEEE T. Robotics Autom. 12(3): kinematic error as a sum of sinusoids of the shaft angle."
+    parameters = (
+        Parameter("amplitude", "rad", (-0.2, 0.2), "size of the swing", typical=3e-4),
+        Parameter("cycles_per_rev", "1", (2.0, 120.0), "periods per turn of the gearbox shaft", typical=12.0, null=12.0,
+                  scan=tuple(np.geomspace(3.0, 90.0, 60).tolist())),
+        Parameter("phase", "rad", (-10.0, 10.0), "phase at gearbox angle 0", typical=1.0, scan=(0.0, 0.785, 1.571, 2.356)),
+    )
+    confused_with = (("ratio_error", "move over a wide range: a ripple turns back, a ratio error grows"),)
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x + self._ripple(now), None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y - self._ripple(now), None
+
+    def _ripple(self, now: Now) -> Array:
+        return np.asarray(self["amplitude"] * np.sin(self["cycles_per_rev"] * now.gearbox + self["phase"]))
+
+    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+        """Only ripples of which the motion spans more than a period can be told from a bent curve."""
+        values = super().grid(parameter, now, column)
+        if parameter.name != "cycles_per_rev":
+            return values
+        span = float(np.ptp(now.gearbox[:, column])) / (2 * np.pi)
+        return tuple(v for v in values if v * span >= 1.2) or values[-1:]

@@ -1,0 +1,41 @@
+"""The wire slips on its wheel: the zero jumps at one moment."""
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.parameter import Parameter
+
+RISE = 0.02  # s, so that a fit can move the onset
+
+
+class WireSlip(Effect):
+    """u += step from the onset on."""
+
+    id = "wire_slip"
+    stage, place, regime = "wire", 50, "time"
+    signature = "The residual's mean jumps at one moment and stays there."
+    source = "Euler-Eytelwein: beyond exp(mu alpha) the wire slides on its wheel at once and does not come back."
+    parameters = (
+        Parameter("step", "rad", (-0.5, 0.5), "jump of the zero", typical=1e-3),
+        Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=30.0, null=0.0),
+    )
+    confused_with = (("thermal_drift", "record longer: a drift goes on"),)
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x + self._jump(now), None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y - self._jump(now), None
+
+    def _jump(self, now: Now) -> Array:
+        risen = np.clip((now.stamp[:, None] - self["onset"]) / RISE + 0.5, 0.0, 1.0)
+        return np.asarray(self["step"] * risen)
+
+    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+        if parameter.name != "onset":
+            return super().grid(parameter, now, column)
+        span = now.stamp[-1] - now.stamp[0]
+        return tuple(now.stamp[0] + span * np.linspace(0.04, 0.97, 80))

@@ -1,0 +1,24 @@
+"""The zeros of gearbox and joint differ."""
+
+from typing import Any
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.parameter import Parameter
+
+
+class ZeroOffset(Effect):
+    """theta_shown = theta + offset."""
+
+    id = "zero_offset"
+    stage, place, regime = "wire", 800, "always"
+    signature = "The residual has a mean that nothing changes."
+    source = "Calibration of the zeros."
+    parameters = (Parameter("offset", "rad", (-10.0, 10.0), "joint reading where the gearbox shows zero", typical=1e-3),)
+    confused_with = (("thermal_drift", "look at the start: a drift begins at zero"),)
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x + self["offset"], None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y - self["offset"], None

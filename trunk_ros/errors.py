@@ -1,0 +1,17 @@
+"""Errors that a user can do something about: one line that says what is wrong, where, and what to do."""
+
+
+class TrunkError(Exception):
+    """Bad input. The command line prints its one line and exits with 2."""
+
+
+class ArgumentError(TrunkError):
+    """A command line argument or an output path cannot be used."""
+
+
+class RecordingError(TrunkError):
+    """A recording cannot be read, or lacks what was asked of it."""
+
+
+class ModelError(TrunkError):
+    """A model file or a parameter does not describe an arm."""

@@ -1,0 +1,25 @@
+"""A parameter is declared once: nodes, fits, model files and docs all read this declaration."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect, per joint unless ``shared``.
+
+    ``null`` is the value at which the effect is absent, ``typical`` a usual size: the fit's first step and scale.
+    ``scan`` holds start values where a fit from ``typical`` alone would miss the optimum.
+    """
+
+    name: str
+    unit: str
+    bounds: tuple[float, float]
+    meaning: str
+    typical: float
+    null: float = 0.0
+    scale: Literal["linear", "log"] = "linear"
+    shared: bool = False
+    scan: tuple[float, ...] = ()
+    optional: bool = False
+    """An optional parameter stays at ``null`` unless the data ask for it."""
