@@ -1,0 +1,52 @@
+# make setup|demo|test|bench|proof: each sets up what it needs first. FULL=1 makes the proof the long one.
+VENV := .venv
+PYTHON := $(VENV)/bin/python
+STAMP := $(VENV)/complete
+FULL ?=
+
+# .venv stands alone, whatever the shell has sourced.
+unexport PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
+ifneq ($(ROS_DISTRO)$(_ROS_WHEELS_BOOTSTRAP_COMPLETE),)
+unexport LD_LIBRARY_PATH
+endif
+export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
+export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
+export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
+export FULL TRUNK_PYTHON
+
+.PHONY: setup demo test pytest lint bench proof lock clean
+
+setup: $(STAMP)
+
+$(STAMP): requirements/lock.txt setup.py setup.cfg package.xml tools/make_venv
+	tools/make_venv
+	@touch $@
+
+demo: setup
+	$(PYTHON) -m test.concealed.demo
+
+test: lint pytest
+
+lint: setup
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m mypy
+
+pytest: setup
+	$(PYTHON) -m pytest -q --timeout 120 $(ARGS)
+
+bench: setup
+	$(PYTHON) -m test.bench --output bench.json
+
+proof: setup
+	$(PYTHON) -m test.concealed.proof
+
+# Pins what setup.py and requirements/dev.in ask for. One lock for every CPython: it is made for the oldest.
+lock: setup
+	$(PYTHON) -m pip install --quiet uv
+	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --upgrade --quiet --no-header \
+		--no-emit-index-url --no-emit-find-links --generate-hashes \
+		--python-version 3.11 --python-platform x86_64-manylinux_2_28 --output-file requirements/lock.txt
+
+clean:
+	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

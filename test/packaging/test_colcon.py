@@ -1,0 +1,57 @@
+"""colcon builds the package, and what it installs runs."""
+
+import os
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+from ament_index_python.packages import get_package_prefix, get_package_share_directory
+
+from trunk_ros.__main__ import COMMANDS
+
+pytestmark = pytest.mark.timeout(180)
+
+
+@pytest.fixture(scope="module")
+def workspace(source, run, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("workspace")
+    (folder / "src").mkdir()
+    (folder / "src/trunk_ros").symlink_to(source)
+    run(sys.executable, "-m", "colcon", "build", cwd=folder)
+    return folder
+
+
+@pytest.fixture
+def sourced(workspace):
+    """sourced(*words) -> words for a shell that has the workspace sourced and becomes that program."""
+
+    def words(*command):
+        return ["bash", "-c", f"source install/setup.bash && exec {shlex.join(map(str, command))}"]
+
+    return words
+
+
+@pytest.fixture
+def executables(workspace):
+    return workspace / "install/trunk_ros/lib/trunk_ros"
+
+
+def test_the_ament_index_knows_the_package(workspace, monkeypatch):
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(workspace / "install/trunk_ros"))
+    assert Path(get_package_prefix("trunk_ros")) == workspace / "install/trunk_ros"
+    share = Path(get_package_share_directory("trunk_ros"))
+    assert (share / "package.xml").is_file()
+    assert (share / "config/trunk.yaml").is_file()
+
+
+def test_every_command_is_an_executable(executables):
+    assert sorted(path.name for path in executables.iterdir()) == sorted(COMMANDS)
+    assert all(os.access(path, os.X_OK) for path in executables.iterdir())
+
+
+def test_an_installed_tool_runs_from_the_workspace(workspace, executables, sourced, run):
+    assert "usage" in run(*sourced(executables / "simulate", "--help"), cwd=workspace).stdout.lower()
+    code = "from trunk_ros import share; print(share.__file__, share.config_path('trunk'))"
+    places = run(*sourced(sys.executable, "-c", code), cwd=workspace).stdout.split()
+    assert [Path(place).is_relative_to(workspace / "install") for place in places] == [True, True]

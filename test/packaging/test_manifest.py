@@ -1,0 +1,80 @@
+"""package.xml, setup.py and the lock say the same, and say all that the code needs."""
+
+import re
+import sys
+from functools import cache
+from xml.etree import ElementTree
+
+import trunk_ros
+from test.packaging.imports import ROOT, imported, modules
+from trunk_ros.__main__ import COMMANDS
+
+# import name: (distribution on PyPI, rosdep key)
+PROVIDERS = {
+    "numpy": ("numpy", "python3-numpy"),
+    "scipy": ("scipy", "python3-scipy"),
+    "numba": ("numba", "python3-numba"),
+    "yaml": ("pyyaml", "python3-yaml"),
+    "jinja2": ("jinja2", "python3-jinja2"),
+    "matplotlib": ("matplotlib", "python3-matplotlib"),
+    "rosbags": ("rosbags", "python3-rosbags-pip"),
+    "mcap": ("mcap", "mcap-ros2-support"),
+    "lz4": ("lz4", "mcap-ros2-support"),
+    "zstandard": ("zstandard", "mcap-ros2-support"),
+    "launch": (None, "launch"),  # not on PyPI
+    "launch_ros": (None, "launch_ros"),
+}
+
+
+@cache
+def manifest():
+    return ElementTree.parse(ROOT / "package.xml").getroot()
+
+
+def foreign_imports():
+    files = modules("trunk_ros") + modules("launch")
+    names = {name.partition(".")[0] for path in files for name in imported(path)}
+    return sorted(names - sys.stdlib_module_names - {"trunk_ros", ""})
+
+
+def providers(name):
+    return PROVIDERS.get(name, (f"ros-jazzy-{name.replace('_', '-')}", name))
+
+
+def setup_requirements():
+    found = re.findall(r'^    "([A-Za-z0-9-]+)[<>=~]', (ROOT / "setup.py").read_text(), re.MULTILINE)
+    return {name.lower() for name in found}
+
+
+@cache
+def lock():
+    return (ROOT / "requirements/lock.txt").read_text()
+
+
+def test_every_import_is_a_dependency_in_package_xml():
+    keys = {element.text for element in manifest().iter("exec_depend")}
+    assert [name for name in foreign_imports() if providers(name)[1] not in keys] == []
+
+
+def test_every_import_is_a_requirement_in_setup_py():
+    wanted = {name: providers(name)[0] for name in foreign_imports()}
+    assert set(filter(None, wanted.values())) <= setup_requirements()
+
+
+def test_every_requirement_is_pinned_by_hash_in_the_lock():
+    assert setup_requirements() <= set(re.findall(r"^([a-z0-9.-]+)==\S+ ", lock(), re.MULTILINE))
+    entries = re.split(r"\n(?=\S)", lock().strip())
+    assert [entry for entry in entries if "--hash=sha256:" not in entry] == []
+
+
+def test_the_lock_names_no_index_and_no_place():
+    assert not re.search(r"https?:|file:|--(extra-)?index|--find-links|--trusted", lock())
+
+
+def test_package_and_manifest_have_one_version():
+    assert trunk_ros.__version__ == manifest().findtext("version")
+
+
+def test_every_command_is_there():
+    nodes = {"servo_driver", "wire_elasticity", "compensator", "recorder", "replay"}
+    assert nodes | {"bringup", "diagnose", "simulate", "import"} <= set(COMMANDS)

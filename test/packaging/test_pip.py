@@ -1,0 +1,62 @@
+"""`pip install .` gives the half that needs no ROS."""
+
+import re
+import sys
+import zipfile
+
+import pytest
+
+from test.packaging.imports import ROOT
+from trunk_ros.__main__ import COMMANDS
+
+MAIN = "trunk_ros.__main__:main"
+pytestmark = pytest.mark.timeout(300)  # pip downloads what is not in its cache
+
+
+@pytest.fixture(scope="module")
+def wheel(source, run, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wheel")
+    options = ["--no-deps", "--no-build-isolation", "--wheel-dir", folder]
+    run(sys.executable, "-m", "pip", "wheel", *options, source, cwd=folder)
+    return next(folder.glob("*.whl"))
+
+
+@pytest.fixture(scope="module")
+def python(wheel, run, tmp_path_factory):
+    """A fresh environment with the wheel and, at the versions of the lock, what it requires."""
+    folder = tmp_path_factory.mktemp("fresh")
+    lock = (ROOT / "requirements/lock.txt").read_text()
+    (folder / "constraints.txt").write_text("\n".join(re.findall(r"^\S+==\S+", lock, re.MULTILINE)))
+    run(sys.executable, "-m", "venv", folder / "venv", cwd=folder)
+    run(folder / "venv/bin/pip", "install", "-q", "-c", "constraints.txt", wheel, cwd=folder)
+    return folder / "venv/bin/python"
+
+
+def test_the_wheel_holds_every_file_of_the_package_and_its_configuration(wheel, source):
+    held = {name.rpartition(".data/data/share/trunk_ros/")[2] for name in zipfile.ZipFile(wheel).namelist()}
+    files = [path for folder in ("trunk_ros", "config", "launch") for path in (source / folder).rglob("*")]
+    assert {str(path.relative_to(source)) for path in files if path.is_file()} <= held
+
+
+def test_a_wheel_puts_one_command_on_the_path_and_no_import_beside_others(wheel):
+    files = zipfile.ZipFile(wheel)
+    entry = next(name for name in files.namelist() if name.endswith("entry_points.txt"))
+    assert files.read(entry).decode().split() == ["[console_scripts]", "trunk_ros", "=", MAIN]
+
+
+def test_without_ros_help_names_every_command(python, run, tmp_path):
+    run(python, "-c", "import importlib.util as u; assert u.find_spec('rclpy') is None", cwd=tmp_path)
+    shown = run(python, "-m", "trunk_ros", "--help", cwd=tmp_path).stdout
+    assert [name for name in COMMANDS if name not in shown] == []
+    assert run(python.with_name("trunk_ros"), "--help", cwd=tmp_path).stdout == shown
+
+
+@pytest.mark.parametrize("name", ["simulate", "diagnose", "import", "recover"])
+def test_without_ros_these_commands_start(python, run, tmp_path, name):
+    assert "usage" in run(python, "-m", "trunk_ros", name, "--help", cwd=tmp_path).stdout.lower()
+
+
+def test_an_installed_package_finds_its_configuration(python, run, tmp_path):
+    code = "from trunk_ros.share import config_path; print(config_path('trunk'))"
+    found = run(python, "-c", code, cwd=tmp_path).stdout.strip()
+    assert found == str(python.parents[1] / "share/trunk_ros/config/trunk.yaml")
