@@ -1,0 +1,120 @@
+"""The records of an MCAP file (mcap.dev/spec): framing, chunks, and what is whole of a damaged one."""
+
+import struct
+import zlib
+from collections.abc import Iterator
+from typing import NamedTuple, TypeAlias
+
+import lz4.frame
+
+from trunk_ros.recording.block import LARGEST_CHUNK, DamageError, unzstd
+
+MAGIC = b"\x89MCAP0\r\n"
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
+
+Buffer: TypeAlias = bytes | memoryview
+_FRAME = struct.Struct("<BQ")
+_CHUNK = struct.Struct("<QQQI")
+
+
+class Record(NamedTuple):
+    """Kind of a record and where its content lies in the buffer."""
+
+    kind: int
+    start: int
+    end: int
+
+
+class Channel(NamedTuple):
+    """A topic of an MCAP file with the number of its schema."""
+
+    id: int
+    schema: int
+    topic: str
+    encoding: str
+
+
+class Chunk(NamedTuple):
+    """Content of a chunk. Where the file broke off inside it, `whole` is false."""
+
+    data: bytes
+    whole: bool
+
+
+def records(buffer: Buffer, start: int, end: int) -> Iterator[Record]:
+    """Every record that begins in buffer[start:end]; the last one may end beyond: then it is cut.
+
+    Stops at a record of kind 0, which does not exist: so look the zeros that a power cut leaves behind.
+    """
+    unpack, head = _FRAME.unpack_from, _FRAME.size
+    while start + head <= end:
+        kind, size = unpack(buffer, start)
+        if not kind:
+            return
+        start += head
+        yield Record(kind, start, start + size)
+        start += size
+
+
+def text(buffer: Buffer, start: int, end: int) -> tuple[str, int]:
+    """A length-prefixed string and where it ends; DamageError if it does not fit before `end`."""
+    if start + 4 > end:
+        raise DamageError("has a record that ends too early")
+    stop = start + 4 + int(struct.unpack_from("<I", buffer, start)[0])
+    if stop > end:
+        raise DamageError("has a record that ends too early")
+    return bytes(buffer[start + 4 : stop]).decode("utf-8", "replace"), stop
+
+
+def schema(buffer: Buffer, record: Record) -> tuple[int, str]:
+    """(id, type name) of a schema record."""
+    name, _ = text(buffer, record.start + 2, record.end)
+    return int(struct.unpack_from("<H", buffer, record.start)[0]), name
+
+
+def channel(buffer: Buffer, record: Record) -> Channel:
+    """A channel record."""
+    topic, stop = text(buffer, record.start + 4, record.end)
+    encoding, _ = text(buffer, stop, record.end)
+    number, schema_number = struct.unpack_from("<HH", buffer, record.start)
+    return Channel(number, schema_number, topic, encoding)
+
+
+def metadata(buffer: Buffer, record: Record) -> tuple[str, dict[str, str]]:
+    """Name and entries of a metadata record."""
+    name, start = text(buffer, record.start, record.end)
+    entries, start = {}, start + 4
+    while start < record.end:
+        key, start = text(buffer, start, record.end)
+        entries[key], start = text(buffer, start, record.end)
+    return name, entries
+
+
+def open_chunk(buffer: Buffer, record: Record, end: int) -> Chunk:
+    """Decompress and check a chunk of which the bytes up to `end` are there; DamageError if that fails."""
+    if record.start + _CHUNK.size > min(record.end, end):
+        raise DamageError("has a chunk that ends too early")
+    *_, size, crc = _CHUNK.unpack_from(buffer, record.start)
+    method, start = text(buffer, record.start + _CHUNK.size, end)
+    start += 8
+    if size > LARGEST_CHUNK:
+        raise DamageError(f"has a chunk that claims {size} bytes")
+    data = _decompress(buffer[start : min(record.end, end)], method, size)
+    if record.end > end:
+        return Chunk(data, False)
+    if len(data) != size or (crc and zlib.crc32(data) != crc):
+        raise DamageError("has a chunk with a wrong checksum")
+    return Chunk(data, True)
+
+
+def _decompress(data: Buffer, method: str, size: int) -> bytes:
+    if method == "zstd":
+        return unzstd(data, size)
+    if method == "lz4":
+        try:
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(bytes(data), max_length=size))
+        except (RuntimeError, EOFError) as error:
+            raise DamageError(f"holds lz4 data that cannot be read ({error})") from None
+    if method:
+        raise DamageError(f"has chunks compressed with {method[:20]!r}: zstd, lz4 or none can be read")
+    return bytes(data)

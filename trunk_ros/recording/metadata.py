@@ -1,0 +1,147 @@
+"""metadata.yaml of a rosbag2 folder, version 1 (Crystal) to 9 (Jazzy)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import yaml
+
+from trunk_ros.recording.block import DamageError
+
+FILE = "metadata.yaml"
+NEWEST = 9
+_LARGEST = 32 << 20
+_KEY = "rosbag2_bagfile_information"
+_STORAGES = ("mcap", "sqlite3")
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
+    """Writes everything out: other readers do not expect YAML's references."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+@dataclass(frozen=True)
+class BagMetadata:
+    """What a reader needs of metadata.yaml. files: names inside the folder. messages: count per topic."""
+
+    files: tuple[str, ...]
+    storage: str
+    compression: str = ""
+    messages: dict[str, int] = field(default_factory=dict)
+    custom: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic as metadata.yaml describes it."""
+
+    name: str
+    type: str
+    messages: int
+    hash: str = ""
+    qos: Sequence[dict[str, Any]] = ()
+    encoding: str = "cdr"
+
+
+def read_metadata(folder: Path) -> BagMetadata:
+    """metadata.yaml of a folder; DamageError in one clause if it is not one that can be read."""
+    content = _load(folder / FILE)
+    try:
+        return _parse(content[_KEY])
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        missing = f" (no {error})" if isinstance(error, KeyError) else ""
+        raise DamageError(f"has a damaged {FILE}{missing}: `recover` writes it anew") from None
+
+
+def _load(path: Path) -> Any:
+    if path.stat().st_size > _LARGEST:
+        raise DamageError(f"has a {FILE} of more than {_LARGEST >> 20} MB")
+    try:
+        return yaml.load(path.read_bytes(), Loader=_Loader)
+    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" in line {mark.line + 1}" if mark else ""
+        raise DamageError(f"has a damaged {FILE}{where}: `recover` writes it anew") from None
+
+
+def _parse(information: dict[str, Any]) -> BagMetadata:
+    version = int(information["version"])
+    if not 1 <= version <= NEWEST:
+        raise DamageError(f"has metadata of version {version}: 1 to {NEWEST} can be read")
+    storage = str(information["storage_identifier"])
+    if storage not in _STORAGES:
+        raise DamageError(f"is stored as {storage[:40]!r}: {' and '.join(_STORAGES)} can be read")
+    compression = str(information.get("compression_mode") or "").lower().replace("none", "")
+    method = str(information.get("compression_format") or "")
+    if compression not in ("", "file", "message") or (compression and method != "zstd"):
+        raise DamageError(f"is compressed as {(method + ' ' + compression)[:40]!r}: zstd can be read")
+    custom = information.get("custom_data") or {}
+    return BagMetadata(
+        files=tuple(PurePosixPath(str(each)).name for each in information["relative_file_paths"]),
+        storage=storage,
+        compression=compression,
+        messages=_message_counts(information),
+        custom={str(key): str(value) for key, value in custom.items()},
+    )
+
+
+def _message_counts(information: dict[str, Any]) -> dict[str, int]:
+    topics = information.get("topics_with_message_count") or []
+    return {str(each["topic_metadata"]["name"]): int(each["message_count"]) for each in topics}
+
+
+def plain_yaml(content: Any) -> str:
+    """YAML that other readers take: in order, and without references."""
+    return str(yaml.dump(content, Dumper=_Dumper, sort_keys=False))
+
+
+def write_metadata(folder: Path, content: dict[str, Any]) -> None:
+    """Write metadata.yaml with what `information` gave."""
+    (folder / FILE).write_text(plain_yaml({_KEY: content}))
+
+
+def information(
+    files: Sequence[str],
+    topics: Sequence[Topic],
+    start_ns: int,
+    duration_ns: int,
+    custom: dict[str, str] | None = None,
+) -> dict[str, Any]:
+    """The entries of metadata.yaml; every key is required by the readers of Jazzy."""
+    count = sum(each.messages for each in topics)
+    start = {"nanoseconds_since_epoch": start_ns}
+    duration = {"nanoseconds": duration_ns}
+    return {
+        "version": NEWEST,
+        "storage_identifier": "mcap",
+        "duration": duration,
+        "starting_time": start,
+        "message_count": count,
+        "topics_with_message_count": [_topic_entry(each) for each in topics],
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": list(files),
+        "files": [
+            {"path": each, "starting_time": start, "duration": duration, "message_count": count}
+            for each in files
+        ],
+        "custom_data": dict(custom) if custom else None,
+        "ros_distro": "jazzy",
+    }
+
+
+def _topic_entry(topic: Topic) -> dict[str, Any]:
+    return {
+        "topic_metadata": {
+            "name": topic.name,
+            "type": topic.type,
+            "serialization_format": topic.encoding,
+            "offered_qos_profiles": list(topic.qos),
+            "type_description_hash": topic.hash,
+        },
+        "message_count": topic.messages,
+    }

@@ -1,0 +1,48 @@
+"""Which topics of a recording are those of the arm, where names carry a namespace, or of several arms."""
+
+from trunk_ros.errors import RecordingError
+from trunk_ros.recording.topics import TOPICS, expected_type, split_topic
+
+
+def choose(
+    name: str, topics: dict[str, str], namespace: str | None = None
+) -> tuple[dict[str, str], list[str]]:
+    """(topic by key, remarks) for the topics {name: type} of the recording `name`.
+
+    Where several topics fit one key, the namespace decides that alone has topics below `trunk/`.
+    RecordingError if that leaves a choice, if no topic fits, or if one that fits is of another type.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for topic in topics:
+        if split := split_topic(topic):
+            found.setdefault(split[1], {})[split[0]] = topic
+    if namespace is not None:
+        wanted = "/" + namespace.strip("/") if namespace.strip("/") else ""
+        found = {key: {wanted: there[wanted]} for key, there in found.items() if wanted in there}
+    if not found:
+        there = ", ".join(sorted(topics)[:12]) or "none"
+        wanted = ", ".join(TOPICS.values())
+        raise RecordingError(f"{name}: no topic of an arm ({wanted}); topics there: {there}")
+    chosen, remarks = _decide(name, found)
+    for key, topic in chosen.items():
+        if topics[topic] != expected_type(key):
+            raise RecordingError(f"{name}: {topic} is {topics[topic][:80]}, not {expected_type(key)}")
+    return chosen, remarks
+
+
+def _decide(name: str, found: dict[str, dict[str, str]]) -> tuple[dict[str, str], list[str]]:
+    spaces = sorted({space for there in found.values() for space in there})
+    arms = sorted({space for key, there in found.items() if "/" in TOPICS[key] for space in there})
+    chosen = {}
+    for key, there in found.items():
+        if len(there) == 1:
+            chosen[key] = next(iter(there.values()))
+        elif len(arms) == 1 and arms[0] in there:
+            chosen[key] = there[arms[0]]
+        else:
+            said = ", ".join(space or "/" for space in sorted(there))
+            raise RecordingError(f"{name}: holds {TOPICS[key]} of several arms ({said}): give a bag with one")
+    fitting = {topic for there in found.values() for topic in there.values()}
+    left_out = sorted(fitting - set(chosen.values()))
+    remarks = [f"topics of the namespaces {', '.join(s or '/' for s in spaces)}"] if len(spaces) > 1 else []
+    return chosen, remarks + [f"{topic} is left out: it belongs to something else" for topic in left_out]

@@ -1,0 +1,68 @@
+"""How evenly a topic was sampled: rate, gaps, losses, jitter."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.recording.recording import Counts, Floats, Recording
+
+_GAP = 2.5  # periods
+_EVEN = 0.3  # of the period: with more spread than this, nothing was expected at a certain time
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Of a topic. period: median s between samples; jitter: its robust spread; longest_gap: s, at `gap_at` s.
+
+    gaps: intervals of more than 2.5 periods. expected, lost: messages, from the period; None if it is uneven.
+    """
+
+    messages: int
+    samples: int
+    duplicates: int
+    out_of_order: int
+    not_finite: int
+    unreadable: int
+    period: float
+    jitter: float
+    longest_gap: float
+    gap_at: float
+    gaps: int
+    expected: int | None
+    lost: int | None
+
+    @property
+    def rate(self) -> float:
+        """Samples per s, from the median period; 0 for a single sample."""
+        return 1 / self.period if self.period else 0.0
+
+
+def quality_of(stamp: Floats, counts: Counts | None = None) -> Quality:
+    """Quality of a topic with these stamps (n,) s, rising; counts: what the reader saw of it."""
+    counts = counts or Counts(messages=len(stamp))
+    step = np.diff(stamp)
+    seen = (counts.messages, len(stamp), counts.duplicates, counts.out_of_order, counts.not_finite)
+    if not len(step):
+        return Quality(*seen, counts.unreadable, 0.0, 0.0, 0.0, 0.0, 0, None, None)
+    period = float(np.median(step))
+    jitter = float(1.4826 * np.median(np.abs(step - period)))
+    missing = np.maximum(np.rint(step / period) - 1, 0)
+    even = jitter < _EVEN * period
+    lost = int(missing[step > 1.5 * period].sum()) if even else None
+    longest = int(step.argmax())
+    return Quality(
+        *seen,
+        counts.unreadable,
+        period,
+        jitter,
+        float(step[longest]),
+        float(stamp[longest]),
+        int((step > _GAP * period).sum()) if even else 0,
+        None if lost is None else len(stamp) + lost,
+        lost,
+    )
+
+
+def quality(recording: Recording) -> dict[str, Quality]:
+    """Quality of every series of a recording, by its key."""
+    return {key: quality_of(each.stamp, recording.counts.get(key)) for key, each in recording.series.items()}

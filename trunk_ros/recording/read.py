@@ -1,0 +1,129 @@
+"""Reads a recording of any kind into arrays; `bag` knows the kinds, `namespace` how topics are found."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from trunk_ros.errors import RecordingError
+from trunk_ros.recording.assemble import first_stamp, joint_series
+from trunk_ros.recording.bag import read_blocks
+from trunk_ros.recording.block import Contents, DamageError, Progress
+from trunk_ros.recording.decode import Decoder
+from trunk_ros.recording.layout import joint_layout, pose_layout
+from trunk_ros.recording.namespace import choose
+from trunk_ros.recording.recording import Counts, JointSeries, PoseSeries, Recording
+from trunk_ros.recording.remarks import loss_remarks, series_remarks
+from trunk_ros.recording.time_range import time_range
+from trunk_ros.recording.topics import TIP, TOPICS, expected_type, split_topic
+
+
+def read_recording(
+    path: str | Path,
+    from_time: str | None = None,
+    until: str | None = None,
+    namespace: str | None = None,
+    progress: Progress | None = None,
+) -> Recording:
+    """The recording at `path`, as far as it is whole: a rosbag2 folder, a bare .mcap or .db3, a ROS 1 .bag.
+
+    from_time, until: "12.5" (s) or "70%"; stamps stay those of the whole. namespace: of the arm, where the
+    recording holds several. progress: called with the fraction that is done.
+    RecordingError, ArgumentError: one line on what is wrong.
+    """
+    path = Path(path)
+    contents = Contents()
+    try:
+        decoders = _decode(path, contents, progress or (lambda _: None))
+    except DamageError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    except (OSError, MemoryError) as error:
+        raise RecordingError(f"{path}: cannot be read ({str(error) or 'not enough memory'})") from None
+    chosen, remarks = choose(str(path), contents.topics, namespace)
+    whole = _assemble(path, contents, {key: decoders[topic] for key, topic in chosen.items()}, remarks)
+    part = whole.part(*time_range(whole.duration, from_time, until))
+    return _checked(part)
+
+
+def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Decoder]:
+    """Every topic that could describe an arm, decoded where it is of the right type."""
+    decoders: dict[str, Decoder] = {}
+    for block in read_blocks(path, lambda topic: split_topic(topic) is not None, contents, progress):
+        found = split_topic(block.topic)
+        if found is None or block.type != expected_type(found[1]) or block.encoding not in ("cdr", "ros1"):
+            continue
+        layout_of = pose_layout if found[1] == TIP else joint_layout
+        decoders.setdefault(block.topic, Decoder(layout_of)).add(block)
+    for topic in contents.topics:
+        decoders.setdefault(topic, Decoder(joint_layout))
+    return decoders
+
+
+def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], remarks: list[str]) -> Recording:
+    """Series with common stamps; RecordingError if no topic has a message."""
+    full = {key: decoder for key, decoder in decoders.items() if decoder.pieces}
+    remarks = loss_remarks(contents, decoders) + remarks
+    if not full:
+        reason = f" ({'; '.join(remarks)})" if remarks else ""
+        raise RecordingError(f"{path}: no readable message of an arm{reason}")
+    start_ns = min(first_stamp(decoder.pieces) for decoder in full.values())
+    series: dict[str, JointSeries] = {}
+    counts: dict[str, Counts] = {}
+    for key, decoder in full.items():
+        series[key], count, remark = joint_series(decoder.pieces, start_ns)
+        counts[key] = replace(count, unreadable=decoder.unreadable)
+        remarks += [f"{TOPICS[key]}: {remark}"] if remark else []
+    duration = max(float(each.stamp[-1]) for each in series.values())
+    remarks += series_remarks(series, counts)
+    tip = _tip(series.pop(TIP, None), full.get(TIP))
+    noted, custom, units = _custom(contents.custom)
+    series = _same_order(series)
+    notes = tuple(remarks + noted)
+    return Recording(str(path), start_ns, duration, series, tip, notes, units, custom, counts)
+
+
+def _tip(series: JointSeries | None, decoder: Decoder | None) -> PoseSeries | None:
+    if series is None or decoder is None:
+        return None
+    return PoseSeries(series.stamp, series.position[:, :3], series.position[:, 3:], decoder.layouts[0].frame)
+
+
+def _same_order(series: dict[str, JointSeries]) -> dict[str, JointSeries]:
+    """Topics with the same joints get the same order of joints."""
+    joints = Recording("", 0, 0.0, series).joints
+    return {
+        key: each.select(joints) if set(each.joints) == set(joints) else each for key, each in series.items()
+    }
+
+
+def _custom(custom: dict[str, str]) -> tuple[list[str], dict[str, str], dict[str, str]]:
+    """Notes, other entries and units that a writer of ours left in the bag."""
+    rest = {key: value for key, value in custom.items() if key not in ("units", "notes")}
+    try:
+        units = json.loads(custom.get("units", "{}"))
+        notes = json.loads(custom.get("notes", "[]"))
+        return [str(each) for each in notes], rest, {str(joint): str(unit) for joint, unit in units.items()}
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        return ["the units noted in the bag cannot be read: rad is assumed"], rest, {}
+
+
+def _checked(recording: Recording) -> Recording:
+    """RecordingError for a joint without a single finite value; empty velocity and effort become None."""
+    series = {}
+    for key, each in recording.series.items():
+        blank = [not np.isfinite(column).any() for column in each.position.T]
+        rest = [values for values in (each.velocity, each.effort) if values is not None]
+        if any(blank) and not (key == "wire_states" and any(np.isfinite(values).any() for values in rest)):
+            names = ", ".join(joint for joint, none in zip(each.joints, blank, strict=True) if none)
+            raise RecordingError(f"{recording.name}: {TOPICS[key]} has no finite position of {names}")
+        velocity, effort = (
+            None if values is None or not np.isfinite(values).any() else values
+            for values in (each.velocity, each.effort)
+        )
+        series[key] = replace(each, velocity=velocity, effort=effort)
+    if recording.tip is not None and not np.isfinite(recording.tip.position).any():
+        raise RecordingError(f"{recording.name}: {TOPICS[TIP]} has no finite position")
+    if not series and recording.tip is None:
+        raise RecordingError(f"{recording.name}: no sample in the part that was asked for")
+    return replace(recording, series=series)

@@ -1,0 +1,127 @@
+"""A recording in memory: one array per quantity, all stamps in seconds since the recording's first sample."""
+
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from trunk_ros.errors import RecordingError
+from trunk_ros.recording.topics import TIP, TOPICS
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What a reader saw of one topic before it was sorted and cleaned."""
+
+    messages: int = 0
+    duplicates: int = 0
+    out_of_order: int = 0
+    not_finite: int = 0
+    unreadable: int = 0
+
+
+@dataclass(frozen=True)
+class JointSeries:
+    """One JointState topic.
+
+    stamp: (n,) s since `Recording.start_ns`, rising, unique. position, velocity, effort: (n, joints), in the
+    unit of the joint (rad unless the recording says otherwise), per s, and N m or N; NaN where not known.
+    """
+
+    stamp: Floats
+    joints: tuple[str, ...]
+    position: Floats
+    velocity: Floats | None = None
+    effort: Floats | None = None
+
+    def select(self, joints: tuple[str, ...]) -> "JointSeries":
+        """The same series with these joints in this order; RecordingError names a joint that is not there."""
+        missing = [joint for joint in joints if joint not in self.joints]
+        if missing:
+            raise RecordingError(f"no joint {', '.join(missing)}: there are {', '.join(self.joints)}")
+        columns = [self.joints.index(joint) for joint in joints]
+        position, velocity, effort = (
+            None if values is None else values[:, columns]
+            for values in (self.position, self.velocity, self.effort)
+        )
+        assert position is not None
+        return JointSeries(self.stamp, joints, position, velocity, effort)
+
+    def between(self, first: float, end: float) -> "JointSeries":
+        """The samples with first <= stamp < end, stamps unchanged."""
+        keep = (self.stamp >= first) & (self.stamp < end)
+        position, velocity, effort = (
+            None if values is None else values[keep] for values in (self.position, self.velocity, self.effort)
+        )
+        assert position is not None
+        return JointSeries(self.stamp[keep], self.joints, position, velocity, effort)
+
+
+@dataclass(frozen=True)
+class PoseSeries:
+    """Poses of the tip: stamp (n,) s, position (n, 3) m, orientation (n, 4) as x, y, z, w, in `frame`."""
+
+    stamp: Floats
+    position: Floats
+    orientation: Floats
+    frame: str = "base_link"
+
+    def between(self, first: float, end: float) -> "PoseSeries":
+        """The samples with first <= stamp < end, stamps unchanged."""
+        keep = (self.stamp >= first) & (self.stamp < end)
+        return PoseSeries(self.stamp[keep], self.position[keep], self.orientation[keep], self.frame)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """All that one bag says about one arm.
+
+    name: what to call it in messages. start_ns: stamp of its first sample, ns since the epoch. duration: s to
+    its last sample; both hold for the whole recording, also when only a part of it was asked for.
+    series: by `reference`, `setpoints`, `gearbox_states`, `joint_states`, `wire_states`, where recorded.
+    notes: damage and oddities, in sentences. units: SI unit of position per joint that is not in rad.
+    custom: what the writer noted in the bag. counts: per key of `series`, what the reader saw.
+    """
+
+    name: str
+    start_ns: int
+    duration: float
+    series: dict[str, JointSeries]
+    tip: PoseSeries | None = None
+    notes: tuple[str, ...] = ()
+    units: dict[str, str] = field(default_factory=dict)
+    custom: dict[str, str] = field(default_factory=dict)
+    counts: dict[str, Counts] = field(default_factory=dict)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints of `joint_states`, else of the first other topic that has joints."""
+        for key in ("joint_states", "gearbox_states", "setpoints", "reference"):
+            if key in self.series:
+                return self.series[key].joints
+        return ()
+
+    def unit(self, joint: str) -> str:
+        """SI unit of this joint's position."""
+        return self.units.get(joint, "rad")
+
+    def require(self, key: str) -> JointSeries:
+        """The series `key`, or RecordingError with the topics that are there."""
+        if key in self.series:
+            return self.series[key]
+        there = ", ".join(TOPICS[each] for each in self.series) or "none that describe joints"
+        raise RecordingError(f"{self.name}: no topic {TOPICS.get(key, key)}; topics there: {there}")
+
+    def part(self, first: float, end: float) -> "Recording":
+        """The samples with first <= stamp < end; stamps, start and duration stay those of the whole."""
+        series = {key: each.between(first, end) for key, each in self.series.items()}
+        kept = {key: each for key, each in series.items() if len(each.stamp)}
+        tip = self.tip.between(first, end) if self.tip else None
+        tip = tip if tip is not None and len(tip.stamp) else None
+        lost = [key for key in series if key not in kept]
+        lost += [TIP] if self.tip and not tip else []
+        notes = tuple(f"{TOPICS[key]}: no sample from {first:g} to {end:g} s" for key in lost)
+        return replace(self, series=kept, tip=tip, notes=self.notes + notes)

@@ -1,0 +1,62 @@
+"""What a reader has to say about a recording, in sentences."""
+
+from trunk_ros.recording.block import Contents
+from trunk_ros.recording.decode import Decoder
+from trunk_ros.recording.quality import quality_of
+from trunk_ros.recording.recording import Counts, JointSeries
+from trunk_ros.recording.topics import TOPICS
+
+
+def loss_remarks(contents: Contents, decoders: dict[str, Decoder]) -> list[str]:
+    """Damage of the files, and messages that the metadata promises but the files do not hold."""
+    remarks = list(contents.damage)
+    for key, decoder in decoders.items():
+        if decoder.unreadable:
+            remarks.append(f"{TOPICS[key]}: {_many(decoder.unreadable, 'message')} unreadable, left out")
+        if not decoder.messages:
+            remarks.append(f"{TOPICS[key]}: no messages")
+    return remarks + _missing(contents, decoders)
+
+
+def _missing(contents: Contents, decoders: dict[str, Decoder]) -> list[str]:
+    if not contents.damage:
+        return []
+    read = sum(decoder.messages for decoder in decoders.values())
+    ours = tuple(TOPICS[key] for key in decoders)
+    expected = sum(count for topic, count in contents.expected.items() if topic.endswith(ours))
+    return [f"{read} of {expected} messages could be read"] if expected > read else []
+
+
+def series_remarks(series: dict[str, JointSeries], counts: dict[str, Counts]) -> list[str]:
+    """Duplicates, disorder, masked values, gaps and topics that do not overlap in time."""
+    remarks = []
+    for key, each in series.items():
+        remarks += [f"{TOPICS[key]}: {text}" for text in _counted(counts[key]) + _gaps(each, counts[key])]
+    first = max(series, key=lambda key: float(series[key].stamp[0]))
+    last = min(series, key=lambda key: float(series[key].stamp[-1]))
+    if series[first].stamp[0] > series[last].stamp[-1]:
+        remarks.append(f"{TOPICS[first]} begins after {TOPICS[last]} has ended: are they of one clock?")
+    return remarks
+
+
+def _counted(counts: Counts) -> list[str]:
+    texts = []
+    if counts.duplicates:
+        texts.append(f"{_many(counts.duplicates, 'message')} repeated a stamp: the first of each counts")
+    if counts.out_of_order:
+        texts.append(f"{_many(counts.out_of_order, 'message')} out of order, sorted by stamp")
+    if counts.not_finite:
+        texts.append(f"{_many(counts.not_finite, 'value')} not finite, masked")
+    return texts
+
+
+def _gaps(series: JointSeries, counts: Counts) -> list[str]:
+    seen = quality_of(series.stamp, counts)
+    if not seen.gaps:
+        return []
+    longest = f"the longest of {seen.longest_gap:.3g} s at {seen.gap_at:.4g} s"
+    return [f"{_many(seen.gaps, 'gap')}, {longest}; about {seen.lost} messages lost"]
+
+
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
