@@ -1,4 +1,4 @@
-# make setup|demo|test|bench|proof: each sets up what it needs first. FULL=1 makes the proof the long one.
+# make setup|demo|test|bench|proof: each sets up what it needs first. `make proof FULL=1` is the long one.
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
@@ -19,7 +19,7 @@ export FULL TRUNK_PYTHON
 setup: $(STAMP)
 
 $(STAMP): requirements/lock.txt setup.py setup.cfg package.xml tools/make_venv
-	tools/make_venv
+	@tools/make_venv
 	@touch $@
 
 demo: setup
