@@ -1,0 +1,124 @@
+"""Physics in the play: its half-width, and the rounded loop in its place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit
+
+from test.concealed.hidden import Hidden
+from test.concealed.nominal import HALF_WIDTH, RATIO, Array, play
+from test.concealed.scene import Scene
+
+PLAYS = 24
+
+
+def _backlash(h: Hidden, at: Scene) -> Array:
+    return np.broadcast_to(h.column("half_width"), at.phi.shape)
+
+
+def _tension_error(h: Hidden, at: Scene) -> Array:
+    return np.broadcast_to(HALF_WIDTH * (h.column("factor", 1.0) - 1), at.phi.shape)
+
+
+def _load_dependent_friction(h: Hidden, at: Scene) -> Array:
+    pull = np.abs(at.tau)
+    if h.form == "smooth":  # no kink where the load changes sign
+        pull = np.hypot(at.tau, 0.01) - 0.01
+    return h.column("gain") * pull
+
+
+def _stribeck_friction(h: Hidden, at: Scene) -> Array:
+    slow = np.abs(at.speed) / h.column("velocity", 1.0)
+    shape = {
+        "exponential": lambda x: np.exp(-x),
+        "gaussian": lambda x: np.exp(-(x**2)),
+        "rational": lambda x: 1 / (1 + x**2),
+    }
+    return h.column("amplitude") * np.asarray(shape[h.form](slow))
+
+
+def _friction_wear(h: Hidden, at: Scene) -> Array:
+    t = at.t
+    if h.form == "running_in":  # fast first, then settling
+        t = -at.t[-1] * np.expm1(-2 * at.t / at.t[-1]) / -np.expm1(-2)
+    elif h.form == "travel":  # Archard: with the way that the wire has slid
+        way = np.abs(at.speed).cumsum(axis=0)
+        return h.column("rate") * at.t[-1] * way / np.maximum(way[-1], 1e-9)
+    return h.column("rate") * t[:, None]
+
+
+def _rough_patch(h: Hidden, at: Scene) -> Array:
+    near = (RATIO * at.phi - h.column("at")) / h.column("width", 1.0)
+    return h.column("amplitude") * np.exp(-0.5 * near**2)
+
+
+WIDTH: dict[str, Callable[[Hidden, Scene], Array]] = {
+    "backlash": _backlash, "tension_error": _tension_error, "load_dependent_friction": _load_dependent_friction,
+    "stribeck_friction": _stribeck_friction, "friction_wear": _friction_wear, "x_rough_patch": _rough_patch,
+}  # fmt: skip
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _bouc_wen(x: Array, top: float, power: int) -> Array:
+    """Bouc-Wen restoring part z with beta = gamma = 1/2, which saturates at ``top``."""
+    z, out = 0.0, np.zeros_like(x)
+    for k in range(1, x.size):
+        dx = x[k] - x[k - 1]
+        if dx * z > 0:
+            dx *= 1 - (abs(z) / top) ** power
+        z = min(max(z + dx, -top), top)
+        out[k] = z
+    return out
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _dahl(x: Array, top: float) -> Array:
+    """Dahl's solid friction, half as stiff as the wire so that a reversal begins with standing still."""
+    z, out = 0.0, np.zeros_like(x)
+    for k in range(1, x.size):
+        dx = x[k] - x[k - 1]
+        way = 1.0 if dx > 0 else -1.0
+        z += 0.5 * dx * (1 - way * z / top)
+        out[k] = z
+    return out
+
+
+def _spread(u: Array, width: Array, extra: float, weight: Array, place: Array, start: float) -> Array:
+    """Plays side by side, of half-widths from the nominal to ``extra`` more (Prandtl-Ishlinskii)."""
+    wide = width[:, None] + extra * place
+    many = np.repeat(u[:, None], place.size, axis=1)
+    out: Array = play(many, wide, wide, np.full(place.size, start)) @ weight
+    return out
+
+
+def _rounded(h: Hidden, n: int, u: Array, width: Array, start: float) -> Array:
+    """The loop of joint number n of the effect: u (n,), half-width of the play (n,) -> angle (n,)."""
+    extra = float(h.parameters["width"][n])
+    if h.form in ("uniform", "exponential", "maxwell"):
+        place, weight = (np.asarray(h.extra[key]) for key in ("place", "weight"))
+        return _spread(u, width, extra, weight, place, start)
+    sharp = play(u[:, None], width[:, None], width[:, None], np.array([start]))[:, 0]
+    if h.form == "dahl":
+        loop: Array = sharp - _dahl(sharp, extra / 2)
+        return loop
+    power = {"bouc_wen_1": 1, "bouc_wen_2": 2}[h.form]
+    loop = sharp - _bouc_wen(sharp, extra / 2, power)
+    return loop
+
+
+def slid(hidden: tuple[Hidden, ...], at: Scene, u: Array, start: Array) -> Array:
+    """Joint angle behind the friction, (n, 5) rad; start (5,) is where in its band it begins, -1 ... 1."""
+    width = np.broadcast_to(HALF_WIDTH, u.shape).copy()
+    for h in hidden:
+        if h.effect in WIDTH:
+            width += WIDTH[h.effect](h, at)
+    width = np.maximum(width, 0.0)
+    first = u[0] + start * width[0]
+    out: Array = play(u, width, width, first)
+    for h in hidden:
+        if h.effect == "presliding_hysteresis":
+            for n, j in enumerate(h.joints):
+                out[:, j] = _rounded(h, n, u[:, j].copy(), width[:, j].copy(), float(first[j]))
+    return out
