@@ -137,17 +137,18 @@ class Arm:
         """How far each link reaches along -y, (n, joints) m."""
         return np.asarray(np.sin(np.cumsum(theta, axis=1)) * self.link_length)
 
-    def only(self, columns: list[int]) -> Arm:
-        """The same arm seen through some of its joints (no geometry: a chain cannot be cut)."""
-        def pick(values: Array) -> Array:
-            return values[columns] if len(values) else values
+    def only(self, joints: tuple[str, ...]) -> Arm:
+        """The same arm seen through some of its joints, in their order (without geometry: a chain cannot be cut).
 
-        return replace(
-            self,
-            joints=tuple(self.joints[c] for c in columns),
-            ratio=pick(self.ratio), dead_band=pick(self.dead_band), lower=pick(self.lower), upper=pick(self.upper),
-            compliance=pick(self.compliance), link_length=np.empty(0), link_mass=np.empty(0), wire=None,
-        )
+        Raises ModelError for a joint that the arm does not have.
+        """
+        if joints == self.joints:
+            return self
+        columns = [self.index(joint) for joint in joints]
+        cut = {name: getattr(self, name)[columns] for name in ("ratio", "dead_band", "lower", "upper")}
+        if len(self.compliance):
+            cut["compliance"] = self.compliance[columns]
+        return replace(self, joints=joints, **cut, link_length=np.empty(0), link_mass=np.empty(0), wire=None)
 
 
 def check_length(values: Array, joints: int, name: str) -> None:

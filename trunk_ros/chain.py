@@ -99,7 +99,8 @@ class Chain:
         ``velocity`` (n, joints): speed of the gearbox where it is measured.
         """
         if self.stage == "wire":
-            return self._wire(x, stamp, state, velocity)
+            shown, _, after = self._wire(x, stamp, state, velocity)
+            return shown, after
         if self.stage == "servo":
             return self._servo(x, stamp, state)
         return self.tip(x, stamp), State(float(stamp[-1]), x[-1])
@@ -130,7 +131,11 @@ class Chain:
         nominal = self.arm.dead_band[None]
         return Core(nominal_width=nominal, width=nominal)
 
-    def _wire(self, x: Array, stamp: Array, state: State | None, velocity: Array | None) -> tuple[Array, State]:
+    def angles(self, x: Array, stamp: Array, velocity: Array | None = None) -> Array:
+        """The joints' own angles (n, joints) under gearbox angles ``x``, before the sensors have their say."""
+        return self._wire(x, stamp, None, velocity)[1]
+
+    def _wire(self, x: Array, stamp: Array, state: State | None, velocity: Array | None) -> tuple[Array, Array, State]:
         angles = x * self.arm.ratio
         for _ in range(PASSES if self._looks_around else 1):
             now = self.look(x, stamp, state, velocity, angles)
@@ -139,7 +144,7 @@ class Chain:
             angles = true
             if change < AGREED:
                 break
-        return shown, after
+        return shown, angles, after
 
     def _servo(self, x: Array, stamp: Array, state: State | None) -> tuple[Array, State]:
         start = np.vstack([x[0], np.zeros_like(x[0])]) if state is None else state.core[2]

@@ -1,0 +1,74 @@
+"""The commands: ``python -m trunk_ros NAME`` everywhere, ``ros2 run trunk_ros NAME`` where ROS is installed."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+
+from trunk_ros import __version__
+from trunk_ros.errors import TrunkError
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
+    "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
+    "simulate": ("trunk_ros.simulate", "run a model over a recording"),
+    "import": ("trunk_ros.recording.import_csv", "turn a foreign CSV into a bag"),
+    "recover": ("trunk_ros.recording.recover", "repair a bag whose recorder was killed"),
+    "paper": ("trunk_ros.paper", "the paper's tables and figures, as printed and as computed"),
+    "servo_driver": ("trunk_ros.nodes.servo_driver", "node: setpoints to gearbox angles"),
+    "wire_elasticity": ("trunk_ros.nodes.wire_elasticity", "node: gearbox angles to joint angles, wires and tip"),
+    "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
+    "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
+    "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command; as an installed script its name is that of the script. Returns the exit code."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    script = Path(sys.argv[0]).name
+    name = script if argv is None and script in COMMANDS else (arguments.pop(0) if arguments else "--help")
+    if name in ("-h", "--help"):
+        print(usage())
+        return 0
+    if name == "--version":
+        print(__version__)
+        return 0
+    if name not in COMMANDS:
+        return _refuse(f"unknown command {name!r}: choose from {', '.join(COMMANDS)}")
+    return _run(name, arguments)
+
+
+def usage() -> str:
+    """One line a command."""
+    lines = [f"  {name:16}{what}" for name, (_, what) in COMMANDS.items()]
+    return "\n".join(["usage: python -m trunk_ros COMMAND [arguments]   (COMMAND --help says more)", "", *lines])
+
+
+def _run(name: str, arguments: list[str]) -> int:
+    try:
+        module = importlib.import_module(COMMANDS[name][0])
+        return int(module.main(arguments))
+    except TrunkError as error:
+        return _refuse(str(error))
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 0
+    except Exception:
+        traceback.print_exc()
+        print("trunk_ros: this is a fault of ours, please report it with the lines above", file=sys.stderr)
+        return 1
+
+
+def _refuse(message: str) -> int:
+    print(f"trunk_ros: {message}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

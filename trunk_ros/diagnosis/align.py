@@ -1,0 +1,186 @@
+"""Topics of a recording on one time grid, ready to be compared with a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
+
+from trunk_ros.compiled import Array
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+FINE = 0.0125  # s: a moving arm is computed at least this often
+SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known of what lies between
+SAME = 1e-6  # s: stamps closer than this are one
+LONGEST_GAP = 0.12  # s without a sample after which the comparison pauses
+MOVED = 3e-4  # rad
+
+
+@dataclass(frozen=True)
+class Span:
+    """One stage of one recording. ``grid`` (m,) is where the model is computed, ``rows`` (n,) which of it was measured.
+
+    ``source`` (m, joints) is the input, ``target`` (n, joints) what was measured, ``valid`` (n, joints) what counts.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    grid: Array
+    source: Array
+    velocity: Array
+    rows: np.ndarray
+    target: Array
+    valid: np.ndarray
+    gearbox: Array
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def stamp(self) -> Array:
+        """(n,) s, of the measured rows."""
+        return np.asarray(self.grid[self.rows])
+
+
+def wire_span(recording: Recording, model: Model) -> Span:
+    """Gearbox angles against joint angles. Raises RecordingError where a topic or all common joints are missing."""
+    gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
+    joints = common_joints(recording, model, gearbox, measured)
+    gearbox, measured = gearbox.select(joints), measured.select(joints)
+    grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
+    phi, velocity = resample(gearbox, grid)
+    valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]
+    target = np.where(valid, measured.position[kept], 0.0)
+    valid &= _engaged(phi * model.for_joints(joints).arm.only(joints).ratio, rows)
+    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi)
+
+
+def servo_span(recording: Recording, model: Model) -> Span:
+    """Setpoints against gearbox angles."""
+    setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
+    joints = common_joints(recording, model, setpoints, gearbox)
+    setpoints, gearbox = setpoints.select(joints), gearbox.select(joints)
+    grid, rows, kept = joint_grid(setpoints.stamp, gearbox.stamp, fine=False)
+    held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
+    source = fill(setpoints.position)[held]
+    measured = gearbox.position[kept]
+    valid = np.isfinite(measured) & ~_after_gaps(setpoints.stamp, grid)[rows][:, None]
+    phi, velocity = resample(gearbox, grid)
+    return Span(recording.name, joints, grid, source, velocity, rows, np.where(valid, measured, 0.0), valid, phi)
+
+
+def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:
+    """Joints that all the topics and the model have, in the model's order."""
+    known = model.for_joints(series[0].joints).arm.joints if model.any_joints else model.arm.joints
+    joints = tuple(j for j in known if all(j in s.joints for s in series))
+    if not joints:
+        have = "; ".join(", ".join(s.joints) for s in series)
+        raise RecordingError(f"{recording.name}: no joint of the model ({', '.join(known)}) is in the recording ({have}): "
+                             "give the arm's own --model, or --model direct")
+    return joints
+
+
+def joint_grid(driving: Array, measured: Array, fine: bool = True) -> tuple[Array, np.ndarray, np.ndarray]:
+    """(grid, rows, kept): a grid over both stamps, the grid's rows at the measured stamps that are ``kept``."""
+    kept = (measured >= driving[0] - SAME) & (measured <= driving[-1] + SAME)
+    if not kept.any():
+        raise RecordingError("the topics do not overlap in time: check that their stamps come from one clock")
+    both = np.union1d(driving, measured[kept])
+    grid = both[np.concatenate([[True], np.diff(both) > SAME])]
+    step = float(np.median(np.diff(grid))) if len(grid) > 1 else FINE
+    if fine and FINE < step < SLOW:
+        grid = _subdivided(grid)
+    rows = np.clip(np.searchsorted(grid, measured[kept] - SAME), 0, len(grid) - 1)
+    return grid, rows, kept
+
+
+def _subdivided(grid: Array) -> Array:
+    gaps = np.diff(grid)
+    parts = np.where(gaps < SLOW * 2, np.ceil(gaps / FINE), 1).astype(int)
+    starts = np.repeat(grid[:-1], parts)
+    share = np.concatenate([np.arange(p) / p for p in parts])
+    return np.append(starts + share * np.repeat(gaps, parts), grid[-1])
+
+
+def resample(series: JointSeries, grid: Array) -> tuple[Array, Array]:
+    """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that fits."""
+    t, position = series.stamp, fill(series.position)
+    if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
+        return position, _velocity(series, position)
+    inside = np.clip(grid, t[0], t[-1])
+    if len(t) < 4 or float(np.median(np.diff(t))) > SLOW:
+        curve = PchipInterpolator(t, position) if len(t) > 1 else None
+        values = np.repeat(position, len(grid), axis=0) if curve is None else curve(inside)
+        return values, _slope(grid, values)
+    if _fits(series, position):
+        spline = CubicHermiteSpline(t, position, fill(np.asarray(series.velocity)))
+    else:
+        spline = CubicSpline(t, position)
+    return spline(inside), spline(inside, 1)
+
+
+def _velocity(series: JointSeries, position: Array) -> Array:
+    if _fits(series, position):
+        return fill(np.asarray(series.velocity))
+    return _slope(series.stamp, position)
+
+
+def _slope(stamp: Array, position: Array) -> Array:
+    return np.asarray(np.gradient(position, stamp, axis=0)) if len(stamp) > 2 else np.zeros_like(position)
+
+
+def _fits(series: JointSeries, position: Array) -> bool:
+    """Whether the recorded velocity is that of the recorded position."""
+    if series.velocity is None or not np.isfinite(series.velocity).any() or len(position) < 5:
+        return False
+    slope, given = _slope(series.stamp, position), fill(series.velocity)
+    off, size = float(np.sqrt(np.mean((slope - given) ** 2))), float(np.sqrt(np.mean(slope**2)))
+    return off < 0.5 * size + 1e-9
+
+
+def fill(values: Array) -> Array:
+    """(n, joints) with missing values held from the last one known."""
+    if np.isfinite(values).all():
+        return np.ascontiguousarray(values)
+    out = values.copy()
+    for j in range(values.shape[1]):
+        known = np.flatnonzero(np.isfinite(values[:, j]))
+        if len(known):
+            out[:, j] = np.interp(np.arange(len(values)), known, values[known, j])
+        else:
+            out[:, j] = 0.0
+    return out
+
+
+def _in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
+    """(m, joints): where the input is guessed across a gap too long to be bridged."""
+    out = np.zeros((len(grid), len(series.joints)), dtype=bool)
+    usual = max(LONGEST_GAP, 4.0 * float(np.median(np.diff(series.stamp)))) if len(series.stamp) > 1 else LONGEST_GAP
+    for j in range(len(series.joints)):
+        known = series.stamp[np.isfinite(series.position[:, j])]
+        for k in np.flatnonzero(np.diff(known) > usual):
+            out[(grid > known[k] + SAME) & (grid < known[k + 1] - SAME), j] = True
+    return out
+
+
+def _after_gaps(stamp: Array, grid: Array) -> np.ndarray:
+    """(m,): where setpoints may have been lost, and a little after."""
+    out = np.zeros(len(grid), dtype=bool)
+    usual = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
+    for k in np.flatnonzero(np.diff(stamp) > usual):
+        out[(grid > stamp[k] + usual / 2) & (grid < stamp[k + 1] + 0.3)] = True
+    return out
+
+
+def _engaged(u: Array, rows: np.ndarray) -> np.ndarray:
+    """(n, joints): from where the joint has moved enough for the unknown state at the start to be forgotten."""
+    travel = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
+    span = np.ptp(u, axis=0)
+    wanted = np.maximum(0.15 * span, MOVED)
+    return np.asarray((travel > wanted)[rows])
+
+
+def without(span: Span, blind: np.ndarray) -> Span:
+    """The same span with rows (n,) that do not count."""
+    return replace(span, valid=span.valid & ~blind[:, None])

@@ -1,0 +1,166 @@
+"""A set of effects with values, as a vector that a fit can move."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects import Effect, effect, registry
+from trunk_ros.model import Values
+from trunk_ros.parameter import Parameter
+
+
+class Free(NamedTuple):
+    """One number that a fit moves; ``column`` None where it is shared."""
+
+    effect: str
+    parameter: Parameter
+    column: int | None
+
+
+@dataclass
+class Term:
+    """One effect on some joints: values by column, shared values, words, and what is not to be fitted."""
+
+    effect: str
+    form: str = ""
+    shared: dict[str, float] = field(default_factory=dict)
+    own: dict[int, dict[str, float]] = field(default_factory=dict)
+    words: dict[int, dict[str, str]] = field(default_factory=dict)
+    given: frozenset[str] = frozenset()
+
+    @property
+    def columns(self) -> list[int]:
+        """The joints that the effect is on."""
+        return sorted(self.own)
+
+    def values(self, column: int) -> dict[str, float]:
+        """All values for one joint, the shared ones included."""
+        return {**self.shared, **self.own[column]}
+
+
+class Explanation(dict[str, Term]):
+    """Effects by ID."""
+
+    def copy(self) -> Explanation:
+        """A copy whose values can be changed."""
+        return copy.deepcopy(self)
+
+    def on(self, column: int) -> list[Term]:
+        """The terms on a joint, in physical order."""
+        return [self[name] for name in registry() if name in self and column in self[name].own]
+
+    def bound(self, column: int) -> list[Effect]:
+        """The effects on one joint, as blocks over that joint alone."""
+        return [bind_column(term, column) for term in self.on(column)]
+
+    def free(self, columns: list[int]) -> list[Free]:
+        """What a fit of these joints moves; shared values only if the fit covers all joints they act on."""
+        return [f for term in self.values() for f in _free(term, columns)]
+
+    def get(self, free: list[Free]) -> Array:  # type: ignore[override]
+        """The free values, logarithms where the parameter is fitted so."""
+        return np.array([_encode(f.parameter, self._home(f)[f.parameter.name]) for f in free])
+
+    def put(self, free: list[Free], x: Array) -> Explanation:
+        """A copy with these values."""
+        out = self.copy()
+        for f, value in zip(free, x, strict=True):
+            out._home(f)[f.parameter.name] = _decode(f.parameter, float(value))
+        return out
+
+    def _home(self, f: Free) -> dict[str, float]:
+        term = self[f.effect]
+        return term.shared if f.column is None else term.own[f.column]
+
+    def without(self, name: str, column: int | None = None) -> Explanation:
+        """A copy without an effect, on one joint or at all."""
+        out = self.copy()
+        if column is not None:
+            out[name].own.pop(column, None)
+            out[name].words.pop(column, None)
+        if column is None or not out[name].own:
+            del out[name]
+        return out
+
+    def model_effects(self, joints: int) -> dict[str, Values]:
+        """The effects as a model holds them."""
+        return {name: _model_values(self[name], joints) for name in registry() if name in self}
+
+
+def bind_column(term: Term, column: int) -> Effect:
+    """A term as a block over one joint."""
+    kind = effect(term.effect)
+    values = {**kind.null(), **term.values(column)}
+    numbers = {name: np.array([value]) for name, value in values.items()}
+    words = {name: (word,) for name, word in term.words.get(column, {}).items()}
+    return kind(numbers, words, term.form)
+
+
+def bounds(free: list[Free]) -> tuple[Array, Array]:
+    """Lower and upper bounds of a free vector."""
+    low = np.array([_encode(f.parameter, f.parameter.bounds[0]) for f in free])
+    high = np.array([_encode(f.parameter, f.parameter.bounds[1]) for f in free])
+    return low, high
+
+
+def scales(free: list[Free]) -> Array:
+    """The usual size of each free value; 1 for logarithms."""
+    return np.array([1.0 if f.parameter.scale == "log" else abs(f.parameter.typical) for f in free])
+
+
+def _free(term: Term, columns: list[int]) -> Iterator[Free]:
+    kind = effect(term.effect)
+    for parameter in kind.own_parameters(term.form):
+        if parameter.name in term.given:
+            continue
+        if parameter.shared:
+            if parameter.name in term.shared and set(term.own) <= set(columns):
+                yield Free(term.effect, parameter, None)
+        else:
+            for column in columns:
+                if parameter.name in term.own.get(column, {}):
+                    yield Free(term.effect, parameter, column)
+
+
+def _encode(parameter: Parameter, value: float) -> float:
+    return float(np.log(value)) if parameter.scale == "log" else value
+
+
+def _decode(parameter: Parameter, x: float) -> float:
+    low, high = parameter.bounds
+    return min(max(float(np.exp(x)) if parameter.scale == "log" else x, low), high)
+
+
+def _model_values(term: Term, joints: int) -> Values:
+    kind = effect(term.effect)
+    values: Values = dict(term.shared)
+    for parameter in kind.parameters:
+        if any(parameter.name in own for own in term.own.values()):
+            values[parameter.name] = np.array([term.own.get(j, {}).get(parameter.name, parameter.null) for j in range(joints)])
+    for text in kind.texts:
+        if any(text in words for words in term.words.values()):
+            values[text] = [term.words.get(j, {}).get(text, "") for j in range(joints)]
+    if term.form:
+        values["form"] = term.form
+    return values
+
+
+def payload_of(explanation: Explanation) -> float:
+    """Mass at the tip [kg] that the terms add."""
+    return float(sum(term.shared.get("payload", 0.0) for term in explanation.values()))
+
+
+def describe(explanation: Explanation) -> str:
+    """One line for logs: effect(form)@joints."""
+    def one(term: Term) -> str:
+        return f"{term.effect}{'/' + term.form if term.form else ''}@{','.join(str(c + 1) for c in term.columns)}"
+
+    return " + ".join(one(t) for t in explanation.values()) or "nominal"
+
+

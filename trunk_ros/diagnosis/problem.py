@@ -1,0 +1,163 @@
+"""One stage of one or more recordings, with a model that predicts it joint by joint."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.chain import Chain, run_servo, wire_pass
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import Span
+from trunk_ros.diagnosis.explanation import Explanation, payload_of
+from trunk_ros.diagnosis.noise import Noise, noise_of
+from trunk_ros.effects.effect import Core, Now
+from trunk_ros.model import Model
+
+
+@dataclass
+class View:
+    """A span as the effects see it: what is known of the whole arm at each step of its grid."""
+
+    span: Span
+    dt: Array
+    angles: Array
+    load: Array
+    lever: Array
+    follows: np.ndarray
+
+    def now(self, arm: Arm, column: int, payload: float) -> Now:
+        """The surroundings of one joint, (m, 1) each."""
+        def cut(values: Array) -> Array:
+            return np.ascontiguousarray(values[:, column : column + 1])
+
+        ratio = arm.ratio[column : column + 1]
+        load = cut(self.load) + payload * cut(self.lever) if payload else cut(self.load)
+        return Now(self.span.grid, self.dt, cut(self.span.gearbox), cut(self.span.velocity) * ratio, load, self.angles,
+                   self.span.joints, ratio)
+
+
+class Problem(ABC):
+    """What a stage must offer to be diagnosed: predictions of one column, and weights from its noise."""
+
+    stage: str
+
+    def __init__(self, spans: list[Span], model: Model):
+        """``model``: the nominal one, with the effects it already has."""
+        self.joints = spans[0].joints
+        self.model = model.for_joints(self.joints)
+        self.arm = self.model.loaded_arm().only(self.joints)
+        self.views = [self._view(span) for span in spans]
+        self.noise: list[Noise] = []
+        self._cache: dict[tuple[int, int, float], Now] = {}
+        self.estimate_noise(Explanation())
+
+    @property
+    def columns(self) -> list[int]:
+        """Columns that can be judged: enough valid samples."""
+        return [c for c in range(len(self.joints)) if self.count(c) >= 50]
+
+    def count(self, column: int) -> int:
+        """Valid samples of a column."""
+        return int(sum(view.span.valid[:, column].sum() for view in self.views))
+
+    def _view(self, span: Span) -> View:
+        angles = span.gearbox * self.arm.ratio
+        follows = np.zeros_like(span.valid)
+        follows[1:] = span.valid[1:] & span.valid[:-1]
+        dt = np.diff(span.grid, prepend=span.grid[:1])
+        unloaded = self.arm
+        return View(span, dt, angles, unloaded.load(angles), unloaded.lever(angles), follows)
+
+    def now(self, index: int, column: int, payload: float) -> Now:
+        """The surroundings of a column in a span, kept between calls."""
+        key = (index, column, payload)
+        if key not in self._cache:
+            if len(self._cache) > 4 * len(self.joints) * len(self.views):
+                self._cache.clear()
+            self._cache[key] = self.views[index].now(self.arm, column, payload)
+        return self._cache[key]
+
+    @abstractmethod
+    def predict(self, index: int, explanation: Explanation, column: int) -> Array:
+        """(n,) prediction of a column at the measured rows of a span."""
+
+    def residual(self, index: int, explanation: Explanation, column: int) -> Array:
+        """(n,) measured less predicted, 0 where nothing counts."""
+        span = self.views[index].span
+        off = span.target[:, column] - self.predict(index, explanation, column)
+        return np.where(span.valid[:, column], off, 0.0)
+
+    def whitened(self, explanation: Explanation, column: int) -> Array:
+        """Residuals of a column over all spans, as unit noise, (rows,)."""
+        parts = []
+        for index, view in enumerate(self.views):
+            white = self.noise[column].whiten(self.residual(index, explanation, column), view.follows[:, column])
+            parts.append(white[view.span.valid[:, column]])
+        return np.concatenate(parts)
+
+    def whiten_change(self, changes: list[Array], column: int) -> Array:
+        """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
+        parts = []
+        for view, change in zip(self.views, changes, strict=True):
+            valid = view.span.valid[:, column]
+            white = self.noise[column].whiten(np.where(valid, change, 0.0), view.follows[:, column])
+            parts.append(white[valid])
+        return np.concatenate(parts)
+
+    def predictions(self, explanation: Explanation, column: int) -> list[Array]:
+        """Predictions of a column, one (n,) a span."""
+        return [self.predict(index, explanation, column) for index in range(len(self.views))]
+
+    def estimate_noise(self, explanation: Explanation) -> None:
+        """Take the noise from what an explanation leaves."""
+        noise = []
+        for column in range(len(self.joints)):
+            residuals = [self.residual(i, explanation, column) for i in range(len(self.views))]
+            noise.append(noise_of(residuals, [view.span.valid[:, column] for view in self.views]))
+        self.noise = noise
+
+    def look_again(self, explanation: Explanation) -> None:
+        """Let coupling and load see the angles that an explanation predicts."""
+
+
+class WireProblem(Problem):
+    """Gearbox angle to joint reading."""
+
+    stage = "wire"
+
+    def predict(self, index: int, explanation: Explanation, column: int) -> Array:
+        view = self.views[index]
+        now = self.now(index, column, payload_of(explanation))
+        width = self.arm.dead_band[None, column : column + 1]
+        core = Core(nominal_width=width, width=width)
+        shown, _, _ = wire_pass(now.gearbox, now, explanation.bound(column), core, None)
+        return np.asarray(shown[view.span.rows, 0])
+
+    def look_again(self, explanation: Explanation) -> None:
+        """Predicted angles of all joints, as a simulation with this explanation would have them."""
+        model = Model(self.arm, explanation.model_effects(len(self.joints)))
+        for view in self.views:
+            view.angles = Chain(model, "wire").angles(view.span.gearbox, view.span.grid, view.span.velocity)
+            view.load = self.arm.load(view.angles)
+            view.lever = self.arm.lever(view.angles)
+        self._cache.clear()
+
+
+class ServoProblem(Problem):
+    """Setpoint to gearbox angle."""
+
+    stage = "servo"
+
+    def predict(self, index: int, explanation: Explanation, column: int) -> Array:
+        view = self.views[index]
+        now = self.now(index, column, payload_of(explanation))
+        source = np.ascontiguousarray(view.span.source[:, column : column + 1])
+        start = np.array([[now.gearbox[0, 0]], [now.speed[0, 0] / now.ratio[0]]])
+        out, _ = run_servo(self.arm, explanation.bound(column), now, source, now.stamp, start)
+        for block in explanation.bound(column):
+            if block.place > block.CORE:
+                out, _ = block.run(out, now, None)
+        return np.asarray(out[view.span.rows, 0])
