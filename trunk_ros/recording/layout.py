@@ -23,7 +23,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Layout:
-    """Byte positions in a message. order: "<" or ">". fixed: of lengths and names; expected: what is there."""
+    """Byte positions in a message. order: "<" or ">". fixed: where lengths and names are, and `expected`."""
 
     order: str
     stamp: int

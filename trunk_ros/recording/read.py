@@ -4,12 +4,11 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.assemble import first_stamp, joint_series
 from trunk_ros.recording.bag import read_blocks
 from trunk_ros.recording.block import Contents, DamageError, Progress
+from trunk_ros.recording.check import checked
 from trunk_ros.recording.decode import Decoder
 from trunk_ros.recording.layout import joint_layout, pose_layout
 from trunk_ros.recording.namespace import choose
@@ -43,7 +42,7 @@ def read_recording(
     chosen, remarks = choose(str(path), contents.topics, namespace)
     whole = _assemble(path, contents, {key: decoders[topic] for key, topic in chosen.items()}, remarks)
     part = whole.part(*time_range(whole.duration, from_time, until))
-    return _checked(part)
+    return checked(part)
 
 
 def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Decoder]:
@@ -79,7 +78,7 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     tip = _tip(series.pop(TIP, None), full.get(TIP))
     noted, custom, units = _custom(contents.custom)
     series = _same_order(series)
-    notes = tuple(remarks + noted)
+    notes = tuple(dict.fromkeys(remarks + noted))
     return Recording(str(path), start_ns, duration, series, tip, notes, units, custom, counts)
 
 
@@ -106,24 +105,3 @@ def _custom(custom: dict[str, str]) -> tuple[list[str], dict[str, str], dict[str
         return [str(each) for each in notes], rest, {str(joint): str(unit) for joint, unit in units.items()}
     except (ValueError, TypeError, AttributeError, RecursionError):
         return ["the units noted in the bag cannot be read: rad is assumed"], rest, {}
-
-
-def _checked(recording: Recording) -> Recording:
-    """RecordingError for a joint without a single finite value; empty velocity and effort become None."""
-    series = {}
-    for key, each in recording.series.items():
-        blank = [not np.isfinite(column).any() for column in each.position.T]
-        rest = [values for values in (each.velocity, each.effort) if values is not None]
-        if any(blank) and not (key == "wire_states" and any(np.isfinite(values).any() for values in rest)):
-            names = ", ".join(joint for joint, none in zip(each.joints, blank, strict=True) if none)
-            raise RecordingError(f"{recording.name}: {TOPICS[key]} has no finite position of {names}")
-        velocity, effort = (
-            None if values is None or not np.isfinite(values).any() else values
-            for values in (each.velocity, each.effort)
-        )
-        series[key] = replace(each, velocity=velocity, effort=effort)
-    if recording.tip is not None and not np.isfinite(recording.tip.position).any():
-        raise RecordingError(f"{recording.name}: {TOPICS[TIP]} has no finite position")
-    if not series and recording.tip is None:
-        raise RecordingError(f"{recording.name}: no sample in the part that was asked for")
-    return replace(recording, series=series)

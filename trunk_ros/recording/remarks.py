@@ -29,9 +29,11 @@ def _missing(contents: Contents, decoders: dict[str, Decoder]) -> list[str]:
 
 def series_remarks(series: dict[str, JointSeries], counts: dict[str, Counts]) -> list[str]:
     """Duplicates, disorder, masked values, gaps and topics that do not overlap in time."""
-    remarks = []
+    said: dict[str, list[str]] = {}
     for key, each in series.items():
-        remarks += [f"{TOPICS[key]}: {text}" for text in _counted(counts[key]) + _gaps(each, counts[key])]
+        for text in _counted(counts[key]) + _gaps(each, counts[key]):
+            said.setdefault(text, []).append(TOPICS[key])
+    remarks = [f"{', '.join(topics)}: {text}" for text, topics in said.items()]
     first = max(series, key=lambda key: float(series[key].stamp[0]))
     last = min(series, key=lambda key: float(series[key].stamp[-1]))
     if series[first].stamp[0] > series[last].stamp[-1]:
