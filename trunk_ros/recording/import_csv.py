@@ -1,7 +1,6 @@
 """`import`: a table that others recorded becomes a bag."""
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,29 +23,29 @@ _LATEST_NS = (2**31) * 10**9
 
 
 def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
-    """The table at `path` as a recording in SI units; mapping: a file, a name in config/import, or one loaded.
+    """The table at `path` as a recording in SI units. mapping: a file, a name in config/import, or loaded.
 
     Of rows with the same stamp the first counts. RecordingError in one line.
     """
     path = Path(path)
     mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
     table, remarks = read_table(path, mapping.columns, mapping.delimiter)
-    stamp_ns, rows, counts, timing = _times(path, mapping, table)
+    stamp_ns, rows, timing = _times(path, mapping, table)
     start_ns = int(stamp_ns[0])
     stamp = (stamp_ns - start_ns) / 1e9
     series = {
         key: _series(stamp, mapping.joints, {n: _values(q, table)[rows] for n, q in topic.items()})
         for key, topic in mapping.topics.items()
     }
-    full = {key: replace(counts, not_finite=_not_finite(each)) for key, each in series.items()}
+    full = {key: Counts(len(stamp), not_finite=_not_finite(each)) for key, each in series.items()}
     notes = tuple(remarks + timing + series_remarks(series, full))
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
     whole = Recording(str(path), start_ns, float(stamp[-1]), series, None, notes, units, counts=full)
     return checked(whole)
 
 
-def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whole, Whole, Counts, list[str]]:
-    """Stamps in ns (rising, unique), the rows that they belong to, counts and remarks."""
+def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whole, Whole, list[str]]:
+    """Stamps in ns (rising, unique), the rows that they belong to, and remarks."""
     count = len(next(iter(table.values())))
     if mapping.time is None:
         seconds = np.arange(count) / mapping.rate_hz
@@ -64,8 +63,11 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
         raise RecordingError(f"{path}: the time reaches {seconds.max():.3g} s: is its unit right?")
     every = np.rint(seconds * 1e9).astype(np.int64)
     stamp_ns, first = np.unique(every, return_index=True)
-    repeated, disorder = len(every) - len(stamp_ns), int((np.diff(every) < 0).sum())
-    return stamp_ns, known[first], Counts(len(every), repeated, disorder), remarks
+    if len(every) > len(stamp_ns):
+        remarks.append(f"{len(every) - len(stamp_ns)} rows repeated a stamp: the first of each counts")
+    if disorder := int((np.diff(every) < 0).sum()):
+        remarks.append(f"{disorder} rows out of order, sorted by stamp")
+    return stamp_ns, known[first], remarks
 
 
 def _values(quantity: Quantity, table: dict[str, Floats]) -> Floats:
