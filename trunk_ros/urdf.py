@@ -1,0 +1,68 @@
+"""URDF of an arm: simple shapes, so that any viewer shows it."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+
+RADIUS = 0.012  # m, of the links as drawn
+DRAWN_LENGTH = 0.05  # m of a link whose length is not known
+DRAWN_MASS = 0.05  # kg
+COLOURS = ("0.25 0.45 0.70 1", "0.85 0.85 0.80 1")
+
+
+def urdf(arm: Arm, name: str = "trunk") -> str:
+    """The arm as URDF text: base upright, z up, all axes along X, a link on each joint, ``tip`` at the end."""
+    robot = Element("robot", name=name)
+    for number, colour in enumerate(COLOURS):
+        SubElement(SubElement(robot, "material", name=f"colour_{number}"), "color", rgba=colour)
+    lengths = arm.link_length if arm.has_geometry else np.full(len(arm.joints), DRAWN_LENGTH)
+    masses = arm.link_mass if arm.has_load else np.full(len(arm.joints), DRAWN_MASS)
+    SubElement(robot, "link", name="base_link")
+    parent, height = "base_link", 0.0
+    for j, joint in enumerate(arm.joints):
+        child = f"link_{j + 1}"
+        _link(robot, child, float(lengths[j]), float(masses[j]), j % len(COLOURS))
+        _joint(robot, arm, j, joint, parent, child, height)
+        parent, height = child, float(lengths[j])
+    SubElement(robot, "link", name="tip")
+    _connect(robot, "tip_fixed", "fixed", parent, "tip", height)
+    ElementTree.indent(robot)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(robot, encoding="unicode") + "\n"
+
+
+def _link(robot: Element, name: str, length: float, mass: float, colour: int) -> None:
+    link = SubElement(robot, "link", name=name)
+    middle = f"0 0 {length / 2:g}"
+    for part in ("visual", "collision"):
+        shape = SubElement(link, part)
+        SubElement(shape, "origin", xyz=middle, rpy="0 0 0")
+        SubElement(SubElement(shape, "geometry"), "cylinder", radius=f"{RADIUS:g}", length=f"{length:g}")
+        if part == "visual":
+            SubElement(shape, "material", name=f"colour_{colour}")
+    inertial = SubElement(link, "inertial")
+    SubElement(inertial, "origin", xyz=middle, rpy="0 0 0")
+    SubElement(inertial, "mass", value=f"{mass:g}")
+    across = mass * (3 * RADIUS**2 + length**2) / 12
+    about = {"ixx": across, "iyy": across, "izz": mass * RADIUS**2 / 2, "ixy": 0.0, "ixz": 0.0, "iyz": 0.0}
+    SubElement(inertial, "inertia", {key: f"{value:g}" for key, value in about.items()})
+
+
+def _joint(robot: Element, arm: Arm, j: int, name: str, parent: str, child: str, height: float) -> None:
+    joint = _connect(robot, name, "revolute", parent, child, height)
+    SubElement(joint, "axis", xyz="1 0 0")
+    top = arm.v_max * abs(arm.ratio[j])
+    ends = {"lower": arm.lower[j], "upper": arm.upper[j], "velocity": top, "effort": 10.0}
+    SubElement(joint, "limit", {key: f"{value:.9g}" for key, value in ends.items()})
+
+
+def _connect(robot: Element, name: str, kind: str, parent: str, child: str, height: float) -> Element:
+    joint = SubElement(robot, "joint", name=name, type=kind)
+    SubElement(joint, "parent", link=parent)
+    SubElement(joint, "child", link=child)
+    SubElement(joint, "origin", xyz=f"0 0 {height:g}", rpy="0 0 0")
+    return joint
