@@ -74,6 +74,10 @@ class Explanation(dict[str, Term]):
             out._home(f)[f.parameter.name] = _decode(f.parameter, float(value))
         return out
 
+    def get_words(self, name: str, column: int) -> tuple[str, ...]:
+        """The words that an effect has on a joint, such as the sources of a coupling."""
+        return tuple(self[name].words.get(column, {}).values()) if name in self else ()
+
     def _home(self, f: Free) -> dict[str, float]:
         term = self[f.effect]
         return term.shared if f.column is None else term.own[f.column]

@@ -82,6 +82,8 @@ class Effect(ABC):
     compensable: ClassVar[bool] = True
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
+    scalable: ClassVar[bool] = True
+    """The effect grows in proportion to its first parameter's distance from null, so that a linear look finds its size."""
     needs: ClassVar[tuple[str, ...]] = ()
     """``load``: the arm must have masses; ``dead_band``: a nominal dead band; ``several``: more than one joint."""
     replaces: ClassVar[tuple[str, ...]] = ()

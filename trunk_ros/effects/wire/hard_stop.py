@@ -16,6 +16,7 @@ class HardStop(Effect):
 
     id = "hard_stop"
     stage, place, regime = "wire", 600, "posture"
+    scalable = False
     signature = "Past one angle the joint stays where it is, and the residual grows as the gearbox goes on."
     source = "Unilateral contact, rigid limit."
     forms = ("upper", "lower")

@@ -17,6 +17,7 @@ class LinkResonance(Effect):
 
     id = "link_resonance"
     stage, place, regime = "wire", 500, "high_speed"
+    scalable = False
     signature = "After fast moves and stops the residual rings at a frequency of its own."
     source = "Spong (1987), J. Dyn. Syst. 109(4): flexible joint, link inertia on the transmission's stiffness."
     parameters = (

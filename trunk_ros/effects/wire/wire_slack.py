@@ -15,6 +15,7 @@ class WireSlack(Effect):
 
     id = "wire_slack"
     stage, place, regime = "wire", 200, "posture"
+    scalable = False
     signature = "The joint sags under weight, and past some moment more steeply."
     source = "Antagonistic pair with pretension: stiffness 2k with both wires taut, k with one slack (Kobayashi et al. 1998)."
     parameters = (

@@ -20,7 +20,7 @@ class WireSlip(Effect):
     source = "Euler-Eytelwein: beyond exp(mu alpha) the wire slides on its wheel at once and does not come back."
     parameters = (
         Parameter("step", "rad", (-0.5, 0.5), "jump of the zero", typical=1e-3),
-        Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=30.0, null=0.0),
+        Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0),
     )
     confused_with = (("thermal_drift", "record longer: a drift goes on"),)
 

@@ -18,6 +18,7 @@ class WireStiffening(Effect):
 
     id = "wire_stiffening"
     stage, place, regime = "wire", 200, "posture"
+    scalable = False
     signature = "The joint sags under weight, but less than in proportion."
     source = "Costello, Theory of Wire Rope (1997), ch. 3: strands bed in and stiffen with tension."
     forms = ("tangent", "secant", "smooth")

@@ -1,0 +1,184 @@
+"""Which effects may be tried where, and a cheap first look at how much each would explain."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.explanation import Explanation, Term
+from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.effects import Effect, effect, registry
+from trunk_ros.parameter import Parameter
+
+UNNAMED = ("unknown", "unknown_servo")
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect to try: on one column, or on all where ``column`` is None; ``gain`` is what a linear look promises."""
+
+    effect: str
+    form: str
+    column: int | None
+    start: dict[str, Any]
+    gain: float = 0.0
+
+
+def usable(problem: Problem) -> list[type[Effect]]:
+    """The named effects of the stage that this arm can have."""
+    arm = problem.arm
+    has = {"load": arm.has_load, "dead_band": bool(np.any(arm.dead_band > 0)), "several": len(arm.joints) > 1}
+    return [
+        kind for name, kind in registry().items()
+        if kind.stage == problem.stage and name not in UNNAMED and all(has[need] for need in kind.needs)
+    ]
+
+
+def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -> Explanation:
+    """The explanation with a candidate added at its start values."""
+    out = explanation.copy()
+    kind = effect(candidate.effect)
+    columns = problem.columns if candidate.column is None else [candidate.column]
+    for rival in (*kind.replaces, *(k.id for k in registry().values() if candidate.effect in k.replaces)):
+        if rival in out:
+            del out[rival]
+    term = out.setdefault(candidate.effect, Term(candidate.effect, candidate.form))
+    for column in columns:
+        if column in term.own and kind.texts:
+            _add_source(term, kind, column, candidate.start)
+        else:
+            _add(term, kind, problem, column, candidate.start)
+    return out
+
+
+def _add(term: Term, kind: type[Effect], problem: Problem, column: int, start: dict[str, Any]) -> None:
+    known = given(kind, problem) if kind.everywhere else {}
+    own = term.own.setdefault(column, {})
+    for parameter in kind.own_parameters(term.form):
+        if parameter.name in known:
+            own[parameter.name] = float(known[parameter.name][column])
+            term.given |= {parameter.name}
+        elif parameter.name in start:
+            value = float(start[parameter.name])
+            if parameter.shared:
+                term.shared.setdefault(parameter.name, value)
+            else:
+                own[parameter.name] = value
+    words = {text: str(start[text]) for text in kind.texts if text in start}
+    if words:
+        term.words[column] = words
+
+
+def _add_source(term: Term, kind: type[Effect], column: int, start: dict[str, Any]) -> None:
+    """A further source of a joint that already has one."""
+    taken = len(term.words[column])
+    if taken < len(kind.texts):
+        term.own[column][kind.parameters[taken].name] = float(start[kind.parameters[0].name])
+        term.words[column][kind.texts[taken]] = str(start[kind.texts[0]])
+
+
+def given(kind: type[Effect], problem: Problem) -> dict[str, Array]:
+    """Parameter values that the arm's own description states, so that a fit need not free them."""
+    if "compliance" in {p.name for p in kind.parameters} and len(problem.arm.compliance):
+        return {"compliance": problem.arm.compliance}
+    return {}
+
+
+class Screen:
+    """What is left of each column, with the directions already fitted projected out."""
+
+    def __init__(self, problem: Problem, explanation: Explanation, columns: list[int] | None = None):
+        self.problem, self.explanation = problem, explanation
+        columns = problem.columns if columns is None else columns
+        self.base = {c: problem.predictions(explanation, c) for c in columns}
+        self.rest = {c: problem.whitened(explanation, c) for c in columns}
+        self.basis = {c: self._basis(c) for c in columns}
+
+    def _basis(self, column: int) -> Array:
+        from trunk_ros.diagnosis.fit import Residuals
+
+        residuals = Residuals(self.problem, self.explanation, [column])
+        local = self.explanation.free([column])
+        if not local:
+            return np.zeros((len(self.rest[column]), 0))
+        jacobian = residuals.jacobian(self.explanation.get(local))
+        size = np.linalg.norm(jacobian, axis=0)
+        return np.asarray(np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0])
+
+    def products(self, candidate: Candidate, column: int) -> tuple[float, float]:
+        """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot follow it."""
+        there = extended(self.problem, self.explanation, candidate)
+        changes = [a - b for a, b in zip(self.problem.predictions(there, column), self.base[column], strict=True)]
+        d = self.problem.whiten_change(changes, column)
+        q = self.basis[column]
+        d = d - q @ (q.T @ d)
+        return float(self.rest[column] @ d), float(d @ d)
+
+    def local(self, kind: type[Effect], column: int) -> Candidate | None:
+        """The most promising form and start of a local effect on one column."""
+        found = [c for c in (self.local_form(kind, form, column) for form in self._forms(kind)) if c]
+        return max(found, key=lambda c: c.gain, default=None)
+
+    def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
+        """The most promising start of an effect on one column."""
+        best: Candidate | None = None
+        for start in self._starts(kind, form, column):
+            trial = Candidate(kind.id, form, column, start)
+            rd, dd = self.products(trial, column)
+            better = _scaled(kind, trial, rd, dd)
+            if better is not None and (best is None or better.gain > best.gain):
+                best = better
+        return best
+
+    def _forms(self, kind: type[Effect]) -> tuple[str, ...]:
+        """The forms to try: that of the effect on other joints, if it is there."""
+        return (self.explanation[kind.id].form,) if kind.id in self.explanation else kind.forms
+
+    def everywhere(self, kind: type[Effect]) -> Candidate | None:
+        """The most promising start of an effect that acts on all joints alike."""
+        best: Candidate | None = None
+        for form in kind.forms:
+            for start in self._starts(kind, form, self.problem.columns[0]):
+                trial = Candidate(kind.id, form, None, start)
+                sums = np.sum([self.products(trial, c) for c in self.problem.columns], axis=0)
+                better = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.problem))
+                if better is not None and (best is None or better.gain > best.gain):
+                    best = better
+        return best
+
+    def _starts(self, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
+        problem = self.problem
+        block = kind({}, {}, form)
+        for start in block.starts(problem.now(0, column, 0.0), column=0):
+            if not kind.texts:
+                yield start
+                continue
+            words = self.explanation.get_words(kind.id, column)
+            for joint in problem.joints:
+                if joint != problem.joints[column] and joint not in words:
+                    yield {**start, kind.texts[0]: joint}
+
+
+def _scaled(
+    kind: type[Effect], trial: Candidate, rd: float, dd: float, known: Collection[str] = ()
+) -> Candidate | None:
+    """The candidate with its leading parameter scaled to the optimum of a linear look; None where it cannot help."""
+    if dd <= 1e-12:
+        return None
+    lead: Parameter = kind.own_parameters(trial.form)[0]
+    if not kind.scalable or lead.name in known:
+        return Candidate(trial.effect, trial.form, trial.column, trial.start, 2 * rd - dd) if 2 * rd > dd else None
+    factor = rd / dd
+    value = lead.null + (trial.start[lead.name] - lead.null) * factor
+    low, high = lead.bounds
+    if not low <= value <= high:
+        value = min(max(value, low), high)
+        factor = (value - lead.null) / (trial.start[lead.name] - lead.null)
+    gain = factor * (2 * rd - factor * dd)
+    if gain <= 0.0 or factor == 0.0:
+        return None
+    return Candidate(trial.effect, trial.form, trial.column, {**trial.start, lead.name: value}, gain)
