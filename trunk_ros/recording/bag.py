@@ -1,7 +1,7 @@
 """Any recording on disk as a stream of blocks: folders, bare files, compressed ones, known by content."""
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -59,11 +59,20 @@ def _files(path: Path, contents: Contents) -> tuple[list[Path], bool]:
 
 
 def _files_without_metadata(path: Path, contents: Contents) -> list[Path]:
-    files = sorted(each for kind in ("*.mcap", "*.db3") for each in path.glob(kind) if each.is_file())
+    files = mcap_files(path) or _sorted(path.glob("*.db3"))
     if not files:
         raise DamageError(f"is no recording: neither {metadata.FILE} nor .mcap, .db3 in the folder")
     contents.damage.append(f"it has no {metadata.FILE}: `recover` writes one")
-    return sorted(files, key=_split_number)
+    return files
+
+
+def mcap_files(folder: Path) -> list[Path]:
+    """The MCAP files of a rosbag2 folder in the order of recording."""
+    return _sorted(folder.glob("*.mcap"))
+
+
+def _sorted(files: Iterable[Path]) -> list[Path]:
+    return sorted((each for each in files if each.is_file() and each.name[0] != "."), key=_split_number)
 
 
 def _split_number(file: Path) -> tuple[int, str]:

@@ -26,8 +26,8 @@ class _Scan:
     def note(self, buffer: mcap.Buffer, record: mcap.Record) -> None:
         """Take in a schema, a channel or a metadata record."""
         if record.kind == mcap.SCHEMA:
-            number, name = mcap.schema(buffer, record)
-            self.schemas[number] = name
+            schema = mcap.schema(buffer, record)
+            self.schemas[schema.id] = schema.name
         elif record.kind == mcap.CHANNEL:
             channel = mcap.channel(buffer, record)
             self.channels[channel.id] = channel

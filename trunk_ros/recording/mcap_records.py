@@ -25,13 +25,23 @@ class Record(NamedTuple):
     end: int
 
 
+class Schema(NamedTuple):
+    """A message type and its definition."""
+
+    id: int
+    name: str
+    encoding: str
+    content: bytes
+
+
 class Channel(NamedTuple):
-    """A topic of an MCAP file with the number of its schema."""
+    """A topic of an MCAP file with the number of its schema and what its writer noted."""
 
     id: int
     schema: int
     topic: str
     encoding: str
+    noted: dict[str, str]
 
 
 class Chunk(NamedTuple):
@@ -66,40 +76,54 @@ def text(buffer: Buffer, start: int, end: int) -> tuple[str, int]:
     return bytes(buffer[start + 4 : stop]).decode("utf-8", "replace"), stop
 
 
-def schema(buffer: Buffer, record: Record) -> tuple[int, str]:
-    """(id, type name) of a schema record."""
-    name, _ = text(buffer, record.start + 2, record.end)
-    return int(struct.unpack_from("<H", buffer, record.start)[0]), name
+def schema(buffer: Buffer, record: Record) -> Schema:
+    """A schema record."""
+    name, at = text(buffer, record.start + 2, record.end)
+    encoding, at = text(buffer, at, record.end)
+    (number,) = struct.unpack_from("<H", buffer, record.start)
+    return Schema(number, name, encoding, bytes(buffer[at + 4 : record.end]))
 
 
 def channel(buffer: Buffer, record: Record) -> Channel:
     """A channel record."""
-    topic, stop = text(buffer, record.start + 4, record.end)
-    encoding, _ = text(buffer, stop, record.end)
-    number, schema_number = struct.unpack_from("<HH", buffer, record.start)
-    return Channel(number, schema_number, topic, encoding)
+    topic, at = text(buffer, record.start + 4, record.end)
+    encoding, at = text(buffer, at, record.end)
+    number, of_schema = struct.unpack_from("<HH", buffer, record.start)
+    return Channel(number, of_schema, topic, encoding, _entries(buffer, at, record.end))
 
 
 def metadata(buffer: Buffer, record: Record) -> tuple[str, dict[str, str]]:
     """Name and entries of a metadata record."""
-    name, start = text(buffer, record.start, record.end)
-    entries, start = {}, start + 4
-    while start < record.end:
-        key, start = text(buffer, start, record.end)
-        entries[key], start = text(buffer, start, record.end)
-    return name, entries
+    name, at = text(buffer, record.start, record.end)
+    return name, _entries(buffer, at, record.end)
+
+
+def _entries(buffer: Buffer, at: int, end: int) -> dict[str, str]:
+    entries, at = {}, at + 4
+    while at < end:
+        key, at = text(buffer, at, end)
+        entries[key], at = text(buffer, at, end)
+    return entries
+
+
+def chunk_span(buffer: Buffer, record: Record, end: int) -> tuple[int, int, int]:
+    """(first ns, last ns, bytes when decompressed) that a chunk claims to hold; zeros where that is cut."""
+    if record.start + _CHUNK.size > min(record.end, end):
+        return 0, 0, 0
+    first, last, size, _ = _CHUNK.unpack_from(buffer, record.start)
+    return first, last, size
 
 
 def open_chunk(buffer: Buffer, record: Record, end: int) -> Chunk:
     """Decompress and check a chunk of which the bytes up to `end` are there; DamageError if that fails."""
-    if record.start + _CHUNK.size > min(record.end, end):
+    end = min(record.end, end)
+    if record.start + _CHUNK.size > end:
         raise DamageError("has a chunk that ends too early")
     *_, size, crc = _CHUNK.unpack_from(buffer, record.start)
     method, start = text(buffer, record.start + _CHUNK.size, end)
-    start += 8
     if size > LARGEST_CHUNK:
         raise DamageError(f"has a chunk that claims {size} bytes")
-    data = _decompress(buffer[start : min(record.end, end)], method, size)
+    data = _decompress(buffer[start + 8 : end], method, size)
     if record.end > end:
         return Chunk(data, False)
     if len(data) != size or (crc and zlib.crc32(data) != crc):

@@ -36,6 +36,16 @@ class BagMetadata:
 
 
 @dataclass(frozen=True)
+class BagFile:
+    """A file as metadata.yaml describes it: first and last time of recording, ns since the epoch."""
+
+    name: str
+    start_ns: int
+    end_ns: int
+    messages: int
+
+
+@dataclass(frozen=True)
 class Topic:
     """A topic as metadata.yaml describes it."""
 
@@ -105,32 +115,34 @@ def write_metadata(folder: Path, content: dict[str, Any]) -> None:
 
 
 def information(
-    files: Sequence[str],
-    topics: Sequence[Topic],
-    start_ns: int,
-    duration_ns: int,
-    custom: dict[str, str] | None = None,
+    files: Sequence[BagFile], topics: Sequence[Topic], custom: dict[str, str] | None = None
 ) -> dict[str, Any]:
-    """The entries of metadata.yaml; every key is required by the readers of Jazzy."""
-    count = sum(each.messages for each in topics)
-    start = {"nanoseconds_since_epoch": start_ns}
-    duration = {"nanoseconds": duration_ns}
+    """The entries of metadata.yaml for MCAP files; every key is required by the readers of Jazzy."""
+    full = [each for each in files if each.messages]
+    start_ns = min((each.start_ns for each in full), default=0)
+    end_ns = max((each.end_ns for each in full), default=0)
     return {
         "version": NEWEST,
         "storage_identifier": "mcap",
-        "duration": duration,
-        "starting_time": start,
-        "message_count": count,
+        "duration": {"nanoseconds": end_ns - start_ns},
+        "starting_time": {"nanoseconds_since_epoch": start_ns},
+        "message_count": sum(each.messages for each in topics),
         "topics_with_message_count": [_topic_entry(each) for each in topics],
         "compression_format": "",
         "compression_mode": "",
-        "relative_file_paths": list(files),
-        "files": [
-            {"path": each, "starting_time": start, "duration": duration, "message_count": count}
-            for each in files
-        ],
+        "relative_file_paths": [each.name for each in files],
+        "files": [_file_entry(each) for each in files],
         "custom_data": dict(custom) if custom else None,
         "ros_distro": "jazzy",
+    }
+
+
+def _file_entry(file: BagFile) -> dict[str, Any]:
+    return {
+        "path": file.name,
+        "starting_time": {"nanoseconds_since_epoch": file.start_ns},
+        "duration": {"nanoseconds": file.end_ns - file.start_ns},
+        "message_count": file.messages,
     }
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from trunk_ros.errors import ArgumentError
 
-BAG_FILES = ("metadata.yaml", "*.mcap", "*.db3", "*.db3-*", "*.zstd")
+BAG_FILES = ("metadata.yaml", "*.mcap", "*.db3", "*.db3-*", "*.zstd", "*.mcap.damaged")
 
 
 def prepare_output(path: str | Path, overwrite: bool, known: Sequence[str] | None = None) -> Path:

@@ -74,6 +74,7 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
         counts[key] = replace(count, unreadable=decoder.unreadable)
         remarks += [f"{TOPICS[key]}: {remark}"] if remark else []
     duration = max(float(each.stamp[-1]) for each in series.values())
+    remarks += [f"read up to {duration:.6g} s"] if contents.damage else []
     remarks += series_remarks(series, counts)
     tip = _tip(series.pop(TIP, None), full.get(TIP))
     noted, custom, units = _custom(contents.custom)

@@ -12,7 +12,7 @@ from trunk_ros.errors import ArgumentError
 from trunk_ros.recording.block import Bytes, Whole
 from trunk_ros.recording.encode import encode_joints, encode_poses
 from trunk_ros.recording.message_types import RELIABLE, definition, qos_text
-from trunk_ros.recording.metadata import Topic, information, plain_yaml, write_metadata
+from trunk_ros.recording.metadata import BagFile, Topic, information, plain_yaml, write_metadata
 from trunk_ros.recording.output import BAG_FILES, new_folder
 from trunk_ros.recording.recording import Floats, Recording
 from trunk_ros.recording.topics import TIP, TIP_TOPIC, TOPICS, expected_type
@@ -44,11 +44,16 @@ def write_recording(
     messages = list(_serialised(recording))
     with new_folder(path, overwrite, BAG_FILES) as folder:
         name = f"{Path(path).absolute().name}_0.mcap"
-        first = min((int(each.stamp_ns[0]) for each in messages), default=0)
-        last = max((int(each.stamp_ns[-1]) for each in messages), default=0)
-        described = information([name], [each.topic for each in messages], first, last - first, noted)
+        topics = [each.topic for each in messages]
+        described = information([_file(name, messages)], topics, noted)
         _write_mcap(folder / name, messages, noted, plain_yaml(described))
         write_metadata(folder, described)
+
+
+def _file(name: str, messages: list[_Messages]) -> BagFile:
+    first = min((int(each.stamp_ns[0]) for each in messages), default=0)
+    last = max((int(each.stamp_ns[-1]) for each in messages), default=0)
+    return BagFile(name, first, last, sum(len(each.stamp_ns) for each in messages))
 
 
 def _serialised(recording: Recording) -> Iterator[_Messages]:

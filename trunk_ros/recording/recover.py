@@ -1,0 +1,148 @@
+"""`recover`: a bag whose recorder was killed becomes one that all readers open, and what was lost is said."""
+
+import argparse
+import fcntl
+import os
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.reader import make_reader
+
+from trunk_ros.errors import RecordingError
+from trunk_ros.recording.arguments import Parser
+from trunk_ros.recording.bag import mcap_files
+from trunk_ros.recording.block import DamageError
+from trunk_ros.recording.mcap_repair import is_whole, repair
+from trunk_ros.recording.metadata import (
+    FILE,
+    BagFile,
+    BagMetadata,
+    Topic,
+    information,
+    read_metadata,
+    write_metadata,
+)
+from trunk_ros.recording.output import new_file
+
+
+def recover(path: str | Path) -> list[str]:
+    """Repair the rosbag2 folder or the .mcap file at `path` in place; sentences on what was done and lost.
+
+    A file is replaced only once its repaired copy is complete. RecordingError if nothing can be repaired.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise RecordingError(f"{path}: does not exist")
+    files = mcap_files(path) if path.is_dir() else [path]
+    if not files:
+        raise RecordingError(f"{path}: holds no .mcap file: other storages cannot be repaired")
+    try:
+        said = [sentence for file in files for sentence in _recover_file(file)]
+        if path.is_dir():
+            said += _recover_metadata(path, files, bool(said))
+    except DamageError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be repaired ({error.strerror or error})") from None
+    return said or [f"{path}: is whole, nothing to repair"]
+
+
+def _recover_file(file: Path) -> list[str]:
+    _refuse_live(file)
+    if is_whole(file):
+        return []
+    with new_file(file, overwrite=True) as draft:
+        loss = repair(file, draft)
+        if not loss.messages:
+            raise DamageError(f"holds no whole message in {file.name}: nothing was changed")
+        if loss.skipped:  # somebody may get more out of the damaged chunks
+            kept = file.with_name(f"{file.name}.damaged")
+            kept.unlink(missing_ok=True)
+            os.link(file, kept)
+    kept_note = f"; the old file is kept as {file.name}.damaged" if loss.skipped else ""
+    return [f"{file}: repaired, {loss.sentence()}{kept_note}"]
+
+
+def _refuse_live(file: Path) -> None:
+    """A recorder holds a lock on the file that it writes."""
+    with file.open("rb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise DamageError(f"is being recorded: {file.name} is locked by another process") from None
+
+
+def _recover_metadata(folder: Path, files: Sequence[Path], changed: bool) -> list[str]:
+    """Write metadata.yaml from the files where it is missing, damaged, or says something else."""
+    old = None
+    with suppress(DamageError, OSError):
+        old = read_metadata(folder)
+    described = [_describe(file) for file in files]
+    topics = _merged([topic for _, of_file in described for topic in of_file])
+    if old is not None and not changed and _agrees(old, [file for file, _ in described], topics):
+        return []
+    write_metadata(folder, information([file for file, _ in described], topics, old.custom if old else None))
+    return [f"{folder / FILE}: written anew"]
+
+
+def _agrees(old: BagMetadata, files: Sequence[BagFile], topics: Sequence[Topic]) -> bool:
+    counted = {topic.name: topic.messages for topic in topics if topic.messages}
+    expected = {name: count for name, count in old.messages.items() if count}
+    return old.files == tuple(each.name for each in files) and expected == counted
+
+
+def _describe(file: Path) -> tuple[BagFile, list[Topic]]:
+    """A whole file and its topics, from its summary."""
+    with file.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    if summary is None or summary.statistics is None:
+        raise DamageError(f"has no summary in {file.name}")
+    seen = summary.statistics
+    topics = []
+    for number, channel in summary.channels.items():
+        schema = summary.schemas.get(channel.schema_id)
+        count = seen.channel_message_counts.get(number, 0)
+        noted = channel.metadata
+        qos = _profiles(noted.get("offered_qos_profiles", ""))
+        hash_ = noted.get("topic_type_hash", "")
+        topics.append(
+            Topic(channel.topic, schema.name if schema else "", count, hash_, qos, channel.message_encoding)
+        )
+    return BagFile(file.name, seen.message_start_time, seen.message_end_time, seen.message_count), topics
+
+
+def _profiles(text: str) -> list[dict[str, Any]]:
+    with suppress(yaml.YAMLError):
+        profiles = yaml.safe_load(text)
+        if isinstance(profiles, list):
+            return [each for each in profiles if isinstance(each, dict)]
+    return []
+
+
+def _merged(topics: Sequence[Topic]) -> list[Topic]:
+    """Each topic once, with its messages of all files."""
+    merged: dict[str, Topic] = {}
+    for topic in topics:
+        before = merged[topic.name].messages if topic.name in merged else 0
+        merged[topic.name] = replace(topic, messages=topic.messages + before)
+    return list(merged.values())
+
+
+def parser() -> argparse.ArgumentParser:
+    """Arguments of `recover`."""
+    made = Parser(
+        prog="recover", description="Repair a bag whose recorder was killed, and say what was lost."
+    )
+    made.add_argument("bag", metavar="BAG", type=Path, help="a rosbag2 folder, or an .mcap file")
+    return made
+
+
+def main(argv: list[str]) -> int:
+    """`recover BAG`."""
+    for sentence in recover(parser().parse_args(argv).bag):
+        print(sentence)
+    return 0
