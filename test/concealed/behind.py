@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
@@ -32,7 +33,8 @@ def _wire_slack(h: Hidden, at: Scene, x: Array) -> Array:
         beyond = round_ * np.logaddexp(0.0, over / round_) - round_ * np.log1p(np.exp(-10.0))
     else:
         beyond = np.maximum(over, 0.0)
-    return x + soft * (at.tau + np.sign(at.tau) * beyond)
+    out: Array = x + soft * (at.tau + np.sign(at.tau) * beyond)
+    return out
 
 
 def _wire_stiffening(h: Hidden, at: Scene, x: Array) -> Array:
@@ -44,15 +46,17 @@ def _wire_stiffening(h: Hidden, at: Scene, x: Array) -> Array:
         "arctangent": np.arctan(pull),
         "hyperbolic": pull / (1 + (np.sqrt(2) - 1) * pull),
     }[h.form]
-    return x + soft * moment * np.sign(at.tau) * bent
+    out: Array = x + soft * moment * np.sign(at.tau) * bent
+    return out
 
 
 def _viscoelastic_creep(h: Hidden, at: Scene, x: Array) -> Array:
     out, gain = x.copy(), h.column("gain")
-    slow = [h.parameters["time_constant"]] + ([h.extra["second_time_constant"]] if h.form == "two_modes" else [])
-    share = h.extra.get("share", 1.0)
+    modes = [(h.extra.get("share", 1.0), h.parameters["time_constant"])]
+    if h.form == "two_modes":
+        modes.append((1 - modes[0][0], h.extra["second_time_constant"]))
     for j in h.joints:
-        for part, late in zip((share, 1 - share), slow, strict=False):
+        for part, late in modes:
             out[:, j] -= gain[j] * part * _filtered(x[:, j], [1.0], [late, 1.0], at.step)
     return out
 
@@ -82,7 +86,8 @@ def _hard_stop(h: Hidden, at: Scene, x: Array) -> Array:
     side = "upper" if "upper" in h.parameters else "lower"
     sign = 1.0 if side == "upper" else -1.0
     over = np.maximum(sign * (x - h.column(side, sign * 9.0)), 0.0)
-    return x - sign * over * (1 - h.extra.get("give", 0.0))
+    out: Array = x - sign * over * (1 - h.extra.get("give", 0.0))
+    return out
 
 
 def _bump(h: Hidden, at: Scene, x: Array) -> Array:
@@ -99,12 +104,14 @@ def _centrifugal(h: Hidden, at: Scene, x: Array) -> Array:
 
 
 def _velocity_coupling(h: Hidden, at: Scene, x: Array) -> Array:
-    return x + h.column("gain") * at.speed[:, [int(h.parameters["source"])]]
+    out: Array = x + h.column("gain") * at.speed[:, [int(h.parameters["source"])]]
+    return out
 
 
 def _vibration(h: Hidden, at: Scene, x: Array) -> Array:
     wave = np.sin(2 * np.pi * h.parameters["frequency"] * at.t + h.parameters["phase"])
-    return x + h.column("amplitude") * wave[:, None]
+    out: Array = x + h.column("amplitude") * wave[:, None]
+    return out
 
 
 def _sensor_delay(h: Hidden, at: Scene, x: Array) -> Array:
@@ -116,14 +123,15 @@ def _zero_offset(h: Hidden, at: Scene, x: Array) -> Array:
     return x + h.column("offset")
 
 
-BEHIND: dict[str, Callable[[Hidden, Scene, Array], Array]] = {
+Law: TypeAlias = Callable[[Hidden, Scene, Array], Array]
+BEHIND: dict[str, Law] = {
     "load_elasticity": _load_elasticity, "wire_slack": _wire_slack, "wire_stiffening": _wire_stiffening,
     "viscoelastic_creep": _viscoelastic_creep, "viscous_lag": _viscous_lag, "link_resonance": _link_resonance,
     "x_bump": _bump, "x_one_sided_lag": _one_sided_lag, "x_centrifugal": _centrifugal,
     "x_velocity_coupling": _velocity_coupling, "x_vibration": _vibration, "hard_stop": _hard_stop,
     "zero_offset": _zero_offset,
 }  # fmt: skip
-SENSOR = {"sensor_delay": _sensor_delay}
+SENSOR: dict[str, Law] = {"sensor_delay": _sensor_delay}
 LOADED = ("load_elasticity", "wire_slack", "wire_stiffening")
 
 
@@ -137,8 +145,7 @@ def sensed(hidden: tuple[Hidden, ...], at: Scene, x: Array) -> Array:
     return _through(SENSOR, hidden, at, x)
 
 
-def _through(table: dict[str, Callable[[Hidden, Scene, Array], Array]], hidden: tuple[Hidden, ...],
-             at: Scene, x: Array) -> Array:  # fmt: skip
+def _through(table: dict[str, Law], hidden: tuple[Hidden, ...], at: Scene, x: Array) -> Array:
     for name, law in table.items():
         for h in hidden:
             if h.effect == name:

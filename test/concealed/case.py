@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from test.concealed.behind import LOADED
-from test.concealed.catalogue import ALL, CATALOGUE
+from test.concealed.catalogue import CATALOGUE
+from test.concealed.draws import ALL
 from test.concealed.hidden import ARM, KNOWN, UNKNOWN, Hidden
 from test.concealed.nominal import COUNT, JOINTS, RATIO, Array
 from test.concealed.plant import Motion, moved, run
 from test.concealed.recipe import Look, sized
 from test.concealed.sensing import PERIOD, Run, Sensing, draw_sensing, record
 from test.concealed.servo import compensated
-from test.concealed.strange import STRANGE
 from test.concealed.trajectory import KINDS, draw_reference
 
 TEST_KIND = {"mixed": "multisine"}
@@ -58,16 +58,17 @@ class Knobs:
 
 
 def strengths(hidden: tuple[Hidden, ...], which: int, setpoint: Array, how: Sensing) -> Array:
-    """Strength of one of the effects beside the others: rms with minus without, over the noise; (5,), arm: (3,)."""
+    """Strength of one effect beside the others: rms with minus without, over the noise; (5,), arm: (3,)."""
     others = hidden[:which] + hidden[which + 1 :]
     return _difference(run(hidden, setpoint), run(others, setpoint), hidden[which], how)
 
 
 def _difference(on: Motion, off: Motion, h: Hidden, how: Sensing) -> Array:
-    if h.stage == "arm":
-        noise = np.array([how.tip_noise_m, how.tip_noise_m, how.tip_noise_rad])
-        return np.sqrt(((on.tip - off.tip) ** 2).mean(axis=0)) / noise
-    return np.sqrt(((on.theta - off.theta) ** 2).mean(axis=0)) / how.noise
+    at_tip = h.stage == "arm"
+    noise = np.array([how.tip_noise_m, how.tip_noise_m, how.tip_noise_rad]) if at_tip else how.noise
+    apart = on.tip - off.tip if at_tip else on.theta - off.theta
+    out: Array = np.sqrt((apart**2).mean(axis=0)) / noise
+    return out
 
 
 def _pooled(strength: Array, h: Hidden) -> float:
@@ -80,15 +81,23 @@ def _some_joints(rng: np.random.Generator, moving: Sequence[int]) -> tuple[int, 
     return tuple(sorted(int(j) for j in rng.choice(moving, many, replace=False)))
 
 
-def _names(rng: np.random.Generator, knobs: Knobs) -> list[str]:
-    """Effects to hide: not two of those that replace each other."""
+def _turn(seed: int, names: Sequence[str]) -> str:
+    """Every name once in as many seeds in a row, in an order of their own."""
+    order = np.random.default_rng(seed // len(names)).permutation(len(names))
+    return names[int(order[seed % len(names)])]
+
+
+def _names(seed: int, round_: int, knobs: Knobs) -> list[str]:
+    """Effects to hide: not two of those that replace each other; the first in turn but for later rounds."""
+    rng = np.random.default_rng([seed, round_, 1])
+    table = UNKNOWN if knobs.unknown else KNOWN
     if knobs.effects is not None:
         return list(knobs.effects)
-    if knobs.unknown:
-        return [str(rng.choice(UNKNOWN))]
     count = int(rng.integers(1, 5)) if knobs.count is None else knobs.count
     names: list[str] = []
-    for name in rng.permutation(KNOWN):
+    for name in ([] if round_ else [_turn(seed, table)]) + list(rng.permutation(table)):
+        if name in names:
+            continue
         if len(names) < count and not (name in LOADED and any(other in LOADED for other in names)):
             names.append(str(name))
     return names
@@ -99,7 +108,7 @@ def _draw_one(rng: np.random.Generator, name: str, look: Look, knobs: Knobs, how
     """One effect at a strength drawn from the knobs' range; None where this motion cannot bring it out."""
     joints = _some_joints(rng, look.moving) if knobs.joints is None else tuple(knobs.joints)
     level = float(np.exp(rng.uniform(*np.log(knobs.level))))
-    recipe = {**CATALOGUE, **STRANGE}[name](rng, joints, look)
+    recipe = CATALOGUE[name](rng, joints, look)
     bare = look.motion
 
     def strength(h: Hidden) -> float:
@@ -129,7 +138,7 @@ class _Motions:
 
 
 def _draw_motions(rng: np.random.Generator, knobs: Knobs) -> _Motions:
-    t = np.arange(round(knobs.seconds / PERIOD)) * PERIOD
+    t = np.arange(round(knobs.seconds / PERIOD), dtype=np.float64) * PERIOD
     first = knobs.train or str(rng.choice(KINDS, p=[0.15, 0.1, 0.2, 0.15, 0.1, 0.3]))
     kinds = (first, knobs.test or TEST_KIND.get(first, "mixed"))
     train, test = (draw_reference(rng, kind, t) for kind in kinds)
@@ -143,11 +152,15 @@ def _draw_motions(rng: np.random.Generator, knobs: Knobs) -> _Motions:
     return _Motions(kinds, (train, test), (asked[0], asked[1]), moving, runs)
 
 
-def _try(rng: np.random.Generator, knobs: Knobs) -> tuple[_Motions, Sensing, tuple[Hidden, ...], list[Array]] | None:
+_Drawn: TypeAlias = tuple[_Motions, Sensing, tuple[Hidden, ...], list[Array]]
+
+
+def _try(rng: np.random.Generator, names: list[str], knobs: Knobs) -> _Drawn | None:
     """One attempt; None where an effect does not come out in the drawn motion."""
-    names, motions = _names(rng, knobs), _draw_motions(rng, knobs)
+    motions = _draw_motions(rng, knobs)
     tip = any(name in ARM for name in names) or bool(rng.uniform() < 0.4)
-    how = replace(knobs.sensing, tip=tip or knobs.sensing.tip) if knobs.sensing else draw_sensing(rng, knobs.hard, tip)
+    how = knobs.sensing or draw_sensing(rng, knobs.hard, tip)
+    how = replace(how, tip=tip or how.tip)
     setpoint = motions.setpoint[0]
     look = Look(run((), setpoint), motions.moving)
     drawn = [_draw_one(rng, name, look, knobs, how, setpoint) for name in names]
@@ -173,8 +186,9 @@ def draw_case(seed: int, **knobs: Any) -> Case:
     """
     asked = Knobs(**knobs)
     for attempt in range(40):
+        names = _names(seed, attempt // 10, asked)  # kept for ten motions: not only those that come easily
         rng = np.random.default_rng([seed, attempt])
-        made = _try(rng, asked)
+        made = _try(rng, names, asked)
         if made is not None:
             return _recorded(rng, seed, asked, *made)
     raise RuntimeError(f"seed {seed}: {asked.effects or 'effects'} not brought out at strength {asked.level}")
@@ -182,13 +196,13 @@ def draw_case(seed: int, **knobs: Any) -> Case:
 
 def _recorded(rng: np.random.Generator, seed: int, knobs: Knobs, motions: _Motions, how: Sensing,
               hidden: tuple[Hidden, ...], found: list[Array]) -> Case:  # fmt: skip
-    anywhere = knobs.hard and rng.uniform() < 0.3
+    anywhere = bool(knobs.hard and rng.uniform() < 0.3)
     runs = []
     for kind, reference, setpoint in zip(motions.kinds, motions.reference, motions.setpoint, strict=True):
         start = rng.uniform(-1, 1, COUNT) if anywhere else None
         here = replace(how, phase=int(rng.integers(5)) if how.phase else 0)
         runs.append(record(rng, kind, reference, setpoint, run(hidden, setpoint, start), here))
     still = [JOINTS[j] for j in ALL if j not in motions.moving]
-    noise = {**asdict(how), "compensator": motions.compensator, "still": still, "start_anywhere": bool(anywhere)}
+    noise = {**asdict(how), "compensator": motions.compensator, "still": still, "anywhere": anywhere}
     truth = [_told(h, s) for h, s in zip(hidden, found, strict=True)]
     return Case(seed, truth, noise, runs[0], runs[1], hidden)

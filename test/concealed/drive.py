@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from test.concealed.hidden import Hidden
-from test.concealed.nominal import COUNT, RATIO, Array
+from test.concealed.nominal import RATIO, Array
 from test.concealed.scene import Scene
 
 
@@ -23,14 +23,16 @@ def _transmission_ripple(h: Hidden, at: Scene) -> Array:
 
 
 def _joint_coupling(h: Hidden, at: Scene) -> Array:
-    return at.theta[:, [int(h.parameters["source"])]] * h.column("gain")
+    out: Array = at.theta[:, [int(h.parameters["source"])]] * h.column("gain")
+    return out
 
 
 def _thermal_drift(h: Hidden, at: Scene) -> Array:
     t = at.t[:, None]
     if h.form == "straight":
         return t * h.column("rate")
-    return -h.column("amplitude") * np.expm1(-t / h.parameters["time_constant"])
+    out: Array = -h.column("amplitude") * np.expm1(-t / h.parameters["time_constant"])
+    return out
 
 
 def _wire_slip(h: Hidden, at: Scene) -> Array:
@@ -61,20 +63,21 @@ def _intermittent(h: Hidden, at: Scene) -> Array:
 
 def _breathing(h: Hidden, at: Scene) -> Array:
     wave = np.sin(2 * np.pi * at.t / h.parameters["period"] + h.parameters["phase"])
-    return wave[:, None] * h.column("amplitude")
+    out: Array = wave[:, None] * h.column("amplitude")
+    return out
 
 
 DRIVE: dict[str, Callable[[Hidden, Scene], Array]] = {
-    "ratio_error": _ratio_error, "transmission_ripple": _transmission_ripple, "joint_coupling": _joint_coupling,
-    "thermal_drift": _thermal_drift, "wire_slip": _wire_slip, "x_gain_wear": _gain_wear, "x_cubic": _cubic,
-    "x_quadratic": _quadratic, "x_intermittent": _intermittent, "x_breathing": _breathing,
+    "ratio_error": _ratio_error, "transmission_ripple": _transmission_ripple,
+    "joint_coupling": _joint_coupling, "thermal_drift": _thermal_drift, "wire_slip": _wire_slip,
+    "x_gain_wear": _gain_wear, "x_cubic": _cubic, "x_quadratic": _quadratic,
+    "x_intermittent": _intermittent, "x_breathing": _breathing,
 }  # fmt: skip
 
 
 def driven(hidden: tuple[Hidden, ...], at: Scene) -> Array:
     """u = r phi and all that is added to it, (n, 5) rad."""
     u = RATIO * at.phi
-    assert u.shape[1] == COUNT
     for h in hidden:
         if h.effect in DRIVE:
             u = u + DRIVE[h.effect](h, at)

@@ -11,8 +11,6 @@ from test.concealed.hidden import Hidden
 from test.concealed.nominal import HALF_WIDTH, RATIO, Array, play
 from test.concealed.scene import Scene
 
-PLAYS = 24
-
 
 def _backlash(h: Hidden, at: Scene) -> Array:
     return np.broadcast_to(h.column("half_width"), at.phi.shape)
@@ -36,17 +34,20 @@ def _stribeck_friction(h: Hidden, at: Scene) -> Array:
         "gaussian": lambda x: np.exp(-(x**2)),
         "rational": lambda x: 1 / (1 + x**2),
     }
-    return h.column("amplitude") * np.asarray(shape[h.form](slow))
+    out: Array = h.column("amplitude") * shape[h.form](slow)
+    return out
 
 
 def _friction_wear(h: Hidden, at: Scene) -> Array:
-    t = at.t
-    if h.form == "running_in":  # fast first, then settling
-        t = -at.t[-1] * np.expm1(-2 * at.t / at.t[-1]) / -np.expm1(-2)
-    elif h.form == "travel":  # Archard: with the way that the wire has slid
+    """Grows to rate times duration: straight, settling, or with the way slid (Archard)."""
+    end, grown = at.t[-1], at.t[:, None] / at.t[-1]
+    if h.form == "running_in":
+        grown = np.expm1(-2 * grown) / np.expm1(-2)
+    elif h.form == "travel":
         way = np.abs(at.speed).cumsum(axis=0)
-        return h.column("rate") * at.t[-1] * way / np.maximum(way[-1], 1e-9)
-    return h.column("rate") * t[:, None]
+        grown = way / np.maximum(way[-1], 1e-9)
+    out: Array = h.column("rate") * end * grown
+    return out
 
 
 def _rough_patch(h: Hidden, at: Scene) -> Array:
@@ -55,12 +56,13 @@ def _rough_patch(h: Hidden, at: Scene) -> Array:
 
 
 WIDTH: dict[str, Callable[[Hidden, Scene], Array]] = {
-    "backlash": _backlash, "tension_error": _tension_error, "load_dependent_friction": _load_dependent_friction,
-    "stribeck_friction": _stribeck_friction, "friction_wear": _friction_wear, "x_rough_patch": _rough_patch,
+    "backlash": _backlash, "tension_error": _tension_error, "stribeck_friction": _stribeck_friction,
+    "load_dependent_friction": _load_dependent_friction, "friction_wear": _friction_wear,
+    "x_rough_patch": _rough_patch,
 }  # fmt: skip
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _bouc_wen(x: Array, top: float, power: int) -> Array:
     """Bouc-Wen restoring part z with beta = gamma = 1/2, which saturates at ``top``."""
     z, out = 0.0, np.zeros_like(x)
@@ -73,7 +75,7 @@ def _bouc_wen(x: Array, top: float, power: int) -> Array:
     return out
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _dahl(x: Array, top: float) -> Array:
     """Dahl's solid friction, half as stiff as the wire so that a reversal begins with standing still."""
     z, out = 0.0, np.zeros_like(x)

@@ -17,18 +17,19 @@ MIXTURE: dict[str, dict[str, Any]] = {
     "singles": {"count": 1}, "pairs": {"count": 2}, "triples": {"count": 3}, "clean": {"count": 0},
     "unknown": {"unknown": True}, "hard": {"count": None, "hard": True},
 }  # fmt: skip
-LAYOUT = """case_NNNN/train: bag to diagnose; case_NNNN/test: another motion of the same arm, to judge a fitted model on;
-truth.json: what is hidden (effect, form, joints, parameters, strength = rms of the effect over the sensor noise), kinds
-of motion and recording; `same` lists the parameters that mean the contract's; clean.npz: train and test (n, 5) rad,
-the noise-free joint angle at the stamps of joint_states.
+LAYOUT = """case_NNNN/train: bag to diagnose; case_NNNN/test: another motion of the same arm, to judge on.
+truth.json: what is hidden (effect, form, joints, parameters, strength = rms of the effect over the sensor
+noise), kinds of motion and of recording; `same` lists the parameters that mean the contract's.
+clean.npz: train and test (n, 5) rad, the noise-free joint angle at the stamps of joint_states.
 """
 
 
 def kind_of(seed: int) -> str:
     """The mixture: of twenty seeds seven singles, four pairs, three triples, three clean, three unknown."""
-    return ("singles", "pairs", "clean", "singles", "triples", "unknown", "singles", "pairs", "singles", "triples",
-            "clean", "singles", "unknown", "pairs", "singles", "triples", "clean", "pairs", "singles", "unknown",
-            )[seed % 20]  # fmt: skip
+    once = ("singles", "pairs", "clean", "singles", "triples", "unknown", "singles", "pairs", "singles",
+            "triples", "clean", "singles", "unknown", "pairs", "singles", "triples", "clean", "pairs",
+            "singles", "unknown")  # fmt: skip
+    return once[seed % 20]
 
 
 def write_case(case: Case, folder: Path, kind: str = "") -> None:
@@ -66,8 +67,8 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=seeds_of, default=range(20), help="FIRST:LAST, LAST not included")
     parser.add_argument("--output", type=Path, required=True)
     group = parser.add_mutually_exclusive_group()
-    for kind in ("singles", "pairs", "triples", "clean", "unknown"):
-        group.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind)
+    for name in ("singles", "pairs", "triples", "clean", "unknown"):
+        group.add_argument(f"--{name}", dest="kind", action="store_const", const=name)
     parser.add_argument("--hard", action="store_true", help="coloured noise, 25 Hz, losses, compensator …")
     parser.add_argument("--effects", help="these only, comma separated")
     parser.add_argument("--level", help="strength LOW:HIGH, default 1:30")

@@ -24,7 +24,8 @@ REGIME = {
     "x_velocity_coupling": "high_speed", "x_vibration": "time", "x_breathing": "time",
     "x_rough_patch": "reversal", "x_servo_dead_zone": "hold", "x_link_bending": "posture",
 }  # fmt: skip
-SERVO = ("servo_delay", "servo_bandwidth", "velocity_saturation", "load_droop", "cogging", "x_servo_dead_zone")
+SERVO = ("servo_delay", "servo_bandwidth", "velocity_saturation", "load_droop", "cogging",
+         "x_servo_dead_zone")  # fmt: skip
 ARM = ("link_length_error", "base_tilt", "x_link_bending")
 KNOWN = tuple(name for name in REGIME if not name.startswith("x_"))
 UNKNOWN = tuple(name for name in REGIME if name.startswith("x_"))
@@ -79,7 +80,7 @@ class Hidden:
         return {
             "effect": self.effect, "stage": self.stage, "regime": REGIME[self.effect], "form": self.form,
             "joints": [] if self.effect == "base_tilt" else names,
-            "parameters": {**{k: v for k, v in per_joint.items() if v}, **({"arm": shared} if shared else {})},
+            "parameters": {k: v for k, v in {**per_joint, "arm": shared}.items() if v},
             "same": list(self.same), "known": not self.effect.startswith("x_"),
             "depends_on": shared.get("source", DEPENDS_ON.get(self.effect, "")), "extra": self.extra,
         }  # fmt: skip

@@ -29,7 +29,7 @@ COMPLIANCE = LENGTH / (E_MODULUS * AREA * R_C**2)
 
 
 def moments(payload: float = 0.0) -> Array:
-    """Weight moment c_k of everything carried by link k, so that tau_i = sum over k >= i of c_k sin Theta_k."""
+    """Weight moment c_k of what link k carries, (5,) N m: tau_i = sum over k >= i of c_k sin Theta_k."""
     beyond = MASS[::-1].cumsum()[::-1] - MASS
     moment: Array = GRAVITY * LINK * (MASS / 2 + beyond + payload)
     return moment
@@ -49,7 +49,7 @@ def tip(theta: Array, length_error: Array | None = None) -> Array:
     return np.stack([-np.sin(turned) @ link, np.cos(turned) @ link, turned[:, -1]], axis=1)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def play(u: Array, below: Array, above: Array, start: Array) -> Array:
     """Play: the output keeps within u - below ... u + above. All (n, 5) rad, start (5,)."""
     out = np.empty_like(u)

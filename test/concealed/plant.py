@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from test.concealed.nominal import COUNT, STEP, Array, load, tip
 from test.concealed.scene import Scene
 from test.concealed.servo import run_servo
 
+Effects: TypeAlias = tuple[Hidden, ...]
 _SEES_THE_ARM = (*LOADED, "joint_coupling", "load_dependent_friction")
 
 
@@ -30,19 +32,19 @@ class Motion:
     tip: Array
 
 
-def payload_of(hidden: tuple[Hidden, ...]) -> float:
+def payload_of(hidden: Effects) -> float:
     """Mass at the tip, kg: that of the effect of load which brings one."""
     return max((float(h.parameters.get("payload", 0.0)) for h in hidden), default=0.0)
 
 
-def run_wire(hidden: tuple[Hidden, ...], phi: Array, v: Array, start: Array | None = None) -> tuple[Array, Scene]:
+def run_wire(hidden: Effects, phi: Array, v: Array, start: Array | None = None) -> tuple[Array, Scene]:
     """True joint angle for a gearbox motion (n, 5) at 2 ms, and the scene that it was worked out in.
 
     Load and coupling depend on the joint angles themselves; the circle is closed by iteration, each round of
     which shrinks the error to about a hundredth.
     """
     begin = np.zeros(COUNT) if start is None else start
-    payload, t = payload_of(hidden), STEP * np.arange(len(phi))
+    payload, t = payload_of(hidden), np.arange(len(phi), dtype=np.float64) * STEP
     theta = phi * 0.625
     rounds = 4 if any(h.effect in _SEES_THE_ARM for h in hidden) else 1
     for _ in range(rounds):
@@ -51,7 +53,7 @@ def run_wire(hidden: tuple[Hidden, ...], phi: Array, v: Array, start: Array | No
     return theta, at
 
 
-def bent_tip(hidden: tuple[Hidden, ...], theta: Array) -> Array:
+def bent_tip(hidden: Effects, theta: Array) -> Array:
     """Tip y, z, roll (n, 3) of the true joint angles, with what is wrong about the arm itself."""
     error, tilt, bend = np.zeros(COUNT), 0.0, 0.0
     for h in hidden:
@@ -68,13 +70,13 @@ def bent_tip(hidden: tuple[Hidden, ...], theta: Array) -> Array:
     return out
 
 
-def run(hidden: tuple[Hidden, ...], setpoint: Array, start: Array | None = None) -> Motion:
+def run(hidden: Effects, setpoint: Array, start: Array | None = None) -> Motion:
     """The arm under setpoints (n, 5) at 100 Hz, from rest at the first of them."""
     phi, v = run_servo(hidden, setpoint, payload_of(hidden))
     return moved(hidden, phi, v, start)
 
 
-def moved(hidden: tuple[Hidden, ...], phi: Array, v: Array, start: Array | None = None) -> Motion:
+def moved(hidden: Effects, phi: Array, v: Array, start: Array | None = None) -> Motion:
     """The same from a gearbox motion (n, 5) at 2 ms."""
     theta, at = run_wire(hidden, phi, v, start)
     tau = load(theta, payload_of(hidden))

@@ -15,7 +15,7 @@ from test.concealed.plant import Motion
 
 @dataclass(frozen=True)
 class Recipe:
-    """``make(size)`` gives the effect; strength grows with size up to ``limit``. ``fixed``: take it as it is."""
+    """``make(size)`` gives the effect, stronger with size, up to ``limit``. ``fixed``: take it as it is."""
 
     make: Callable[[float], Hidden]
     start: float

@@ -20,7 +20,7 @@ PERIOD = SUB * STEP
 
 @dataclass(frozen=True)
 class Sensing:
-    """How a recording is made. ``noise`` rad rms; ``colour`` AR(1) pole; ``phase`` in 2 ms; ``every``: 4 is 25 Hz."""
+    """How a recording is made: noise in rad rms, colour as AR(1) pole, phase in 2 ms, every 4th is 25 Hz."""
 
     noise: float = 1e-4
     colour: float = 0.0
@@ -38,7 +38,7 @@ class Sensing:
 
 @dataclass(frozen=True)
 class Run:
-    """One recording in memory. Topic: stamp (n,) int64 ns, position (n, 5), velocity, effort; tip: pose (n, 7).
+    """One recording in memory. Topic: stamp (n,) int64 ns, position (n, 5), velocity, effort; pose (n, 7).
 
     ``theta_clean`` (n, 5) rad: what an ideal sensor would have shown at the stamps of joint_states.
     """
@@ -85,7 +85,8 @@ def _gearbox(rng: np.random.Generator, motion: Motion, index: NDArray[np.int64],
 
 
 def _pose(rng: np.random.Generator, motion: Motion, index: NDArray[np.int64], how: Sensing) -> Topic:
-    place = motion.tip[index] + rng.normal(size=(index.size, 3)) * [*(how.tip_noise_m,) * 2, how.tip_noise_rad]
+    rms = np.array([how.tip_noise_m, how.tip_noise_m, how.tip_noise_rad])
+    place = motion.tip[index] + rms * rng.normal(size=(index.size, 3))
     half, zero = place[:, 2] / 2, np.zeros(index.size)
     pose = [zero, place[:, 0], place[:, 1], np.sin(half), zero, zero, np.cos(half)]
     return {"stamp": _stamps(index), "pose": np.stack(pose, axis=1)}

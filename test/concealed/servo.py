@@ -11,7 +11,7 @@ from test.concealed.nominal import COUNT, HALF_WIDTH, KP, RATIO, STEP, TAU_V, V_
 SUB = 5  # servo steps per setpoint (10 ms)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _asked(setpoint: Array, k: int, j: int, late: float) -> float:
     """Setpoint that acts in the step from k on, averaged over a change within the step."""
     at = k - late
@@ -22,9 +22,9 @@ def _asked(setpoint: Array, k: int, j: int, late: float) -> float:
     return float((1 - share) * setpoint[first, j] + share * setpoint[after, j])
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _loop(setpoint: Array, own: Array, weight: Array) -> tuple[Array, Array]:
-    """own: per joint kp, v_max, late (steps), droop, cogging amplitude, cycles, phase, dead zone; -> phi, v."""
+    """own: per joint kp, v_max, late (steps), droop, cogging amplitude, cycles, phase, dead zone."""
     n = setpoint.shape[0] * SUB
     phi, v = np.zeros((n, COUNT)), np.zeros((n, COUNT))
     p, s, tau = setpoint[0].copy(), np.zeros(COUNT), np.zeros(COUNT)

@@ -6,46 +6,45 @@ from typing import Any
 
 import numpy as np
 
-from test.concealed.catalogue import ALL, Draw, _sign, _signed, _sizes
+from test.concealed.draws import ALL, Draw, Joints, Rng, sign, signed, sizes
 from test.concealed.hidden import Hidden
 from test.concealed.nominal import COUNT
 from test.concealed.recipe import Look, Recipe, scaled
 
-Rng = np.random.Generator
 
-
-def _bump(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
+def _bump(rng: Rng, joints: Joints, look: Look) -> Recipe:
     j = joints[:1]
-    at = float(rng.uniform(0.15, 0.85) * np.ptp(look.motion.theta[:, j[0]]) + look.motion.theta[:, j[0]].min())
-    values = {"amplitude": _signed(rng, 1), "at": np.array([at]), "width": rng.uniform(0.02, 0.06, 1)}
+    where = look.motion.theta[:, j[0]]
+    at = float(rng.uniform(0.15, 0.85) * np.ptp(where) + where.min())
+    values = {"amplitude": signed(rng, 1), "at": np.array([at]), "width": rng.uniform(0.02, 0.06, 1)}
     return scaled(Hidden("x_bump", j, "gaussian", values), ("amplitude",), 2e-3, 0.03)
 
 
-def _rough_patch(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
+def _rough_patch(rng: Rng, joints: Joints, look: Look) -> Recipe:
     recipe = _bump(rng, joints, look).make(1.0)
-    values = {**recipe.parameters, "amplitude": _sizes(rng, 1)}
+    values = {**recipe.parameters, "amplitude": sizes(rng, 1)}
     return scaled(Hidden("x_rough_patch", recipe.joints, "gaussian", values), ("amplitude",), 2e-3, 0.03)
 
 
 def _plain(effect: str, name: str, start: float, limit: float, **more: Any) -> Draw:
     """An effect with one scaled parameter per joint."""
 
-    def draw(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
+    def draw(rng: Rng, joints: Joints, look: Look) -> Recipe:
         joints = joints[:2]
-        values = {name: _signed(rng, len(joints)), **more}
+        values = {name: signed(rng, len(joints)), **more}
         return scaled(Hidden(effect, joints, "plain", values), (name,), start, limit)
 
     return draw
 
 
-def _one_sided_lag(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
-    base = Hidden("x_one_sided_lag", joints[:2], "plain", {"gain": _sizes(rng, len(joints[:2]))})
+def _one_sided_lag(rng: Rng, joints: Joints, look: Look) -> Recipe:
+    base = Hidden("x_one_sided_lag", joints[:2], "plain", {"gain": sizes(rng, len(joints[:2]))})
     return scaled(base, ("gain",), 3e-3, 0.1)
 
 
-def _intermittent(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
+def _intermittent(rng: Rng, joints: Joints, look: Look) -> Recipe:
     edges = np.sort(rng.uniform(0.08, 0.95, 2 * int(rng.integers(2, 5)))) * look.motion.t[-1]
-    values = {"step": _signed(rng, 1)}
+    values = {"step": signed(rng, 1)}
     base = Hidden("x_intermittent", joints[:1], "jumps", values)
     recipe = scaled(base, ("step",), 1e-3, 0.02)
 
@@ -57,31 +56,31 @@ def _intermittent(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
     return Recipe(make, recipe.start, recipe.limit)
 
 
-def _velocity_coupling(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
+def _velocity_coupling(rng: Rng, joints: Joints, look: Look) -> Recipe:
     j = joints[0]
     source = int((j + rng.integers(1, COUNT)) % COUNT)
-    values = {"gain": _signed(rng, 1), "source": source}
+    values = {"gain": signed(rng, 1), "source": source}
     return scaled(Hidden("x_velocity_coupling", (j,), "plain", values), ("gain",), 2e-3, 0.1)
 
 
-def _vibration(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
-    values = {"amplitude": _sizes(rng, len(joints)), "frequency": float(rng.uniform(1.0, 8.0)),
+def _vibration(rng: Rng, joints: Joints, look: Look) -> Recipe:
+    values = {"amplitude": sizes(rng, len(joints)), "frequency": float(rng.uniform(1.0, 8.0)),
               "phase": float(rng.uniform(0, 2 * np.pi))}  # fmt: skip
     return scaled(Hidden("x_vibration", joints, "sine", values), ("amplitude",), 1e-3, 0.02)
 
 
-def _breathing(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
-    values = {"amplitude": _signed(rng, len(joints)), "period": float(rng.uniform(12.0, 40.0)),
+def _breathing(rng: Rng, joints: Joints, look: Look) -> Recipe:
+    values = {"amplitude": signed(rng, len(joints)), "period": float(rng.uniform(12.0, 40.0)),
               "phase": float(rng.uniform(0, 2 * np.pi))}  # fmt: skip
     return scaled(Hidden("x_breathing", joints, "sine", values), ("amplitude",), 1e-3, 0.02)
 
 
-def _servo_dead_zone(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
+def _servo_dead_zone(rng: Rng, joints: Joints, look: Look) -> Recipe:
     return scaled(Hidden("x_servo_dead_zone", ALL, "plain", {"width": 1.0}), ("width",), 1e-3, 0.03)
 
 
-def _link_bending(rng: Rng, joints: tuple[int, ...], look: Look) -> Recipe:
-    base = Hidden("x_link_bending", (COUNT - 1,), "plain", {"gain": _sign(rng)})
+def _link_bending(rng: Rng, joints: Joints, look: Look) -> Recipe:
+    base = Hidden("x_link_bending", (COUNT - 1,), "plain", {"gain": sign(rng)})
     return scaled(base, ("gain",), 3e-4, 0.01)
 
 

@@ -20,13 +20,15 @@ def _rise(x: Array) -> Array:
 
 def _triangle(rng: np.random.Generator, t: Array) -> Array:
     phase = t / rng.uniform(9.0, 16.0) + rng.uniform()
-    return rng.uniform(0.2, REACH) * (4 * np.abs(phase - np.floor(phase + 0.5)) - 1)
+    out: Array = rng.uniform(0.2, REACH) * (4 * np.abs(phase - np.floor(phase + 0.5)) - 1)
+    return out
 
 
 def _chirp(rng: np.random.Generator, t: Array) -> Array:
     first, last = rng.uniform(0.03, 0.06), rng.uniform(0.2, 0.5)
     phase = first * t + (last - first) * t**2 / (2 * t[-1])
-    return rng.uniform(0.15, REACH) * np.sin(2 * np.pi * (phase + rng.uniform()))
+    out: Array = rng.uniform(0.15, REACH) * np.sin(2 * np.pi * (phase + rng.uniform()))
+    return out
 
 
 def _small(rng: np.random.Generator, t: Array) -> Array:
