@@ -20,8 +20,9 @@ REQUIRES = [
     "PyYAML>=6.0",
     "Jinja2>=3.1",
     "matplotlib>=3.6",
-    "rosbags>=0.10.6",
-    "mcap>=1.2",
+    "rich>=13.7",
+    "rosbags>=0.10.11,<0.12",
+    "mcap>=1.2.1",
     "lz4>=4.0",
     "zstandard>=0.22",
 ]

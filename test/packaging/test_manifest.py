@@ -17,6 +17,7 @@ PROVIDERS = {
     "yaml": ("pyyaml", "python3-yaml"),
     "jinja2": ("jinja2", "python3-jinja2"),
     "matplotlib": ("matplotlib", "python3-matplotlib"),
+    "rich": ("rich", "python3-rich"),
     "rosbags": ("rosbags", "python3-rosbags-pip"),
     "mcap": ("mcap", "mcap-ros2-support"),
     "lz4": ("lz4", "mcap-ros2-support"),
