@@ -71,6 +71,8 @@ def read_mcap(
     if bytes(data[:8]) != mcap.MAGIC:
         raise DamageError("is not an MCAP file")
     scan, skipped = _Scan(contents, wanted), defaultdict[str, int](int)
+    for record in mcap.repeated(data):
+        _note(scan, data, record, skipped)
     pending: list[tuple[int, int]] = []
     ended, position = False, 8
     for record in mcap.records(data, 8, len(data)):

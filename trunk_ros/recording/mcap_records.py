@@ -66,6 +66,17 @@ def records(buffer: Buffer, start: int, end: int) -> Iterator[Record]:
         start += size
 
 
+def repeated(buffer: Buffer) -> Iterator[Record]:
+    """Schemas and channels as the summary, if any, repeats them: the chunk with the first may be lost."""
+    foot = len(buffer) - len(MAGIC) - 20
+    if foot < len(MAGIC) or bytes(buffer[-len(MAGIC) :]) != MAGIC:
+        return
+    (start,) = struct.unpack_from("<Q", buffer, foot)
+    for record in records(buffer, start or foot, foot):
+        if record.kind in (SCHEMA, CHANNEL) and record.end <= foot:
+            yield record
+
+
 def text(buffer: Buffer, start: int, end: int) -> tuple[str, int]:
     """A length-prefixed string and where it ends; DamageError if it does not fit before `end`."""
     if start + 4 > end:

@@ -54,6 +54,8 @@ def repair(source: Path, target: Path) -> Loss:
         writer = Writer(stream)
         writer.start(profile="ros2", library="trunk_ros")
         copy = _Copy(writer)
+        for record in mcap.repeated(data):
+            copy.record(data, record)
         position = 8
         for record in mcap.records(data, 8, len(data)):
             if record.kind in (mcap.FOOTER, mcap.DATA_END):
