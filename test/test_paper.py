@@ -30,6 +30,8 @@ from trunk_ros.paper.formulas import (
 from trunk_ros.paper.workspace import BOTH, HYSTERESIS, STRETCH, WORST, Workspace, postures, worst_signs
 from trunk_ros.paper.workspace import workspace as over_workspace
 
+DOCUMENTED = (Path(__file__).parents[1] / "docs" / "paper.md").read_text(encoding="utf-8")
+
 
 @pytest.fixture(scope="module")
 def arm() -> Arm:
@@ -138,9 +140,14 @@ def test_the_weight_matters_more_than_the_friction(found: Workspace) -> None:
 
 def test_the_errors_at_the_tip_are_as_documented(arm: Arm) -> None:
     summary = over_workspace(arm).summary()
-    documented = (Path(__file__).parents[1] / "docs" / "paper.md").read_text(encoding="utf-8")
     for cause, lengths in summary.items():
-        assert f"| {cause} | {' | '.join(f'{1e3 * length:.3f}' for length in lengths)} |" in documented
+        assert f"| {cause} | {' | '.join(f'{1e3 * length:.3f}' for length in lengths)} |" in DOCUMENTED
+
+
+@pytest.mark.parametrize("line", [0, 1, 2])
+def test_table_2_is_as_documented(lines: list[Quantity], line: int) -> None:
+    for cells in lines[line].cells().values():
+        assert f" | {' | '.join(cells)} |" in DOCUMENTED
 
 
 def test_worst_signs_are_symmetric(arm: Arm) -> None:
