@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 NOETIC = get_typestore(Stores.ROS1_NOETIC)
-JOINT_STATE = "sensor_msgs/msg/JointState"
+KIND = "sensor_msgs/msg/JointState"
 POSE = "geometry_msgs/msg/PoseStamped"
 START_NS = 1_750_000_000 * 10**9
 JOINTS = ("a", "joint_two", "c")
@@ -37,7 +37,7 @@ def joint_state(
 ) -> Any:
     """sensor_msgs/JointState."""
     values = [np.array(each, dtype=np.float64) for each in (position, velocity, effort)]
-    return store.types[JOINT_STATE](header(stamp_ns, frame, store), list(names), *values)
+    return store.types[KIND](header(stamp_ns, frame, store), list(names), *values)
 
 
 def pose(stamp_ns: int, numbers: Sequence[float], frame: str = "base_link") -> Any:

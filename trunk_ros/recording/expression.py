@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.recording.recording import Floats
 
-_LONGEST = 1000
+_LONGEST, _DEEPEST = 1000, 100
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: np.add,
     ast.Sub: np.subtract,
@@ -70,19 +70,21 @@ def parse(text: str) -> Expression:
     return Expression(text, names, tree)
 
 
-def _names(node: ast.expr) -> list[str]:
-    """Columns of a tree; ValueError at anything that is not arithmetic."""
+def _names(node: ast.expr, depth: int = 0) -> list[str]:
+    """Columns of a tree; ValueError at anything that is not arithmetic, or that is nested without end."""
+    if depth > _DEEPEST:
+        raise ValueError("is nested too deeply")
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):
         return []
     if isinstance(node, ast.Name):
         return [] if node.id in _CONSTANTS else [node.id]
     if isinstance(node, ast.UnaryOp) and type(node.op) in _UNARY:
-        return _names(node.operand)
+        return _names(node.operand, depth + 1)
     if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
-        return _names(node.left) + _names(node.right)
+        return _names(node.left, depth + 1) + _names(node.right, depth + 1)
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
         _check_call(node.func.id, len(node.args))
-        return [name for each in node.args for name in _names(each)]
+        return [name for each in node.args for name in _names(each, depth + 1)]
     raise ValueError(f"may hold columns, numbers, + - * / ** and {', '.join(_FUNCTIONS)}")
 
 

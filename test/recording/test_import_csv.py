@@ -1,0 +1,168 @@
+"""Tables that others recorded become bags, in SI units and with their own joint names."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trunk_ros.errors import ArgumentError, RecordingError
+from trunk_ros.recording.import_csv import main, read_csv
+from trunk_ros.recording.mapping import parse_mapping
+from trunk_ros.recording.read import read_recording
+
+REAL = Path(__file__).resolve().parents[2].parent / "shared/real"
+real = pytest.mark.skipif(not REAL.is_dir(), reason="no shared recordings here")
+
+
+def position(*columns: object, unit: object = "rad") -> dict[str, object]:
+    return {"position": {"columns": list(columns), "unit": unit}}
+
+
+def mapping(**entries: object):
+    content = {"time": {"column": "t", "unit": "s"}, "joints": ["a"], "joint_states": position("x")}
+    content.update(entries)
+    return parse_mapping({key: value for key, value in content.items() if value is not None})
+
+
+def table(tmp_path: Path, text: str) -> Path:
+    file = tmp_path / "table.csv"
+    file.write_text(text)
+    return file
+
+
+def test_units_become_si_and_are_kept_where_they_are_not_rad(tmp_path):
+    units = mapping(joints=["a", "b"], joint_states=position("x", "y", unit=["deg", "mm"]))
+    recording = read_csv(table(tmp_path, "t,x,y\n0,180,1000\n1,90,500\n"), units)
+    np.testing.assert_allclose(recording.require("joint_states").position, [[np.pi, 1], [np.pi / 2, 0.5]])
+    assert recording.units == {"b": "m"}
+    assert (recording.unit("a"), recording.unit("b")) == ("rad", "m")
+
+
+def test_a_column_may_be_an_expression(tmp_path):
+    recording = read_csv(
+        table(tmp_path, "t,x,y\n0,1,2\n1,3,4\n"), mapping(joint_states=position({"expr": "x+y/2"}))
+    )
+    assert recording.require("joint_states").position.tolist() == [[2.0], [5.0]]
+
+
+def test_without_a_time_column_the_rate_gives_the_stamps(tmp_path):
+    recording = read_csv(table(tmp_path, "x\n1\n2\n3\n"), mapping(time=None, rate_hz=40))
+    assert recording.require("joint_states").stamp.tolist() == [0.0, 0.025, 0.05]
+
+
+def test_of_rows_with_the_same_stamp_the_first_counts_and_the_others_are_counted(tmp_path):
+    recording = read_csv(table(tmp_path, "t,x\n0,1\n1,2\n1,3\n1,4\n2,5\n"), mapping())
+    assert recording.require("joint_states").position.ravel().tolist() == [1, 2, 5]
+    assert "2 rows repeated a stamp: the first of each counts" in recording.notes
+
+
+def test_rows_out_of_order_are_sorted_and_rows_without_time_left_out(tmp_path):
+    recording = read_csv(table(tmp_path, "t,x\n2,3\n,9\n0,1\n1,2\n"), mapping())
+    assert recording.require("joint_states").position.ravel().tolist() == [1, 2, 3]
+    assert {"1 rows have no time and are left out", "1 rows out of order, sorted by stamp"} <= set(
+        recording.notes
+    )
+
+
+def test_a_time_that_begins_below_0_is_moved_and_one_in_the_wrong_unit_refused(tmp_path):
+    recording = read_csv(table(tmp_path, "t,x\n-2,1\n-1,2\n"), mapping())
+    assert recording.start_ns == 0
+    assert any("moved to begin at 0" in note for note in recording.notes)
+    with pytest.raises(RecordingError, match="is its unit right"):
+        read_csv(table(tmp_path, "t,x\n1750000000000,1\n1750000000010,2\n"), mapping())
+
+
+def test_empty_fields_and_nan_are_masked_and_counted(tmp_path):
+    recording = read_csv(table(tmp_path, "t,x\n0,1\n1,\n2,nan\n3,NA\n4,2\n"), mapping())
+    assert np.isnan(recording.require("joint_states").position).sum() == 3
+    assert "joint_states: 3 values not finite, masked" in recording.notes
+
+
+def test_a_column_without_a_finite_value_is_an_error(tmp_path):
+    with pytest.raises(RecordingError, match="joint_states has no finite position of a"):
+        read_csv(table(tmp_path, "t,x\n0,\n1,nan\n"), mapping())
+
+
+def test_a_missing_column_is_named_with_those_that_exist(tmp_path):
+    with pytest.raises(RecordingError, match=r"has no column x; there are t, y$"):
+        read_csv(table(tmp_path, "t,y\n0,1\n"), mapping())
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "has no column"),
+        ("t,x\n", "has a header and no rows"),
+        ("t,x\n0,1\n1,two\n", "line 3: 'two' is not a number"),
+        ("t,x\n0,1\n1\n2,3\n", "line 3 has fewer fields"),
+        ("t,x,x\n0,1,2\n", "has several columns x"),
+        ("t,x\n0,1" + "1" * 200_000, "is not CSV"),
+    ],
+)
+def test_what_cannot_be_read_is_named_in_one_line(tmp_path, text, said):
+    with pytest.raises(RecordingError) as caught:
+        read_csv(table(tmp_path, text), mapping())
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_last_line_that_is_cut_is_left_out_and_said(tmp_path):
+    recording = read_csv(table(tmp_path, "t,x\n0,1\n1,2\n2"), mapping())
+    assert len(recording.require("joint_states").stamp) == 2
+    assert "the last line (4) is cut and left out" in recording.notes
+
+
+def test_a_table_of_a_spreadsheet_is_read(tmp_path):
+    file = tmp_path / "table.csv"
+    file.write_bytes("\ufefft ; x\r\n0;1\r\n\r\n1;2\r\n".encode())
+    assert read_csv(file, mapping(delimiter=";")).require("joint_states").position.tolist() == [[1.0], [2.0]]
+
+
+def test_the_command_writes_a_bag_that_keeps_joints_units_and_notes(tmp_path, capsys):
+    (tmp_path / "map.yaml").write_text(
+        "time: {column: t, unit: s}\njoints: [slide]\njoint_states: {position: {columns: [x], unit: mm}}\n"
+    )
+    csv = table(tmp_path, "t,x\n5,1\n5,1\n6,2\n")
+    arguments = [str(csv), "--mapping", str(tmp_path / "map.yaml"), "--output", str(tmp_path / "bag")]
+    assert main(arguments) == 0
+    recording = read_recording(tmp_path / "bag")
+    assert (recording.joints, recording.units, recording.start_ns) == (("slide",), {"slide": "m"}, 5 * 10**9)
+    assert "1 rows repeated a stamp: the first of each counts" in recording.notes
+    assert "repeated a stamp" in capsys.readouterr().out
+    with pytest.raises(ArgumentError, match="exists"):
+        main(arguments)
+    assert main([*arguments, "--overwrite"]) == 0
+
+
+def test_arguments_that_are_missing_are_one_line():
+    with pytest.raises(ArgumentError, match="--output"):
+        main(["x.csv", "--mapping", "dvrk-wrist"])
+
+
+@real
+@pytest.mark.parametrize(
+    ("file", "name", "joints", "topics"),
+    [
+        ("dvrk-wrist/exp1", "dvrk-wrist", 6, {"gearbox_states", "joint_states"}),
+        ("tendon-sheath/test0224", "tendon-sheath", 1, {"gearbox_states", "joint_states"}),
+        ("tendon-sheath/odd_test", "tendon-sheath", 1, {"gearbox_states", "joint_states"}),
+        ("tendon-sheath/sheath_180deg", "tendon-sheath", 1, {"gearbox_states", "joint_states"}),
+        ("tendon-sheath/ff", "tendon-sheath-feedforward", 1, {"gearbox_states", "joint_states", "reference"}),
+        ("flexible-link/flexarm_K1_6", "flexible-link", 1, {"gearbox_states", "joint_states", "setpoints"}),
+        ("tip-compliance/z-0.105_28", "tip-compliance", 1, {"gearbox_states", "joint_states"}),
+    ],
+)
+def test_the_mappings_fit_the_data_that_they_are_for(file, name, joints, topics):
+    recording = read_csv(REAL / f"{file}.csv", name)
+    assert set(recording.series) == topics
+    assert len(recording.joints) == joints
+
+
+@real
+def test_the_tip_gives_way_by_what_its_readme_says():
+    recording = read_csv(REAL / "tip-compliance/z-0.105_28.csv", "tip-compliance")
+    gearbox, tip = recording.require("gearbox_states"), recording.require("joint_states")
+    gives_way = tip.position[:, 0] - gearbox.position[:, 0]
+    load = -gearbox.effort[:, 0]  # the motors push against it
+    assert np.polyfit(load, gives_way, 1)[0] == pytest.approx(0.2e-3, abs=0.02e-3)
+    assert recording.units == {"tip_z": "m"}
