@@ -116,6 +116,6 @@ def test_decoding_is_at_least_five_times_as_fast_as_message_by_message():
 
 
 def seconds(action) -> float:
-    begin = time.perf_counter()
+    begin = time.process_time()
     action()
-    return time.perf_counter() - begin
+    return time.process_time() - begin

@@ -16,15 +16,22 @@ _HEAD = 22
 
 @dataclass
 class _Scan:
-    """Schemas and channels met so far, and the messages of the buffer at hand: (channel is read later)."""
+    """Schemas and channels met so far, and how often what was damaged and left out."""
 
     contents: Contents
     wanted: Callable[[str], bool]
     schemas: dict[int, str] = field(default_factory=dict)
     channels: dict[int, mcap.Channel] = field(default_factory=dict)
+    skipped: dict[str, int] = field(default_factory=lambda: defaultdict(int))
 
     def note(self, buffer: mcap.Buffer, record: mcap.Record) -> None:
-        """Take in a schema, a channel or a metadata record."""
+        """Take in a schema, a channel or a metadata record; a damaged one is counted."""
+        try:
+            self._note(buffer, record)
+        except DamageError as error:
+            self.skipped[str(error)] += 1
+
+    def _note(self, buffer: mcap.Buffer, record: mcap.Record) -> None:
         if record.kind == mcap.SCHEMA:
             schema = mcap.schema(buffer, record)
             self.schemas[schema.id] = schema.name
@@ -37,17 +44,20 @@ class _Scan:
             if name == "trunk_ros":
                 self.contents.custom.update(entries)
 
-    def blocks(self, buffer: mcap.Buffer, spans: list[tuple[int, int]]) -> Iterator[Block]:
-        """Blocks of the message records that lie at `spans` (start, end) of the buffer."""
-        if not spans:
+    def blocks(self, buffer: mcap.Buffer, starts: list[int], end: int) -> Iterator[Block]:
+        """Blocks of the messages that begin at `starts` of the buffer, one after the other up to `end`."""
+        if not starts:
             return
         data = np.frombuffer(buffer, dtype=np.uint8)
-        span = np.array(spans, dtype=np.int64)
+        span = np.array([*starts, end], dtype=np.int64)
+        span = np.column_stack([span[:-1] + mcap.FRAME, span[1:]])
         span = span[span[:, 1] - span[:, 0] >= _HEAD]
         number = _integers(data, span[:, 0], "<u2")
         for each in np.unique(number):
             channel = self.channels.get(int(each))
-            if channel is not None and self.wanted(channel.topic):
+            if channel is None:
+                self.skipped["has a message of no known topic"] += int((number == each).sum())
+            elif self.wanted(channel.topic):
                 yield self._block(data, span[number == each], channel)
 
     def _block(self, data: Bytes, span: Whole, channel: mcap.Channel) -> Block:
@@ -55,6 +65,25 @@ class _Scan:
         log_ns = _integers(data, span[:, 0] + 6, "<i8")
         kind = self.contents.topics[channel.topic]
         return Block(channel.topic, kind, channel.encoding, data, start, span[:, 1] - start, log_ns)
+
+    def chunk(self, data: mcap.Buffer, record: mcap.Record) -> Iterator[Block]:
+        """Blocks of a chunk, of one that is cut as far as it is whole; a damaged one is left out."""
+        try:
+            content = mcap.open_chunk(data, record, len(data)).data
+        except DamageError as error:
+            if record.end <= len(data):
+                self.skipped[str(error)] += 1
+            return
+        inner: mcap.Record | None
+        at = 0
+        while True:
+            starts, at = mcap.messages(content, at, len(content), len(content))
+            yield from self.blocks(content, starts, at)
+            inner = mcap.record_at(content, at, len(content))
+            if inner is None or inner.end > len(content):
+                return
+            self.note(content, inner)
+            at = inner.end
 
 
 def _integers(data: Bytes, start: Whole, kind: str) -> Whole:
@@ -70,53 +99,25 @@ def read_mcap(
     data = mapped(path)
     if bytes(data[:8]) != mcap.MAGIC:
         raise DamageError("is not an MCAP file")
-    scan, skipped = _Scan(contents, wanted), defaultdict[str, int](int)
+    scan = _Scan(contents, wanted)
     for record in mcap.repeated(data):
-        _note(scan, data, record, skipped)
-    pending: list[tuple[int, int]] = []
-    ended, position = False, 8
-    for record in mcap.records(data, 8, len(data)):
-        cut = record.end > len(data)
-        position = record.start - 9 if cut else record.end
-        if record.kind == mcap.MESSAGE and not cut:
-            pending.append((record.start, record.end))
-        if record.kind == mcap.CHUNK or len(pending) >= _BATCH:
-            yield from scan.blocks(data, pending)
-            pending = []
-            progress(min(record.end, len(data)) / len(data))
-        if record.kind == mcap.CHUNK:
-            yield from _chunk(scan, data, record, skipped)
-        elif record.kind in (mcap.FOOTER, mcap.DATA_END):
-            ended = True
+        scan.note(data, record)
+    at, ended = 8, False
+    while not ended:
+        starts, at = mcap.messages(data, at, len(data), _BATCH)
+        yield from scan.blocks(data, starts, at)
+        following = mcap.record_at(data, at, len(data))
+        if following is None:
             break
-        elif not cut:
-            _note(scan, data, record, skipped)
-    yield from scan.blocks(data, pending)
-    contents.damage += [f"{count} times: it {what}; that part is left out" for what, count in skipped.items()]
+        if following.kind == mcap.CHUNK:
+            yield from scan.chunk(data, following)
+            progress(min(following.end, len(data)) / len(data))
+        if following.end > len(data):
+            break
+        ended = following.kind in (mcap.FOOTER, mcap.DATA_END)
+        scan.note(data, following)
+        at = following.end if following.kind != mcap.MESSAGE else at
+    for what, count in scan.skipped.items():
+        contents.damage.append(f"{count} times: it {what}; that part is left out")
     if not ended:
-        contents.damage.append(f"it breaks off: of {len(data)} bytes the first {position} are whole")
-
-
-def _note(scan: _Scan, buffer: mcap.Buffer, record: mcap.Record, skipped: dict[str, int]) -> None:
-    try:
-        scan.note(buffer, record)
-    except DamageError as error:
-        skipped[str(error)] += 1
-
-
-def _chunk(scan: _Scan, data: mcap.Buffer, record: mcap.Record, skipped: dict[str, int]) -> Iterator[Block]:
-    try:
-        chunk = mcap.open_chunk(data, record, len(data))
-    except DamageError as error:
-        if record.end <= len(data):
-            skipped[str(error)] += 1
-        return
-    spans = []
-    for inner in mcap.records(chunk.data, 0, len(chunk.data)):
-        if inner.end > len(chunk.data):
-            break
-        if inner.kind == mcap.MESSAGE:
-            spans.append((inner.start, inner.end))
-        else:
-            _note(scan, chunk.data, inner, skipped)
-    yield from scan.blocks(chunk.data, spans)
+        contents.damage.append(f"it breaks off: of {len(data)} bytes the first {at} are whole")

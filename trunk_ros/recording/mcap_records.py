@@ -10,6 +10,7 @@ import lz4.frame
 from trunk_ros.recording.block import LARGEST_CHUNK, DamageError, unzstd
 
 MAGIC = b"\x89MCAP0\r\n"
+FRAME = 9  # bytes of kind and length before each record
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
 
 Buffer: TypeAlias = bytes | memoryview
@@ -51,19 +52,41 @@ class Chunk(NamedTuple):
     whole: bool
 
 
-def records(buffer: Buffer, start: int, end: int) -> Iterator[Record]:
-    """Every record that begins in buffer[start:end]; the last one may end beyond: then it is cut.
+def record_at(buffer: Buffer, start: int, end: int) -> Record | None:
+    """The record that begins at `start`, or None at the end; one that ends beyond `end` is cut.
 
-    Stops at a record of kind 0, which does not exist: so look the zeros that a power cut leaves behind.
+    A record of kind 0 does not exist and is an end too: so look the zeros that a power cut leaves behind.
     """
-    unpack, head = _FRAME.unpack_from, _FRAME.size
-    while start + head <= end:
+    if start + FRAME > end:
+        return None
+    kind, size = _FRAME.unpack_from(buffer, start)
+    return Record(kind, start + FRAME, start + FRAME + size) if kind else None
+
+
+def records(buffer: Buffer, start: int, end: int) -> Iterator[Record]:
+    """Every record that begins in buffer[start:end]; the last one may be cut."""
+    while (record := record_at(buffer, start, end)) is not None:
+        yield record
+        start = record.end
+
+
+def messages(buffer: Buffer, start: int, end: int, most: int) -> tuple[list[int], int]:
+    """Where each of the messages begins that stand one after the other from `start` on, and where they end.
+
+    This is the loop over all messages of a file: nothing else is done in it.
+    """
+    unpack, head = _FRAME.unpack_from, FRAME
+    starts: list[int] = []
+    last = end - head
+    for _ in range(most):
+        if start > last:
+            break
         kind, size = unpack(buffer, start)
-        if not kind:
-            return
-        start += head
-        yield Record(kind, start, start + size)
-        start += size
+        if kind != MESSAGE or start + head + size > end:
+            break
+        starts.append(start)
+        start += head + size
+    return starts, start
 
 
 def repeated(buffer: Buffer) -> Iterator[Record]:
