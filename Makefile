@@ -31,8 +31,10 @@ lint: setup
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m mypy
 
+# The nodes' tests measure time, so nothing runs beside them.
 pytest: setup
-	$(PYTHON) -m pytest -q --timeout 120 $(ARGS)
+	$(PYTHON) -m pytest -q --timeout 120 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
+	$(PYTHON) -m pytest -q --timeout 120 test/nodes
 
 bench: setup
 	$(PYTHON) -m test.bench --output bench.json
