@@ -1,8 +1,16 @@
 """Errors that a user can do something about: one line that says what is wrong, where, and what to do."""
 
 
+def one_line(text: str) -> str:
+    """The text without line breaks and control characters: names in foreign files may hold any."""
+    return "".join(character if character.isprintable() else " " for character in text)
+
+
 class TrunkError(Exception):
     """Bad input. The command line prints its one line and exits with 2."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
 
 
 class ArgumentError(TrunkError):

@@ -169,8 +169,27 @@ def test_damaged_mappings(tmp_path, damage):
 
 @FUZZ
 @given(damage=damages())
+@example(damage=[("overwrite", 0.0, b'"')])  # a header that holds all other lines
 def test_damaged_tables(tmp_path, damage):
     (tmp_path / "map.yaml").write_text(MAPPING)
     table = tmp_path / "table.csv"
     table.write_bytes(damaged(TABLE.encode(), damage))
     one_line_or_fine(read_csv, table, tmp_path / "map.yaml")
+
+
+LAUGHS = "".join(f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 9) if i else 'lol'}]\n" for i in range(30))
+MERGES = "".join(f"m{i}: &m{i} {{{f'<<: [*m{i - 1}, *m{i - 1}]' if i else 'a: b'}}}\n" for i in range(40))
+
+
+@pytest.mark.parametrize("bomb", [LAUGHS, MERGES, "[" * 100_000, "? " * 5_000])
+def test_yaml_that_grows_when_it_is_read_is_refused_soon(seeds, tmp_path, bomb):
+    (tmp_path / "map.yaml").write_text(bomb)
+    one_line_or_fine(read_csv, tmp_path / "table.csv", tmp_path / "map.yaml")
+    bag = shutil.copytree(seeds["mcap"].parent, tmp_path / "bag")
+    file = bag / "metadata.yaml"
+    for old, new in (("- mcap.mcap", "- *l29"), ("custom_data: null", "custom_data: {a: *l29}")):
+        text = file.read_text()
+        assert old in text
+        (bag / "metadata.yaml").write_text(bomb + (text.replace(old, new) if bomb == LAUGHS else text))
+        one_line_or_fine(read_recording, bag)
+        file.write_text(text)

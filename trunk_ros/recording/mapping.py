@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording import expression
+from trunk_ros.recording import expression, plain_yaml
 from trunk_ros.recording.expression import Expression
+from trunk_ros.recording.plain_yaml import scalar
 from trunk_ros.recording.topics import JOINT_TOPICS
 from trunk_ros.recording.units import QUANTITIES, TIME_UNITS, UNITS
 from trunk_ros.share import config_names, config_path
 
-_LARGEST = 1 << 20
 TOPICS = tuple(key for key in JOINT_TOPICS if key != "wire_states")
 _KEYS = ("time", "rate_hz", "joints", "delimiter", *TOPICS)
 
@@ -62,13 +60,9 @@ def load_mapping(name: str | Path) -> Mapping:
             raise RecordingError(f"{name}: no such mapping: give a file, or one of {', '.join(names)}")
         path = config_path(f"import/{name}")
     try:
-        if path.stat().st_size > _LARGEST:
-            raise ValueError("too large for a mapping")
-        return parse_mapping(yaml.safe_load(path.read_bytes()))
-    except (OSError, RecursionError, ValueError, yaml.YAMLError) as error:
-        mark = getattr(error, "problem_mark", None)
-        text = f"is not YAML in line {mark.line + 1}" if mark else " ".join(str(error).split())
-        raise RecordingError(f"{name}: {text}") from None
+        return parse_mapping(plain_yaml.load(path.read_bytes()))
+    except (OSError, TypeError, ValueError) as error:
+        raise RecordingError(f"{name}: {' '.join(str(error).split())}") from None
 
 
 def parse_mapping(content: Any) -> Mapping:
@@ -93,7 +87,7 @@ def _table(content: Any, where: str, keys: tuple[str, ...]) -> dict[str, Any]:
         raise ValueError(f"{where} must hold entries of {', '.join(keys)}")
     for key in content:
         if key not in keys:
-            raise ValueError(f"{where} has no entry {str(key)[:40]!r}: there are {', '.join(keys)}")
+            raise ValueError(f"{where} has no entry {scalar(key)[:40]!r}: there are {', '.join(keys)}")
     return content
 
 
@@ -113,9 +107,9 @@ def _positive(value: Any) -> float:
 def _time(value: Any) -> tuple[Expression, float]:
     table = _table(value, "time", ("column", "unit"))
     unit = table.get("unit", "s")
-    if unit not in TIME_UNITS:
-        raise ValueError(f"time: unit {str(unit)[:20]!r} is none of {', '.join(TIME_UNITS)}")
-    return _column(table.get("column"), "time"), TIME_UNITS[unit]
+    if scalar(unit) not in TIME_UNITS:
+        raise ValueError(f"time: unit {scalar(unit)[:20]!r} is none of {', '.join(TIME_UNITS)}")
+    return _column(table.get("column"), "time"), TIME_UNITS[str(unit)]
 
 
 def _topic(key: str, value: Any, joints: int) -> dict[str, Quantity]:
@@ -131,7 +125,7 @@ def _quantity(where: str, name: str, value: Any, joints: int) -> Quantity:
     if not isinstance(columns, list) or len(columns) != joints:
         raise ValueError(f"{where}: columns must be a list with one for each of the {joints} joints")
     units = units if isinstance(units, list) else [units] * joints
-    texts = tuple(str(unit) for unit in units)
+    texts = tuple(scalar(unit) for unit in units)
     if len(texts) != joints or any(unit not in QUANTITIES[name] for unit in texts):
         raise ValueError(f"{where}: unit must be one of {', '.join(QUANTITIES[name])}, or a list of {joints}")
     return Quantity(tuple(_column(each, where) for each in columns), texts)

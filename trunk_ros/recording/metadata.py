@@ -5,23 +5,14 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-import yaml
-
+from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.block import DamageError
+from trunk_ros.recording.plain_yaml import scalar
 
 FILE = "metadata.yaml"
 NEWEST = 9
-_LARGEST = 32 << 20
 _KEY = "rosbag2_bagfile_information"
 _STORAGES = ("mcap", "sqlite3")
-_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
-
-class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
-    """Writes everything out: other readers do not expect YAML's references."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        return True
 
 
 @dataclass(frozen=True)
@@ -68,13 +59,10 @@ def read_metadata(folder: Path) -> BagMetadata:
 
 
 def _load(path: Path) -> Any:
-    if path.stat().st_size > _LARGEST:
-        raise DamageError(f"has a {FILE} of more than {_LARGEST >> 20} MB")
     try:
-        return yaml.load(path.read_bytes(), Loader=_Loader)
-    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" in line {mark.line + 1}" if mark else ""
+        return plain_yaml.load(path.read_bytes())
+    except ValueError as error:
+        where = str(error).removeprefix("is not YAML")
         raise DamageError(f"has a damaged {FILE}{where}: `recover` writes it anew") from None
 
 
@@ -82,36 +70,31 @@ def _parse(information: dict[str, Any]) -> BagMetadata:
     version = int(information["version"])
     if not 1 <= version <= NEWEST:
         raise DamageError(f"has metadata of version {version}: 1 to {NEWEST} can be read")
-    storage = str(information["storage_identifier"])
+    storage = scalar(information["storage_identifier"])
     if storage not in _STORAGES:
         raise DamageError(f"is stored as {storage[:40]!r}: {' and '.join(_STORAGES)} can be read")
-    compression = str(information.get("compression_mode") or "").lower().replace("none", "")
-    method = str(information.get("compression_format") or "")
+    compression = scalar(information.get("compression_mode") or "").lower().replace("none", "")
+    method = scalar(information.get("compression_format") or "")
     if compression not in ("", "file", "message") or (compression and method != "zstd"):
         raise DamageError(f"is compressed as {(method + ' ' + compression)[:40]!r}: zstd can be read")
     custom = information.get("custom_data") or {}
     return BagMetadata(
-        files=tuple(PurePosixPath(str(each)).name for each in information["relative_file_paths"]),
+        files=tuple(PurePosixPath(scalar(each)).name for each in information["relative_file_paths"]),
         storage=storage,
         compression=compression,
         messages=_message_counts(information),
-        custom={str(key): str(value) for key, value in custom.items()},
+        custom={scalar(key): scalar(value) for key, value in custom.items()},
     )
 
 
 def _message_counts(information: dict[str, Any]) -> dict[str, int]:
     topics = information.get("topics_with_message_count") or []
-    return {str(each["topic_metadata"]["name"]): int(each["message_count"]) for each in topics}
-
-
-def plain_yaml(content: Any) -> str:
-    """YAML that other readers take: in order, and without references."""
-    return str(yaml.dump(content, Dumper=_Dumper, sort_keys=False))
+    return {scalar(each["topic_metadata"]["name"]): int(each["message_count"]) for each in topics}
 
 
 def write_metadata(folder: Path, content: dict[str, Any]) -> None:
     """Write metadata.yaml with what `information` gave."""
-    (folder / FILE).write_text(plain_yaml({_KEY: content}))
+    (folder / FILE).write_text(plain_yaml.dump({_KEY: content}))
 
 
 def information(

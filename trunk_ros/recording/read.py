@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-from trunk_ros.errors import RecordingError
+from trunk_ros.errors import RecordingError, one_line
 from trunk_ros.recording.assemble import first_stamp, joint_series
 from trunk_ros.recording.bag import read_blocks
 from trunk_ros.recording.block import Contents, DamageError, Progress
@@ -79,7 +79,7 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     tip = _tip(series.pop(TIP, None), full.get(TIP))
     noted, custom, units = _custom(contents.custom)
     series = _same_order(series)
-    notes = tuple(dict.fromkeys(remarks + noted))
+    notes = tuple(dict.fromkeys(map(one_line, remarks + noted)))
     return Recording(str(path), start_ns, duration, series, tip, notes, units, custom, counts)
 
 

@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import yaml
 from mcap.reader import make_reader
 
 from trunk_ros.errors import RecordingError
+from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.bag import mcap_files
 from trunk_ros.recording.block import DamageError
@@ -116,8 +116,8 @@ def _describe(file: Path) -> tuple[BagFile, list[Topic]]:
 
 
 def _profiles(text: str) -> list[dict[str, Any]]:
-    with suppress(yaml.YAMLError):
-        profiles = yaml.safe_load(text)
+    with suppress(ValueError):
+        profiles = plain_yaml.load(text.encode())
         if isinstance(profiles, list):
             return [each for each in profiles if isinstance(each, dict)]
     return []

@@ -66,13 +66,14 @@ def _read(
 
 
 def _topics(database: sqlite3.Connection) -> list[tuple[int, str, str, str]]:
+    database.text_factory = lambda text: text.decode(errors="replace")
     try:
         if database.execute(_TABLES).fetchone()[0] != 2:
             raise DamageError("is a database without the tables of a recording")
         rows = database.execute(_TOPICS).fetchall()
-    except sqlite3.Error as error:
+        return [(int(number), str(name), str(kind), str(encoding)) for number, name, kind, encoding in rows]
+    except (sqlite3.Error, TypeError, ValueError) as error:
         raise DamageError(f"is a damaged database ({error})") from None
-    return [(int(number), str(name), str(kind), str(encoding)) for number, name, kind, encoding in rows]
 
 
 def _messages(
