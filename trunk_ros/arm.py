@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
+from trunk_ros.moment import moments
 
 GRAVITY = 9.81  # m/s^2, along -z
 
@@ -119,26 +121,26 @@ class Arm:
         """
         if not self.has_load:
             return np.zeros_like(theta)
-        sideways = self._sideways(theta)
-        before = np.cumsum(sideways, axis=1) - sideways
-        weight = self.link_mass * self.gravity
-        beyond = weight[::-1].cumsum()[::-1]
-        moments = weight * (before + sideways / 2)
-        return moments[:, ::-1].cumsum(axis=1)[:, ::-1] - beyond * before + self.payload * self.lever(theta)
+        out = np.empty(theta.shape)
+        moments(np.ascontiguousarray(theta), self._weights, out)
+        return out
 
     def lever(self, theta: Array) -> Array:
         """Moment about each joint per kilogram at the tip [N m/kg], (n, joints)."""
-        if not self.has_geometry:
-            return np.zeros_like(theta)
-        sideways = self._sideways(theta)
-        return np.asarray(self.gravity * sideways[:, ::-1].cumsum(axis=1)[:, ::-1])
+        out = np.zeros(theta.shape)
+        if self.has_geometry:
+            moments(np.ascontiguousarray(theta), self.gravity * self.link_length, out)
+        return out
 
-    def _sideways(self, theta: Array) -> Array:
-        """How far each link reaches along -y, (n, joints) m."""
-        return np.asarray(np.sin(np.cumsum(theta, axis=1)) * self.link_length)
+    @cached_property
+    def _weights(self) -> Array:
+        """(joints,) N m: length of each link times the weight on its end, half of its own included."""
+        on_end = self.link_mass[::-1].cumsum()[::-1] - self.link_mass / 2 + self.payload
+        return np.asarray(self.gravity * on_end * self.link_length)
 
     def only(self, joints: tuple[str, ...]) -> Arm:
-        """The same arm seen through some of its joints, in their order (without geometry: a chain cannot be cut).
+        """The same arm seen through some of its joints, in their order (without geometry: a chain cannot be
+        cut).
 
         Raises ModelError for a joint that the arm does not have.
         """

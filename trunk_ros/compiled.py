@@ -12,5 +12,8 @@ Array = NDArray[np.float64]
 
 
 def compiled(function: Function) -> Function:
-    """Compile a loop over time; the machine code is cached beside the source."""
-    return cast(Function, njit(cache=True, nogil=True)(function))
+    """Compile a loop over time; the machine code is cached beside the source.
+
+    Division by zero gives inf, as in numpy.
+    """
+    return cast(Function, njit(cache=True, nogil=True, error_model="numpy")(function))

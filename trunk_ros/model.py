@@ -1,4 +1,6 @@
-"""The complete model of an arm: its nominal description and the effects found in it; a ROS 2 parameter file on disk."""
+"""The complete model of an arm: its nominal description and the effects found in it; a ROS 2 parameter file
+on disk.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +16,22 @@ import yaml
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.description import ANY_JOINTS, arm_from, arm_parameters, check_names, declared_arm
+from trunk_ros.description import ANY_JOINTS, arm_from, arm_parameters, check_names, checked, declared_arm
 from trunk_ros.description import Declaration as Declaration
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
+from trunk_ros.share import share_folder
 
 Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Model:
-    """An arm and its effects: ``effects[id]`` maps a parameter to (joints,) values, a float where shared, words to lists.
+    """An arm and its effects: ``effects[id]`` maps a parameter to (joints,) values, a float where shared,
+    words to lists.
 
-    ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold their value at its end.
+    ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold
+    their value at its end.
     """
 
     arm: Arm
@@ -51,16 +56,25 @@ class Model:
     def for_joints(self, joints: tuple[str, ...]) -> Model:
         """The model for a recording's joints. Raises ModelError where a joint is not the arm's."""
         if self.any_joints:
-            one = self.arm
-            spread = {name: np.full(len(joints), getattr(one, name)[0]) for name in ("ratio", "dead_band", "lower", "upper")}
-            return replace(self, arm=replace(one, joints=joints, **spread))
+            return replace(
+                self,
+                arm=_spread(self.arm, joints),
+                effects={
+                    name: {key: _per_joint(value, len(joints)) for key, value in values.items()}
+                    for name, values in self.effects.items()
+                },
+            )
         for joint in joints:
             self.arm.index(joint)
         return self
 
     def bound(self, stage: str) -> list[Effect]:
         """The effects of a stage as blocks over all joints, in physical order."""
-        return [bind(name, values, self.arm.joints) for name, values in self.in_order() if effect(name).stage == stage]
+        return [
+            bind(name, values, self.arm.joints)
+            for name, values in self.in_order()
+            if effect(name).stage == stage
+        ]
 
     def in_order(self) -> list[tuple[str, Values]]:
         """The effects that the model has, in the registry's order."""
@@ -72,21 +86,31 @@ class Model:
         flat["model.duration"] = float(self.duration)
         for name, values in self.in_order():
             for key, value in values.items():
-                flat[f"effects.{name}.{key}"] = value.tolist() if isinstance(value, np.ndarray) else value
+                flat[f"effects.{name}.{key}"] = np.asarray(value).tolist()
         return flat
 
     @staticmethod
     def from_parameters(flat: Mapping[str, Any]) -> Model:
-        """The model of flat ROS parameters. Raises ModelError for unknown names, lengths or values out of bounds."""
-        check_names(flat, {d.name for d in declared_parameters()})
-        arm = arm_from(flat)
+        """The model of flat ROS parameters.
+
+        Raises ModelError for unknown names, lengths or values out of bounds.
+        """
+        declared = {d.name: d for d in declared_parameters()}
+        check_names(flat, declared)
+        given = {name: checked(declared[name], value) for name, value in flat.items()}
+        arm = arm_from(given)
         effects: dict[str, Values] = {}
         for name, kind in registry().items():
-            given = {key.split(".", 2)[2]: value for key, value in flat.items() if key.startswith(f"effects.{name}.")}
-            values = _effect_values(kind, given, arm.joints)
+            own = {
+                key.split(".", 2)[2]: value
+                for key, value in given.items()
+                if key.startswith(f"effects.{name}.")
+            }
+            values = _effect_values(kind, own, arm.joints)
             if values:
                 effects[name] = values
-        return Model(arm, effects, float(flat.get("model.duration", 0.0)))
+        _check_rivals(effects)
+        return Model(arm, effects, given.get("model.duration", 0.0))
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""
@@ -95,37 +119,61 @@ class Model:
 
 
 def bind(name: str, values: Values, joints: tuple[str, ...]) -> Effect:
-    """An effect over all joints from a model's values."""
+    """An effect over all joints from a model's values. Raises ModelError for words that name none of them."""
     kind = effect(name)
     numbers: dict[str, Array] = {
-        p.name: np.broadcast_to(np.asarray(values.get(p.name, p.null), dtype=float), (len(joints),)) for p in kind.parameters
+        p.name: np.broadcast_to(np.asarray(values.get(p.name, p.null), dtype=float), (len(joints),)).copy()
+        for p in kind.parameters
     }
-    return kind(numbers, {text: tuple(values[text]) for text in kind.texts if text in values}, str(values.get("form", "")))
+    block = kind(
+        numbers,
+        {text: tuple(values[text]) for text in kind.texts if text in values},
+        str(values.get("form", "")),
+    )
+    if joints != (ANY_JOINTS,):
+        block.check(joints)
+    return block
 
 
 def _effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[str, ...]) -> Values:
     """A model's values of one effect; empty where everything is at its null."""
     values: Values = {}
     for p in kind.parameters:
-        numbers = np.atleast_1d(np.asarray(given.get(p.name, []), dtype=float))
-        if not numbers.size or np.all(numbers == p.null):
-            continue
-        where = f"effects.{kind.id}.{p.name}"
-        if numbers.size not in (1, len(joints)) or (p.shared and numbers.size != 1):
-            raise ModelError(f"{where} has {numbers.size} values: give {1 if p.shared else len(joints)}")
-        if not np.all((numbers >= p.bounds[0]) & (numbers <= p.bounds[1])):
-            raise ModelError(f"{where} = {numbers.tolist()} is outside {p.bounds[0]:g} ... {p.bounds[1]:g} {p.unit}")
-        values[p.name] = float(numbers[0]) if p.shared else np.broadcast_to(numbers, (len(joints),)).copy()
+        numbers = np.atleast_1d(given.get(p.name, p.null))
+        if numbers.size not in (1, len(joints)):
+            raise ModelError(f"effects.{kind.id}.{p.name} has {numbers.size} values for {len(joints)} joints")
+        if np.any(numbers != p.null):
+            values[p.name] = float(numbers[0]) if p.shared else _per_joint(numbers, len(joints))
     if not values:
         return {}
-    for text in kind.texts:
-        words = [str(word) for word in given.get(text, [])]
-        if any(words):
-            values[text] = words
-    if given.get("form"):
-        values["form"] = str(given["form"])
-    bind(kind.id, values, joints)
+    words = {text: _per_joint(given[text], len(joints)) for text in kind.texts if any(given.get(text, []))}
+    form = {"form": given["form"]} if given.get("form") else {}
+    bind(kind.id, values | words | form, joints)
+    return values | words | form
+
+
+def _check_rivals(effects: Mapping[str, Values]) -> None:
+    """Raise ModelError where one effect includes another that the model has as well."""
+    for name in effects:
+        for other in effect(name).replaces:
+            if other in effects:
+                raise ModelError(f"effects.{name} includes effects.{other}: leave one of them out")
+
+
+def _per_joint(values: Any, joints: int) -> Any:
+    """One value or word stands for all joints; shared values stay as they are."""
+    if isinstance(values, list):
+        return values * joints if len(values) == 1 else values
+    if isinstance(values, np.ndarray):
+        return np.broadcast_to(values, (joints,)).copy() if len(values) == 1 else values
     return values
+
+
+def _spread(arm: Arm, joints: tuple[str, ...]) -> Arm:
+    """The arm with as many joints as that, each like its only one."""
+    names = ("ratio", "dead_band", "lower", "upper", "compliance", "link_length", "link_mass")
+    arrays: dict[str, Any] = {name: _per_joint(getattr(arm, name), len(joints)) for name in names}
+    return replace(arm, joints=joints, wire=None, **arrays)
 
 
 def declared_parameters() -> list[Declaration]:
@@ -134,38 +182,56 @@ def declared_parameters() -> list[Declaration]:
     for name, kind in registry().items():
         for p in kind.parameters:
             default: Any = float(p.null) if p.shared else [float(p.null)]
-            declared.append(Declaration(f"effects.{name}.{p.name}", default, p.unit, p.bounds, f"{name}: {p.meaning}"))
+            declared.append(
+                Declaration(f"effects.{name}.{p.name}", default, p.unit, p.bounds, f"{name}: {p.meaning}")
+            )
         for text in kind.texts:
-            declared.append(Declaration(f"effects.{name}.{text}", [""], "", None, f"{name}: {text}, one word per joint"))
+            declared.append(
+                Declaration(f"effects.{name}.{text}", [""], "", None, f"{name}: {text}, one word per joint")
+            )
         if len(kind.forms) > 1:
             forms = ", ".join(kind.forms)
-            declared.append(Declaration(f"effects.{name}.form", kind.forms[0], "", None, f"{name}: one of {forms}"))
+            declared.append(
+                Declaration(f"effects.{name}.form", kind.forms[0], "", None, f"{name}: one of {forms}")
+            )
     return declared
 
 
 def load_model(name: str | Path) -> Model:
     """Read a model file, or one of those in config/ by name. Raises ModelError in one line."""
-    path = Path(name)
-    if not path.is_file():
-        from trunk_ros.share import config_path
-
-        path = config_path(f"{name}.yaml") if "/" not in str(name) and path.suffix != ".yaml" else path
+    path = _model_path(name)
     try:
         content = yaml.safe_load(path.read_text())
-    except (OSError, UnicodeDecodeError) as error:
-        raise ModelError(f"cannot read the model {path}: {getattr(error, 'strerror', None) or error}") from None
-    except yaml.YAMLError as error:
+    except OSError as error:
+        raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise ModelError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
     try:
-        tree = next(iter(content.values()))["ros__parameters"]
-    except (AttributeError, KeyError, TypeError, StopIteration):
-        raise ModelError(f"{path} is not a ROS 2 parameter file: it wants '/**: ros__parameters:' at the top") from None
-    try:
-        return Model.from_parameters(dict(_flatten(tree)))
+        return Model.from_parameters(dict(_flatten(_tree(content))))
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
-    except (TypeError, ValueError) as error:
-        raise ModelError(f"{path}: a parameter has a value of the wrong kind ({error})") from None
+    except RecursionError:
+        raise ModelError(f"{path}: parameters are nested too deeply") from None
+
+
+def _model_path(name: str | Path) -> Path:
+    path = Path(name)
+    if path.is_file() or len(path.parts) != 1 or path.suffix == ".yaml":
+        return path
+    known = {file.stem: file for file in sorted((share_folder() / "config").glob("*.yaml"))}
+    if str(name) not in known:
+        raise ModelError(f"no model {str(name)!r}: give a file or one of {', '.join(known)}")
+    return known[str(name)]
+
+
+def _tree(content: Any) -> dict[str, Any]:
+    """The parameters under '/**', or under the only node there is."""
+    nodes = content if isinstance(content, dict) else {}
+    node = nodes.get("/**") or next(iter(nodes.values()), None)
+    tree = node.get("ros__parameters") if isinstance(node, dict) else None
+    if not isinstance(tree, dict):
+        raise ModelError("not a ROS 2 parameter file: it wants '/**: ros__parameters:' at the top")
+    return {key: value for key, value in tree.items() if key != "use_sim_time"}
 
 
 def save_model(model: Model, path: Path) -> None:
@@ -177,11 +243,17 @@ def save_model(model: Model, path: Path) -> None:
         for parent in parents:
             branch = branch.setdefault(parent, {})
         branch[leaf] = value
-    text = yaml.safe_dump({"/**": {"ros__parameters": tree}}, sort_keys=False, default_flow_style=None, width=120)
+    text = yaml.safe_dump(
+        {"/**": {"ros__parameters": tree}}, sort_keys=False, default_flow_style=None, width=120
+    )
     path.write_text(text)
 
 
 def _flatten(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
     if not isinstance(tree, dict):
         return [(prefix, tree)]
-    return [pair for key, value in tree.items() for pair in _flatten(value, f"{prefix}.{key}" if prefix else str(key))]
+    return [
+        pair
+        for key, value in tree.items()
+        for pair in _flatten(value, f"{prefix}.{key}" if prefix else str(key))
+    ]

@@ -8,7 +8,8 @@ from typing import Literal
 class Parameter:
     """One number of an effect, per joint unless ``shared``.
 
-    ``null`` is the value at which the effect is absent, ``typical`` a usual size: the fit's first step and scale.
+    ``null`` is the value at which the effect is absent, ``typical`` a usual size: the fit's first step and
+    scale.
     ``scan`` holds start values where a fit from ``typical`` alone would miss the optimum.
     """
 

@@ -1,4 +1,6 @@
-"""One file, one phenomenon. Files in this folder, and in those named by TRUNK_ROS_EFFECTS, are found by themselves."""
+"""One file, one phenomenon. Files in this folder, and in those named by TRUNK_ROS_EFFECTS, are found by
+themselves.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +23,11 @@ def registry() -> dict[str, type[Effect]]:
     found: dict[str, type[Effect]] = {}
     for module in _modules():
         for item in vars(module).values():
-            if isinstance(item, type) and issubclass(item, Effect) and item.id:
-                found[item.id] = item
+            known = isinstance(item, type) and issubclass(item, Effect) and item.id
+            if known and found.setdefault(item.id, item) is not item:
+                raise ModelError(
+                    f"{module.__file__} defines the effect {item.id!r}, which exists: choose another id"
+                )
     stages = ("servo", "wire", "arm")
     return dict(sorted(found.items(), key=lambda pair: (stages.index(pair[1].stage), pair[1].place, pair[0])))
 
@@ -39,6 +44,8 @@ def _modules() -> Iterator[ModuleType]:
     for _, name, _ in pkgutil.walk_packages(__path__, __name__ + "."):
         yield importlib.import_module(name)
     for folder in filter(None, os.environ.get("TRUNK_ROS_EFFECTS", "").split(os.pathsep)):
+        if not Path(folder).is_dir():
+            raise ModelError(f"TRUNK_ROS_EFFECTS names {folder}, which is not a folder")
         for path in sorted(Path(folder).glob("*.py")):
             yield _load(path)
 
@@ -48,7 +55,12 @@ def _load(path: Path) -> ModuleType:
     if spec is None or spec.loader is None:
         raise ModelError(f"cannot load an effect from {path}")
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise ModelError(
+            f"cannot load an effect from {path}: {type(error).__name__}: {' '.join(str(error).split())}"
+        ) from error
     return module
 
 

@@ -65,7 +65,9 @@ class Core:
 
 
 class Effect(ABC):
-    """One phenomenon. Subclasses state it as data and override ``run`` or ``adjust``, and ``invert`` where possible."""
+    """One phenomenon. Subclasses state it as data and override ``run`` or ``adjust``, and ``invert`` where
+    possible.
+    """
 
     id: ClassVar[str] = ""
     stage: ClassVar[Stage]
@@ -83,9 +85,13 @@ class Effect(ABC):
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
     scalable: ClassVar[bool] = True
-    """The effect grows in proportion to its first parameter's distance from null, so that a linear look finds its size."""
+    """The effect grows in proportion to its first parameter's distance from null, so that a linear look
+    finds its size.
+    """
     needs: ClassVar[tuple[str, ...]] = ()
-    """``load``: the arm must have masses; ``dead_band``: a nominal dead band; ``several``: more than one joint."""
+    """``load``: the arm must have masses; ``dead_band``: a nominal dead band; ``several``: more than one
+    joint.
+    """
     replaces: ClassVar[tuple[str, ...]] = ()
     """Effects that this one includes: never both at once."""
     confused_with: ClassVar[tuple[tuple[str, str], ...]] = ()
@@ -93,10 +99,17 @@ class Effect(ABC):
 
     CORE: ClassVar[int] = 100
 
-    def __init__(self, values: Mapping[str, Array], texts: Mapping[str, tuple[str, ...]] | None = None, form: str = ""):
-        """Bind parameter values, each (columns,); ``form`` is one of ``forms``. Raises ModelError for an unknown form."""
+    def __init__(
+        self, values: Mapping[str, Array], texts: Mapping[str, tuple[str, ...]] | None = None, form: str = ""
+    ):
+        """Bind parameter values, each (columns,); ``form`` is one of ``forms``.
+
+        Raises ModelError for an unknown form.
+        """
         if form and form not in self.forms:
-            raise ModelError(f"{self.id} has no form {form!r}: choose one of {', '.join(filter(None, self.forms))}")
+            raise ModelError(
+                f"{self.id} has no form {form!r}: choose one of {', '.join(filter(None, self.forms))}"
+            )
         self.values = values
         self.words = texts or {}
         self.form = form or self.forms[0]
@@ -105,7 +118,7 @@ class Effect(ABC):
         return self.values[name]
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        """Pass a signal (n, columns) through the phenomenon; ``state`` is None at the start of a recording."""
+        """Pass a signal through the phenomenon; ``state`` is None at the start of a recording."""
         return x, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
@@ -114,6 +127,13 @@ class Effect(ABC):
 
     def adjust(self, core: Core, now: Now) -> None:
         """Change the core's settings in place of acting on the signal."""
+        return None
+
+    def check(self, joints: tuple[str, ...]) -> None:
+        """Raise ModelError where the words do not fit the arm's joints."""
+        for text, words in self.words.items():
+            if len(words) != len(joints):
+                raise ModelError(f"effects.{self.id}.{text} has {len(words)} words for {len(joints)} joints")
 
     def starts(self, now: Now, column: int) -> list[dict[str, Any]]:
         """Start values for a fit on one column: every combination of the scanned parameters."""
@@ -145,4 +165,6 @@ class Effect(ABC):
         for parameter in cls.parameters:
             if parameter.name == name:
                 return parameter
-        raise ModelError(f"{cls.id} has no parameter {name!r}: it has {', '.join(p.name for p in cls.parameters)}")
+        raise ModelError(
+            f"{cls.id} has no parameter {name!r}: it has {', '.join(p.name for p in cls.parameters)}"
+        )

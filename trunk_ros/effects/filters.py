@@ -6,61 +6,94 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 
-
-@compiled
-def lowpass(x: Array, dt: Array, time_constant: Array, x_before: Array, y_before: Array, out: Array) -> None:
-    """First-order lag of ``x`` (n, columns); ``x_before`` and ``y_before`` (columns,) are the state."""
-    steps, columns = x.shape
-    for j in range(columns):
-        t = time_constant[j]
-        last_dt = -1.0
-        decay = 1.0
-        for k in range(steps):
-            if t < 1e-9:
-                y_before[j] = x[k, j]
-            elif dt[k] > 0.0:
-                if dt[k] != last_dt:
-                    last_dt = dt[k]
-                    decay = np.exp(-last_dt / t)
-                behind = (x[k, j] - x_before[j]) / last_dt * t
-                y_before[j] = x[k, j] - behind + (y_before[j] - x_before[j] + behind) * decay
-            x_before[j] = x[k, j]
-            out[k, j] = y_before[j]
+# Relative difference up to which two steps of time count as one, so that their exponentials are kept.
+SAME = 1e-9
+INSTANT = 1e-9  # s
 
 
 @compiled
-def oscillator(x: Array, dt: Array, omega: Array, zeta: Array, state: Array, out: Array) -> None:
-    """y'' + 2 zeta omega y' + omega^2 y = omega^2 x; ``state`` (3, columns) holds x, y and y' of the sample before."""
+def lowpass(x: Array, dt: Array, time_constant: Array, before: Array, out: Array) -> None:
+    """First-order lag of ``x`` (n, columns); ``before`` (2, columns) holds input and output of the sample
+    before.
+    """
     steps, columns = x.shape
-    for j in range(columns):
-        w = omega[j]
-        z = min(max(zeta[j], 0.0), 0.999)
-        damped = w * np.sqrt(1.0 - z * z)
-        last_dt = -1.0
-        c, s = 1.0, 0.0
-        for k in range(steps):
-            if w <= 0.0:
-                state[1, j] = x[k, j]
-            elif dt[k] > 0.0:
-                if dt[k] != last_dt:
-                    last_dt = dt[k]
-                    decay = np.exp(-z * w * last_dt)
-                    c = decay * np.cos(damped * last_dt)
-                    s = decay * np.sin(damped * last_dt)
-                slope = (x[k, j] - state[0, j]) / last_dt
-                behind = 2.0 * z * slope / w
-                off = state[1, j] - state[0, j] + behind
-                rate = state[2, j] - slope
-                swing = (rate + z * w * off) / damped
-                state[1, j] = x[k, j] - behind + off * c + swing * s
-                state[2, j] = slope - z * w * (off * c + swing * s) + damped * (swing * c - off * s)
-            state[0, j] = x[k, j]
-            out[k, j] = state[1, j]
+    ramp, decay = np.empty(columns), np.empty(columns)
+    known = -1.0
+    for k in range(steps):
+        if abs(dt[k] - known) > SAME * known:
+            known = dt[k]
+            for j in range(columns):
+                ramp[j], decay[j] = lag_step(known, time_constant[j])
+        for j in range(columns):
+            new, old, y = x[k, j], before[0, j], before[1, j]
+            y = ramp[j] * new + (1.0 - ramp[j] - decay[j]) * old + decay[j] * y
+            before[0, j] = new
+            before[1, j] = y
+            out[k, j] = y
+
+
+@compiled
+def lag_step(dt: float, time_constant: float) -> tuple[float, float]:
+    """Shares of the new input and of the old output in the new output of a first-order lag; the old input
+    has the rest.
+    """
+    if dt <= 0.0:
+        return 0.0, 1.0
+    if time_constant < INSTANT:
+        return 1.0, 0.0
+    decay = np.exp(-dt / time_constant)
+    return 1.0 - time_constant / dt * (1.0 - decay), decay
+
+
+@compiled
+def oscillator(x: Array, dt: Array, omega: Array, zeta: Array, before: Array, out: Array) -> None:
+    """y'' + 2 zeta omega y' + omega^2 y = omega^2 x; ``before`` (3, columns) holds x, y and y' of the
+    sample before.
+
+    An ``omega`` of 0 stands for a rigid link.
+    """
+    steps, columns = x.shape
+    swing = np.zeros((5, columns))
+    known = -1.0
+    for k in range(steps):
+        if abs(dt[k] - known) > SAME * known:
+            known = dt[k]
+            for j in range(columns):
+                swing_step(known, omega[j], zeta[j], swing[:, j])
+        for j in range(columns):
+            if known > 0.0:
+                change = x[k, j] - before[0, j]
+                off = before[1, j] - before[0, j] + swing[4, j] * change
+                rate = before[2, j] - change / known
+                before[1, j] = x[k, j] - swing[4, j] * change + swing[0, j] * off + swing[1, j] * rate
+                before[2, j] = change / known + swing[2, j] * off + swing[3, j] * rate
+            before[0, j] = x[k, j]
+            out[k, j] = before[1, j]
+
+
+@compiled
+def swing_step(dt: float, omega: float, zeta: float, swing: Array) -> None:
+    """Transition (2, 2) of the deviation from a ramp and its rate over ``dt``, and how far the link lags
+    per change of the ramp.
+    """
+    swing[:] = 0.0
+    if omega <= 0.0 or dt <= 0.0:
+        return
+    damped = omega * np.sqrt(1.0 - zeta * zeta)
+    decay = np.exp(-zeta * omega * dt)
+    c, s = decay * np.cos(damped * dt), decay * np.sin(damped * dt) / damped
+    swing[0] = c + zeta * omega * s
+    swing[1] = s
+    swing[2] = -omega * omega * s
+    swing[3] = c - zeta * omega * s
+    swing[4] = 2.0 * zeta / (omega * dt)
 
 
 @compiled
 def delayed(stamp: Array, x: Array, delay: Array, skip: int, out: Array) -> None:
-    """``x`` (m, columns) as it was ``delay`` (columns,) s ago, from row ``skip`` on; cubic, using the past alone."""
+    """``x`` (m, columns) as it was ``delay`` (columns,) s ago, from row ``skip`` on; cubic, using the past
+    alone.
+    """
     rows, columns = x.shape
     for j in range(columns):
         m = 0
@@ -84,8 +117,10 @@ def delayed(stamp: Array, x: Array, delay: Array, skip: int, out: Array) -> None
                 right = (x[m + 2, j] - x[m, j]) / (stamp[m + 2] - stamp[m])
             s = (t - stamp[m]) / h
             out[k - skip, j] = (
-                (1 + 2 * s) * (1 - s) ** 2 * x[m, j] + s * (1 - s) ** 2 * h * left
-                + s * s * (3 - 2 * s) * x[m + 1, j] + s * s * (s - 1) * h * right
+                (1 + 2 * s) * (1 - s) ** 2 * x[m, j]
+                + s * (1 - s) ** 2 * h * left
+                + s * s * (3 - 2 * s) * x[m + 1, j]
+                + s * s * (s - 1) * h * right
             )
 
 

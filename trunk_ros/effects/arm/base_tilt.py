@@ -15,7 +15,9 @@ class BaseTilt(Effect):
     id = "base_tilt"
     stage, place, regime = "arm", 200, "always"
     signature = "The whole arm's picture is turned about the base, the roll is off by a constant."
-    source = "Mooring, Roth & Driels, Fundamentals of Manipulator Calibration (1991), ch. 3: base frame error."
+    source = (
+        "Mooring, Roth & Driels, Fundamentals of Manipulator Calibration (1991), ch. 3: base frame error."
+    )
     parameters = (Parameter("angle", "rad", (-1.0, 1.0), "turn about +X", typical=2e-3, shared=True),)
     everywhere = True
 

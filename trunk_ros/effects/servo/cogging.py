@@ -12,17 +12,36 @@ class Cogging(Effect):
     id = "cogging"
     stage, place, regime = "servo", 100, "posture"
     signature = "The gearbox's error swings periodically over its own angle, moving or not."
-    source = "Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 3: cogging torque over the pole pitch."
+    source = (
+        "Hanselman, Brushless Permanent Magnet Motor Design (2003), ch. 3: "
+        "cogging torque over the pole pitch."
+    )
     parameters = (
         Parameter("amplitude", "rad", (-0.2, 0.2), "size of the swing", typical=2e-4, shared=True),
-        Parameter("cycles_per_rev", "1", (2.0, 200.0), "periods per turn", typical=24.0, null=24.0, shared=True,
-                  scan=tuple(np.geomspace(4.0, 150.0, 70).tolist())),
-        Parameter("phase", "rad", (-10.0, 10.0), "phase at gearbox angle 0", typical=1.0, scan=(0.0, 0.785, 1.571, 2.356)),
+        Parameter(
+            "cycles_per_rev",
+            "1",
+            (2.0, 200.0),
+            "periods per turn",
+            typical=24.0,
+            null=24.0,
+            shared=True,
+            scan=tuple(np.geomspace(4.0, 150.0, 70).tolist()),
+        ),
+        Parameter(
+            "phase",
+            "rad",
+            (-10.0, 10.0),
+            "phase at gearbox angle 0",
+            typical=1.0,
+            scan=(0.0, 0.785, 1.571, 2.356),
+        ),
     )
     everywhere = True
     compensable = False
-    confused_with = (("load_droop", "turn one joint alone over its whole range: a cogging comes back many times"),)
+    confused_with = (
+        ("load_droop", "turn one joint alone over its whole range: a cogging comes back many times"),
+    )
 
     def adjust(self, core: Core, now: Now) -> None:
-        columns = now.gearbox.shape[1]
-        core.cogging = np.vstack([np.broadcast_to(self[p.name], (columns,)) for p in self.parameters])
+        core.cogging = np.vstack([np.broadcast_to(self[p.name], now.ratio.shape) for p in self.parameters])

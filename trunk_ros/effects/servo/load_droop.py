@@ -11,7 +11,9 @@ class LoadDroop(Effect):
     stage, place, regime = "servo", 100, "posture"
     signature = "The gearbox stands off its setpoint in proportion to the weight on the joint."
     source = "Proportional loop without integral part: standing error = moment over loop stiffness."
-    parameters = (Parameter("gain", "rad/(N*m)", (-5.0, 5.0), "standing error per moment", typical=1e-3, shared=True),)
+    parameters = (
+        Parameter("gain", "rad/(N*m)", (-5.0, 5.0), "standing error per moment", typical=1e-3, shared=True),
+    )
     needs = ("load",)
     everywhere = True
 

@@ -11,14 +11,24 @@ STEP = 0.002  # s
 
 @compiled
 def servo_loop(
-    setpoint: Array, stamp: Array, kp: Array, tau_v: Array, v_max: Array, delay: Array, pull: Array, cogging: Array,
-    skip: int, state: Array, out: Array,
+    setpoint: Array,
+    stamp: Array,
+    kp: Array,
+    tau_v: Array,
+    v_max: Array,
+    delay: Array,
+    pull: Array,
+    cogging: Array,
+    skip: int,
+    state: Array,
+    out: Array,
 ) -> None:
     """Gearbox angle at each stamp, before the setpoint of that stamp acts.
 
-    ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may still need; ``state``
-    (2, columns) holds angle and speed at row ``skip - 1``. ``out`` (m - skip, columns). Within a step that a late setpoint
-    falls into, its time-weighted mean acts, so that the result is smooth in the delay.
+    ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need;
+    ``pull`` and ``out`` (m - skip, columns); ``state`` (2, columns) is angle and speed at row ``skip - 1``.
+    Within a step that a late setpoint falls into, its time-weighted mean acts: the result is smooth in the
+    delay.
     """
     rows, columns = setpoint.shape
     for j in range(columns):
@@ -38,7 +48,7 @@ def servo_loop(
                     if held + 1 < k and stamp[held + 1] < t + h - 1e-9:
                         share = (t + h - stamp[held + 1]) / h
                         target += share * (setpoint[held + 1, j] - target)
-                    target += pull[k, j] + cogging[0, j] * np.sin(cogging[1, j] * phi + cogging[2, j])
+                    target += pull[k - skip, j] + cogging[0, j] * np.sin(cogging[1, j] * phi + cogging[2, j])
                     v_ref = min(max(kp[j] * (target - phi), -v_max[j]), v_max[j])
                     v += smooth * (v_ref - v)
                     phi += h * v

@@ -11,10 +11,16 @@ class ServoBandwidth(Effect):
     stage, place, regime = "servo", 100, "high_speed"
     signature = "The gearbox lags the setpoint in proportion to speed, more or less than nominal."
     source = "Position loop with gain Kp: velocity lag v/Kp."
-    parameters = (Parameter("relative", "1", (-0.95, 9.0), "relative error of the position gain", typical=0.1, shared=True),)
+    parameters = (
+        Parameter(
+            "relative", "1", (-0.95, 9.0), "relative error of the position gain", typical=0.1, shared=True
+        ),
+    )
     everywhere = True
     compensable = False
-    confused_with = (("servo_delay", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),)
+    confused_with = (
+        ("servo_delay", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),
+    )
 
     def adjust(self, core: Core, now: Now) -> None:
         core.kp = core.kp * (1.0 + self["relative"])

@@ -11,11 +11,22 @@ class ServoDelay(Effect):
     stage, place, regime = "servo", 100, "high_speed"
     signature = "The gearbox follows the setpoint's whole curve later than the loop would."
     source = "Transport delay of the field bus."
-    parameters = (Parameter("delay", "s", (0.0, 0.5), "age of a setpoint when it acts", typical=0.01, shared=True,
-                            scan=(0.005, 0.02, 0.08)),)
+    parameters = (
+        Parameter(
+            "delay",
+            "s",
+            (0.0, 0.5),
+            "age of a setpoint when it acts",
+            typical=0.01,
+            shared=True,
+            scan=(0.005, 0.02, 0.08),
+        ),
+    )
     everywhere = True
     compensable = False
-    confused_with = (("servo_bandwidth", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),)
+    confused_with = (
+        ("servo_bandwidth", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),
+    )
 
     def adjust(self, core: Core, now: Now) -> None:
         core.delay = core.delay + self["delay"]

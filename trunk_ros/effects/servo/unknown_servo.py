@@ -1,11 +1,14 @@
-"""Physics of the servo that no name fits: a smooth curve added to the gearbox angle."""
+"""Physics of the servo that no name fits."""
 
-from trunk_ros.effects.wire.unknown import Unknown
+from trunk_ros.effects.curve import Curve
 
 
-class UnknownServo(Unknown):
-    """phi += curve(x)."""
+class UnknownServo(Curve):
+    """phi += curve(x), x being position (ratio phi), speed, time, load or another joint's angle, held
+    beyond its ends.
+    """
 
     id = "unknown_servo"
-    stage, place, regime = "servo", 250, "posture"
+    stage = "servo"
+    place = 250
     compensable = False

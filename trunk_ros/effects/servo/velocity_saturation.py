@@ -15,10 +15,22 @@ class VelocitySaturation(Effect):
     id = "velocity_saturation"
     stage, place, regime = "servo", 100, "high_speed"
     scalable = False
-    signature = "In fast moves the gearbox falls behind at a constant speed, and follows exactly in slow ones."
+    signature = (
+        "In fast moves the gearbox falls behind at a constant speed, and follows exactly in slow ones."
+    )
     source = "Supply voltage over the motor's back-EMF constant bounds its speed."
-    parameters = (Parameter("v_max", "rad/s", (1e-3, UNLIMITED), "top speed of the gearbox shaft", typical=0.8, null=UNLIMITED,
-                            scale="log", shared=True),)
+    parameters = (
+        Parameter(
+            "v_max",
+            "rad/s",
+            (1e-3, UNLIMITED),
+            "top speed of the gearbox shaft",
+            typical=0.8,
+            null=UNLIMITED,
+            scale="log",
+            shared=True,
+        ),
+    )
     everywhere = True
     compensable = False
 

@@ -9,11 +9,17 @@ class Backlash(Effect):
 
     id = "backlash"
     stage, place, regime = "wire", 100, "reversal"
-    signature = "The residual is a square wave with the sign of the motion, the same at every speed and posture."
+    signature = (
+        "The residual is a square wave with the sign of the motion, the same at every speed and posture."
+    )
     source = "Nordin & Gutman (2002), Automatica 38(10): backlash as a play operator, eq. (1)."
-    parameters = (Parameter("half_width", "rad", (0.0, 1.0), "added half-width of the dead band", typical=3e-4),)
-    confused_with = (("tension_error", "compare joints: a tension error scales the nominal dead bands of all"),
-                     ("presliding_hysteresis", "reverse with small amplitudes: a dead band lets nothing through"))
+    parameters = (
+        Parameter("half_width", "rad", (0.0, 1.0), "added half-width of the dead band", typical=3e-4),
+    )
+    confused_with = (
+        ("tension_error", "compare joints: a tension error scales the nominal dead bands of all"),
+        ("presliding_hysteresis", "reverse with small amplitudes: a dead band lets nothing through"),
+    )
 
     def adjust(self, core: Core, now: Now) -> None:
         core.width = core.width + self["half_width"]

@@ -1,11 +1,13 @@
 """Another joint's angle changes the path of this joint's wire."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
 SOURCES = 3
@@ -13,7 +15,9 @@ SOURCES = 3
 
 def _gain(k: int) -> Parameter:
     name = "gain" if k == 1 else f"gain_{k}"
-    return Parameter(name, "1", (-3.0, 3.0), "joint angle per angle of the source", typical=0.005, optional=k > 1)
+    return Parameter(
+        name, "1", (-3.0, 3.0), "joint angle per angle of the source", typical=0.005, optional=k > 1
+    )
 
 
 class JointCoupling(Effect):
@@ -26,7 +30,9 @@ class JointCoupling(Effect):
     parameters = tuple(_gain(k) for k in range(1, SOURCES + 1))
     texts = ("source", *(f"source_{k}" for k in range(2, SOURCES + 1)))
     needs = ("several",)
-    confused_with = (("load_elasticity", "hold this joint and turn others so that the arm's reach stays the same"),)
+    confused_with = (
+        ("load_elasticity", "hold this joint and turn others so that the arm's reach stays the same"),
+    )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._pull(now), None
@@ -34,11 +40,35 @@ class JointCoupling(Effect):
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return y - self._pull(now), None
 
+    def check(self, joints: tuple[str, ...]) -> None:
+        super().check(joints)
+        for gain, text in self.pairs():
+            for column, (value, source) in enumerate(
+                zip(self[gain], self.words.get(text, ("",) * len(joints)), strict=True)
+            ):
+                if value != 0.0 and (source not in joints or source == joints[column]):
+                    others = ", ".join(joint for joint in joints if joint != joints[column])
+                    raise ModelError(
+                        f"effects.{self.id}.{text} of {joints[column]} is {source!r}: choose from {others}"
+                    )
+
+    def pairs(self) -> list[tuple[str, str]]:
+        """Names of each gain and the source that belongs to it."""
+        return [(p.name, text) for p, text in zip(self.parameters, self.texts, strict=True)]
+
+    @cached_property
+    def _links(self) -> list[tuple[int, str, float]]:
+        """Column, source and gain of each coupling that there is."""
+        return [
+            (column, source, float(self[gain][column]))
+            for gain, text in self.pairs()
+            for column, source in enumerate(self.words.get(text, ()))
+            if source and self[gain][column] != 0.0
+        ]
+
     def _pull(self, now: Now) -> Array:
         """(n, columns) rad that the sources add."""
-        pulled = np.zeros_like(now.gearbox)
-        for gain, text in zip((p.name for p in self.parameters), self.texts, strict=True):
-            for column, source in enumerate(self.words.get(text, ())):
-                if source and self[gain][column] != 0.0:
-                    pulled[:, column] += self[gain][column] * now.angles[:, now.joints.index(source)]
+        pulled = np.zeros((len(now.stamp), len(now.ratio)))
+        for column, source, gain in self._links:
+            pulled[:, column] += gain * now.angles[:, now.joints.index(source)]
         return pulled

@@ -19,11 +19,30 @@ class LinkResonance(Effect):
     stage, place, regime = "wire", 500, "high_speed"
     scalable = False
     signature = "After fast moves and stops the residual rings at a frequency of its own."
-    source = "Spong (1987), J. Dyn. Syst. 109(4): flexible joint, link inertia on the transmission's stiffness."
+    source = (
+        "Spong (1987), J. Dyn. Syst. 109(4): flexible joint, link inertia on the transmission's stiffness."
+    )
     parameters = (
-        Parameter("frequency", "Hz", (0.2, RIGID), "natural frequency", typical=6.0, null=RIGID, scale="log",
-                  scan=tuple(np.geomspace(1.0, 25.0, 14).tolist())),
-        Parameter("damping", "1", (0.002, 0.95), "damping ratio", typical=0.1, null=0.1, scale="log", scan=(0.05, 0.2)),
+        Parameter(
+            "frequency",
+            "Hz",
+            (0.2, RIGID),
+            "natural frequency",
+            typical=6.0,
+            null=RIGID,
+            scale="log",
+            scan=tuple(np.geomspace(1.0, 25.0, 14).tolist()),
+        ),
+        Parameter(
+            "damping",
+            "1",
+            (0.002, 0.95),
+            "damping ratio",
+            typical=0.1,
+            null=0.1,
+            scale="log",
+            scan=(0.05, 0.2),
+        ),
     )
     confused_with = (("viscous_lag", "stop abruptly: a lag does not ring"),)
 
@@ -31,7 +50,7 @@ class LinkResonance(Effect):
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
         omega = np.where(self["frequency"] >= RIGID, 0.0, 2 * np.pi * self["frequency"])
-        oscillator(x, now.dt, np.broadcast_to(omega, x.shape[1:]), np.broadcast_to(self["damping"], x.shape[1:]), state, out)
+        oscillator(x, now.dt, omega, self["damping"], state, out)
         return out, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:

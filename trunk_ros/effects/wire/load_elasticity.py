@@ -16,12 +16,17 @@ class LoadElasticity(Effect):
     id = "load_elasticity"
     stage, place, regime = "wire", 200, "posture"
     signature = "The joint sags under weight: the residual follows the reach of all that hangs on the joint."
-    source = "Hooke: compliance = l_i/(E A_s R_c^2); Ciofu & Stan, sect. 4: deformation from the resistance moment."
+    source = (
+        "Hooke: compliance = l_i/(E A_s R_c^2); Ciofu & Stan, sect. 4: "
+        "deformation from the resistance moment."
+    )
     parameters = (COMPLIANCE, PAYLOAD)
     needs = ("load",)
     everywhere = True
-    confused_with = (("ratio_error", "move the other joints: a ratio error does not care"),
-                     ("joint_coupling", "reach the same moment with different joints"))
+    confused_with = (
+        ("ratio_error", "move the other joints: a ratio error does not care"),
+        ("joint_coupling", "reach the same moment with different joints"),
+    )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self["compliance"] * now.load, None

@@ -1,6 +1,7 @@
-"""The friction element of the wire: a play operator, sharp or spread.
+"""The friction element of the wire: a play operator.
 
-``theta[k] = clip(theta[k-1], u[k] - w[k], u[k] + w[k])`` is the paper's deflection against the direction of motion.
+``theta[k] = clip(theta[k-1], u[k] - w[k], u[k] + w[k])`` is the paper's deflection against the direction of
+motion.
 """
 
 from __future__ import annotations
@@ -11,54 +12,60 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 
+JITTER = 1e-9  # rad: a turn below this is rounding, and no reason to cross the dead band
+
 
 @compiled
-def play(u: Array, width: Array, theta: Array, out: Array) -> None:
-    """Play of half-width ``width`` (1 or n, columns) over ``u`` (n, columns); ``theta`` (columns,) is the state."""
-    steps, columns = u.shape
-    varying = width.shape[0] > 1
-    for j in range(columns):
-        held = theta[j]
-        w = width[0, j]
-        for k in range(steps):
-            if varying:
-                w = width[k, j]
-            held = min(max(held, u[k, j] - w), u[k, j] + w)
-            out[k, j] = held
-        theta[j] = held
+def play(x: Array, scale: Array, width: Array, theta: Array, out: Array) -> None:
+    """Play of half-width ``width`` (1 or n, columns) over ``scale x`` (n, columns); ``theta`` (columns,) is
+    the state.
+    """
+    steps, columns = x.shape
+    stride = 1 if width.shape[0] > 1 else 0
+    for k in range(steps):
+        for j in range(columns):
+            w = max(width[k * stride, j], 0.0)
+            u = x[k, j] * scale[j]
+            theta[j] = min(max(theta[j], u - w), u + w)
+            out[k, j] = theta[j]
 
 
 @compiled
 def play_inverse(y: Array, width: Array, theta: Array, u: Array, out: Array) -> None:
     """The input of least motion that takes the play from its state to ``y`` at each step."""
     steps, columns = y.shape
-    varying = width.shape[0] > 1
-    for j in range(columns):
-        for k in range(steps):
-            w = width[k, j] if varying else width[0, j]
-            if y[k, j] > theta[j]:
-                u[j] = y[k, j] + w
-            elif y[k, j] < theta[j]:
-                u[j] = y[k, j] - w
+    stride = 1 if width.shape[0] > 1 else 0
+    for k in range(steps):
+        for j in range(columns):
+            w = max(width[k * stride, j], 0.0)
+            ahead = y[k, j] - theta[j]
+            if ahead > (0.0 if u[j] > theta[j] else JITTER):
+                theta[j] = y[k, j]
+                u[j] = theta[j] + w
+            elif ahead < (0.0 if u[j] < theta[j] else -JITTER):
+                theta[j] = y[k, j]
+                u[j] = theta[j] - w
             else:
-                u[j] = min(max(u[j], y[k, j] - w), y[k, j] + w)
-            theta[j] = y[k, j]
+                u[j] = min(max(u[j], theta[j] - w), theta[j] + w)
             out[k, j] = u[j]
 
 
 class SharpPlay:
     """The nominal friction element."""
 
-    def run(self, u: Array, width: Array, state: Any) -> tuple[Array, Any]:
-        """Pass ``u`` (n, columns) through the play; the memory starts at its centre."""
-        theta = u[0].copy() if state is None else state.copy()
+    def run(self, u: Array, width: Array, state: Any, scale: Array | None = None) -> tuple[Array, Any]:
+        """Pass ``u`` (n, columns), times ``scale`` (columns,), through the play; the memory starts at its
+        centre.
+        """
+        factor = np.ones(u.shape[1]) if scale is None else scale
+        theta = u[0] * factor if state is None else state.copy()
         out = np.empty_like(u)
-        play(u, np.maximum(width, 0.0), theta, out)
+        play(u, factor, width, theta, out)
         return out, theta
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
         """Least motion that gives ``y``; the memory starts at its centre."""
         theta, u = (y[0].copy(), y[0].copy()) if state is None else (state[0].copy(), state[1].copy())
         out = np.empty_like(y)
-        play_inverse(y, np.maximum(width, 0.0), theta, u, out)
+        play_inverse(y, width, theta, u, out)
         return out, (theta, u)

@@ -18,21 +18,33 @@ class PreslidingHysteresis(Effect):
     """The play's half-width w is followed by a rounded zone of ``width``.
 
     spread: plays of half-widths w ... w + width (Prandtl-Ishlinskii, the same as Maxwell slip elements);
-    bouc_wen, bouc_wen_2: h' = u' (1 - abs(h/H)^n (1 + sign(u' h))/2) with n = 1, 2; dahl: n = 1 with half the stiffness;
+    bouc_wen, bouc_wen_2: h' = u' (1 - abs(h/H)^n (1 + sign(u' h))/2) with n = 1, 2; dahl: n = 1 with half
+    the stiffness;
     H = width/2 behind a play of half-width w.
     """
 
     id = "presliding_hysteresis"
     stage, place, regime = "wire", 100, "reversal"
     signature = "Loops against position that are rounded at the reversals and shrink with the amplitude."
-    source = "Al-Bender & De Moerloose (2011), Int. J. Struct. Stab. Dyn.; Bouc-Wen: Ismail et al. (2009), eq. (2); Dahl (1968)."
+    source = (
+        "Al-Bender & De Moerloose (2011), Int. J. Struct. Stab. Dyn.; "
+        "Bouc-Wen: Ismail et al. (2009), eq. (2); Dahl (1968)."
+    )
     forms = ("spread", "bouc_wen", "bouc_wen_2", "dahl")
     parameters = (
-        Parameter("width", "rad", (0.0, 3.0), "half the travel after a reversal until it slides fully, less w", typical=1e-3,
-                  scan=(5e-4, 2e-3)),
+        Parameter(
+            "width",
+            "rad",
+            (0.0, 3.0),
+            "half the travel after a reversal until it slides fully, less w",
+            typical=1e-3,
+            scan=(5e-4, 2e-3),
+        ),
     )
-    confused_with = (("backlash", "reverse with small amplitudes: a dead band lets nothing through"),
-                     ("stribeck_friction", "reverse at one speed with several amplitudes"))
+    confused_with = (
+        ("backlash", "reverse with small amplitudes: a dead band lets nothing through"),
+        ("stribeck_friction", "reverse at one speed with several amplitudes"),
+    )
 
     def adjust(self, core: Core, now: Now) -> None:
         if np.any(self["width"] != 0.0):
@@ -47,7 +59,9 @@ class RoundedPlay:
         self.kind = kind
 
     def run(self, u: Array, width: Array, state: Any) -> tuple[Array, Any]:
-        """As SharpPlay.run; state (PLAYS, columns): plays, or for the others the play, the input and the force."""
+        """As SharpPlay.run; state (PLAYS, columns): plays, or for the others the play, the input and the
+        force.
+        """
         memory = self._memory(u, state)
         out = np.empty_like(u)
         rounded(u, np.maximum(width, 0.0), self.width, self.kind, memory, out)
@@ -55,7 +69,9 @@ class RoundedPlay:
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
         """As SharpPlay.invert, by bisection: the element's output grows with its input."""
-        memory, u = (self._memory(y, None), y[0].copy()) if state is None else (state[0].copy(), state[1].copy())
+        memory, u = (
+            (self._memory(y, None), y[0].copy()) if state is None else (state[0].copy(), state[1].copy())
+        )
         out = np.empty_like(y)
         rounded_inverse(y, np.maximum(width, 0.0), self.width, self.kind, memory, u, out)
         return out, (memory, u)
@@ -85,7 +101,7 @@ def step(u: float, w: float, width: float, kind: int, memory: Array) -> float:
     limit = width / 2
     force = memory[2]
     if limit <= 0.0:
-        return memory[0]
+        return float(memory[0])
     side = 1.0 if travel > 0.0 else -1.0
     left = abs(travel)
     toward = force * side
@@ -101,7 +117,7 @@ def step(u: float, w: float, width: float, kind: int, memory: Array) -> float:
         elif left > 0.0:
             toward = limit * np.tanh(np.arctanh(min(toward / limit, 1.0 - 1e-12)) + left / limit)
     memory[2] = toward * side
-    return memory[0] - memory[2]
+    return float(memory[0] - memory[2])
 
 
 @compiled
@@ -119,7 +135,9 @@ def rounded(u: Array, width: Array, rounding: Array, kind: int, memory: Array, o
 
 
 @compiled
-def rounded_inverse(y: Array, width: Array, rounding: Array, kind: int, memory: Array, u: Array, out: Array) -> None:
+def rounded_inverse(
+    y: Array, width: Array, rounding: Array, kind: int, memory: Array, u: Array, out: Array
+) -> None:
     """The input of least motion that takes the element from its state to ``y`` (n, columns)."""
     steps, columns = y.shape
     varying = width.shape[0] > 1
@@ -145,5 +163,3 @@ def rounded_inverse(y: Array, width: Array, rounding: Array, kind: int, memory: 
             step(u[j], w, rounding[j], kind, own)
             out[k, j] = u[j]
         memory[:, j] = own
-
-

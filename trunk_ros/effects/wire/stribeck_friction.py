@@ -13,12 +13,23 @@ class StribeckFriction(Effect):
     id = "stribeck_friction"
     stage, place, regime = "wire", 100, "low_speed"
     signature = "A dead band that is wide in slow motion and narrow in fast motion."
-    source = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), eq. (3): exp(-abs(v/v_s)^delta)."
+    source = (
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), eq. (3): "
+        "exp(-abs(v/v_s)^delta)."
+    )
     forms = ("exponential", "gaussian", "hyperbolic")
     parameters = (
         Parameter("amplitude", "rad", (0.0, 1.0), "half-width added at rest", typical=5e-4),
-        Parameter("velocity", "rad/s", (1e-3, 3.0), "joint speed at which it fades", typical=0.05, null=0.05, scale="log",
-                  scan=(0.015, 0.05, 0.15, 0.4)),
+        Parameter(
+            "velocity",
+            "rad/s",
+            (1e-3, 3.0),
+            "joint speed at which it fades",
+            typical=0.05,
+            null=0.05,
+            scale="log",
+            scan=(0.015, 0.05, 0.15, 0.4),
+        ),
     )
     confused_with = (("backlash", "reverse slowly and fast: a backlash stays the same"),)
 

@@ -9,13 +9,27 @@ class TensionError(Effect):
 
     id = "tension_error"
     stage, place, regime = "wire", 100, "reversal"
-    signature = "Square waves with the sign of the motion on all joints, in proportion to their nominal dead bands."
+    signature = (
+        "Square waves with the sign of the motion on all joints, in proportion to their nominal dead bands."
+    )
     source = "Ciofu & Stan, eq. (6)-(8): the elongation is proportional to the pull tension T_i."
-    parameters = (Parameter("factor", "1", (0.0, 50.0), "tension over nominal tension", typical=1.2, null=1.0, shared=True,
-                            scan=(0.7, 1.4)),)
+    parameters = (
+        Parameter(
+            "factor",
+            "1",
+            (0.0, 50.0),
+            "tension over nominal tension",
+            typical=1.2,
+            null=1.0,
+            shared=True,
+            scan=(0.7, 1.4),
+        ),
+    )
     everywhere = True
     needs = ("dead_band",)
-    confused_with = (("backlash", "compare joints: a backlash is not in proportion to the nominal dead bands"),)
+    confused_with = (
+        ("backlash", "compare joints: a backlash is not in proportion to the nominal dead bands"),
+    )
 
     def adjust(self, core: Core, now: Now) -> None:
         core.width = core.width + (self["factor"] - 1.0) * core.nominal_width

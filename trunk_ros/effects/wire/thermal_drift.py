@@ -15,16 +15,29 @@ class ThermalDrift(Effect):
     id = "thermal_drift"
     stage, place, regime = "wire", 40, "time"
     signature = "The residual's mean wanders slowly in one direction in the course of the recording."
-    source = "Newton's law of cooling: an assembly nears its new temperature as exp(-t/time_constant); straight at first."
+    source = (
+        "Newton's law of cooling: an assembly nears its new temperature as "
+        "exp(-t/time_constant); straight at first."
+    )
     forms = ("exponential", "straight")
     parameters = (
         Parameter("amplitude", "rad", (-0.2, 0.2), "drift after a long time", typical=1e-3),
-        Parameter("time_constant", "s", (3.0, 3000.0), "time to 63 % of the drift", typical=60.0, null=60.0, scale="log",
-                  scan=(10.0, 30.0, 90.0)),
+        Parameter(
+            "time_constant",
+            "s",
+            (3.0, 3000.0),
+            "time to 63 % of the drift",
+            typical=60.0,
+            null=60.0,
+            scale="log",
+            scan=(10.0, 30.0, 90.0),
+        ),
         Parameter("rate", "rad/s", (-0.01, 0.01), "speed of a straight drift", typical=1e-5),
     )
-    confused_with = (("viscoelastic_creep", "hold at zero, then far from it: a drift does not care"),
-                     ("wire_slip", "record longer: a slip is over at once"))
+    confused_with = (
+        ("viscoelastic_creep", "hold at zero, then far from it: a drift does not care"),
+        ("wire_slip", "record longer: a slip is over at once"),
+    )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._drift(now), None

@@ -15,12 +15,29 @@ class TransmissionRipple(Effect):
     id = "transmission_ripple"
     stage, place, regime = "wire", 20, "posture"
     signature = "The residual swings periodically over the gearbox angle, the same in both directions."
-    source = "Tuttle & Seering (1996), IEEE T. Robotics Autom. 12(3): kinematic error as a sum of sinusoids of the shaft angle."
+    source = (
+        "Tuttle & Seering (1996), IEEE T. Robotics Autom. 12(3): "
+        "kinematic error as a sum of sinusoids of the shaft angle."
+    )
     parameters = (
         Parameter("amplitude", "rad", (-0.2, 0.2), "size of the swing", typical=3e-4),
-        Parameter("cycles_per_rev", "1", (2.0, 120.0), "periods per turn of the gearbox shaft", typical=12.0, null=12.0,
-                  scan=tuple(np.geomspace(3.0, 90.0, 60).tolist())),
-        Parameter("phase", "rad", (-10.0, 10.0), "phase at gearbox angle 0", typical=1.0, scan=(0.0, 0.785, 1.571, 2.356)),
+        Parameter(
+            "cycles_per_rev",
+            "1",
+            (2.0, 120.0),
+            "periods per turn of the gearbox shaft",
+            typical=12.0,
+            null=12.0,
+            scan=tuple(np.geomspace(3.0, 90.0, 60).tolist()),
+        ),
+        Parameter(
+            "phase",
+            "rad",
+            (-10.0, 10.0),
+            "phase at gearbox angle 0",
+            typical=1.0,
+            scan=(0.0, 0.785, 1.571, 2.356),
+        ),
     )
     confused_with = (("ratio_error", "move over a wide range: a ripple turns back, a ratio error grows"),)
 

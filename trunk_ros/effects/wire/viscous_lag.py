@@ -23,7 +23,7 @@ class ViscousLag(Effect):
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         state = np.vstack([x[0], x[0]]) if state is None else state.copy()
         out = np.empty_like(x)
-        lowpass(x, now.dt, np.broadcast_to(self["time_constant"], x.shape[1:]), state[0], state[1], out)
+        lowpass(x, now.dt, self["time_constant"], state, out)
         return out, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:

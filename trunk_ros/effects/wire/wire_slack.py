@@ -11,22 +11,38 @@ from trunk_ros.parameter import Parameter
 
 
 class WireSlack(Effect):
-    """theta += compliance (tau + sign(tau) max(0, abs(tau) - threshold)): past the threshold one wire carries alone."""
+    """theta += compliance (tau + sign(tau) max(0, abs(tau) - threshold)): past the threshold one wire
+    carries alone.
+    """
 
     id = "wire_slack"
     stage, place, regime = "wire", 200, "posture"
     scalable = False
     signature = "The joint sags under weight, and past some moment more steeply."
-    source = "Antagonistic pair with pretension: stiffness 2k with both wires taut, k with one slack (Kobayashi et al. 1998)."
+    source = (
+        "Antagonistic pair with pretension: "
+        "stiffness 2k with both wires taut, k with one slack (Kobayashi et al. 1998)."
+    )
     parameters = (
-        Parameter("threshold", "N*m", (1e-3, 1e3), "moment at which one wire goes slack", typical=0.05, null=1e3, scale="log"),
-        COMPLIANCE, PAYLOAD,
+        Parameter(
+            "threshold",
+            "N*m",
+            (1e-3, 1e3),
+            "moment at which one wire goes slack",
+            typical=0.05,
+            null=1e3,
+            scale="log",
+        ),
+        COMPLIANCE,
+        PAYLOAD,
     )
     needs = ("load",)
     everywhere = True
     replaces = ("load_elasticity",)
-    confused_with = (("wire_stiffening", "load further: a slack wire softens, a stiffening one hardens"),
-                     ("load_elasticity", "load beyond the threshold"))
+    confused_with = (
+        ("wire_stiffening", "load further: a slack wire softens, a stiffening one hardens"),
+        ("load_elasticity", "load beyond the threshold"),
+    )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._sag(now), None

@@ -17,7 +17,9 @@ class WireSlip(Effect):
     id = "wire_slip"
     stage, place, regime = "wire", 50, "time"
     signature = "The residual's mean jumps at one moment and stays there."
-    source = "Euler-Eytelwein: beyond exp(mu alpha) the wire slides on its wheel at once and does not come back."
+    source = (
+        "Euler-Eytelwein: beyond exp(mu alpha) the wire slides on its wheel at once and does not come back."
+    )
     parameters = (
         Parameter("step", "rad", (-0.5, 0.5), "jump of the zero", typical=1e-3),
         Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0),

@@ -23,14 +23,25 @@ class WireStiffening(Effect):
     source = "Costello, Theory of Wire Rope (1997), ch. 3: strands bed in and stiffen with tension."
     forms = ("tangent", "secant", "smooth")
     parameters = (
-        Parameter("moment", "N*m", (1e-3, 1e3), "moment at which the compliance has halved", typical=0.1, null=1e3, scale="log"),
-        COMPLIANCE, PAYLOAD,
+        Parameter(
+            "moment",
+            "N*m",
+            (1e-3, 1e3),
+            "moment at which the compliance has halved",
+            typical=0.1,
+            null=1e3,
+            scale="log",
+        ),
+        COMPLIANCE,
+        PAYLOAD,
     )
     needs = ("load",)
     everywhere = True
     replaces = ("load_elasticity",)
-    confused_with = (("wire_slack", "load further: a slack wire softens, a stiffening one hardens"),
-                     ("load_elasticity", "load further: only this one bends over"))
+    confused_with = (
+        ("wire_slack", "load further: a slack wire softens, a stiffening one hardens"),
+        ("load_elasticity", "load further: only this one bends over"),
+    )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._sag(now), None

@@ -14,7 +14,9 @@ class ZeroOffset(Effect):
     stage, place, regime = "wire", 800, "always"
     signature = "The residual has a mean that nothing changes."
     source = "Calibration of the zeros."
-    parameters = (Parameter("offset", "rad", (-10.0, 10.0), "joint reading where the gearbox shows zero", typical=1e-3),)
+    parameters = (
+        Parameter("offset", "rad", (-10.0, 10.0), "joint reading where the gearbox shows zero", typical=1e-3),
+    )
     confused_with = (("thermal_drift", "look at the start: a drift begins at zero"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

@@ -1,0 +1,113 @@
+"""Arms, motions and models that the tests of effects share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.effects import Effect, registry
+from trunk_ros.model import Model
+from trunk_ros.parameter import Parameter
+
+CASES = [(name, form) for name, kind in registry().items() for form in kind.forms]
+WIRE = [(name, form) for name, form in CASES if registry()[name].stage == "wire"]
+COMPENSABLE = [(name, form) for name, form in WIRE if registry()[name].compensable]
+
+
+def arm_of(joints: int, dead_band: float = 3e-4) -> Arm:
+    """An arm like the nominal one with as many joints as that; its links weigh less the more there are."""
+    return Arm(
+        joints=tuple(f"joint_{k + 1}" for k in range(joints)),
+        ratio=np.full(joints, 0.625),
+        dead_band=np.full(joints, dead_band),
+        lower=np.full(joints, -0.4),
+        upper=np.full(joints, 0.4),
+        link_length=np.full(joints, 0.25 / joints),
+        link_mass=np.full(joints, 0.25 / joints),
+        compliance=np.linspace(0.02, 0.04, joints),
+    )
+
+
+def motion(stamp: Array, joints: int = 5, amplitude: float = 0.3, pace: float = 1.0) -> Array:
+    """Smooth joint angles (n, joints) that start at rest, each joint at a frequency of its own below 0.4
+    Hz.
+    """
+    rates = 2.0 * np.pi * pace * np.linspace(0.13, 0.37, joints)
+    part = np.clip(stamp / 4.0, 0.0, 1.0)[:, None]
+    rise = part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
+    return (
+        amplitude * rise * np.sin(stamp[:, None] * rates + np.arange(joints)) / (1 + 0.2 * np.arange(joints))
+    )
+
+
+def stamps(seconds: float, rate: float) -> Array:
+    """Even stamps [s] from 0."""
+    return np.arange(round(seconds * rate) + 1) / rate
+
+
+def usual(name: str, parameter: Parameter, joint: int) -> float:
+    """A usual value of a parameter, a little another for each joint."""
+    special = {
+        "onset": 8.0,
+        "low": -0.3,
+        "high": 0.3,
+        "payload": 0.02,
+        "threshold": 0.05,
+        "moment": 0.1,
+        "v_max": 0.3,
+    }
+    if parameter.name in special:
+        return special[parameter.name]
+    if name == "hard_stop":
+        return 0.18 if parameter.name == "upper" else -0.18
+    if parameter.name.startswith("value_"):
+        return parameter.typical * float(np.sin(0.3 * int(parameter.name[-2:])))
+    return float(np.clip(parameter.typical * (1.0 + 0.05 * joint), *parameter.bounds))
+
+
+def values_of(name: str, form: str, joints: int) -> dict[str, Any]:
+    """What a model holds of an effect of usual size on all joints."""
+    kind = registry()[name]
+    values: dict[str, Any] = {"form": form} if form else {}
+    for p in kind.own_parameters(form):
+        own = np.array([usual(name, p, joint) for joint in range(joints)])
+        values[p.name] = float(own[0]) if p.shared else own
+    return values | words_of(kind, joints)
+
+
+def words_of(kind: type[Effect], joints: int) -> dict[str, list[str]]:
+    """Sources and variables: each joint's neighbours, or its own position."""
+    names = [f"joint_{k + 1}" for k in range(joints)]
+    if "on" in kind.texts:
+        return {"on": ["position"] * joints}
+    return {text: [names[k - 1 - i] for k in range(joints)] for i, text in enumerate(kind.texts)}
+
+
+def model_of(name: str, form: str = "", joints: int = 5, dead_band: float = 3e-4) -> Model:
+    """An arm with one effect of usual size."""
+    if joints <= 3 and registry()[name].texts and "on" not in registry()[name].texts:
+        return Model(arm_of(joints, dead_band), {name: few_sources(name, joints)} if joints > 1 else {})
+    return Model(arm_of(joints, dead_band), {name: values_of(name, form, joints)})
+
+
+def few_sources(name: str, joints: int) -> dict[str, Any]:
+    """A coupling with one source, for arms that have no more."""
+    kind = registry()[name]
+    return {
+        kind.parameters[0].name: np.full(joints, 0.005),
+        kind.texts[0]: [f"joint_{k or joints}" for k in range(joints)],
+    }
+
+
+def input_of(model: Model, stage: str, theta: Array) -> Array:
+    """What a stage takes in for joint angles of about ``theta``."""
+    return theta if stage == "arm" else theta / model.arm.ratio
+
+
+def run(model: Model, stage: str, theta: Array, stamp: Array, **more: Any) -> Array:
+    """The stage's output for joint angles of about ``theta``."""
+    return Chain(model, stage).run(input_of(model, stage, theta), stamp, **more)[0]

@@ -1,0 +1,216 @@
+"""What every effect promises, for all that discovery finds and in all their forms."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from test.effects.example import (
+    CASES,
+    COMPENSABLE,
+    WIRE,
+    arm_of,
+    input_of,
+    model_of,
+    motion,
+    run,
+    stamps,
+    values_of,
+    words_of,
+)
+from trunk_ros.chain import Chain, State
+from trunk_ros.effects import registry
+from trunk_ros.effects.effect import Effect
+from trunk_ros.model import Model
+
+NOISE_FLOOR = 1e-5  # rad
+REGIMES = {"always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"}
+OF_TIME = {"thermal_drift", "wire_slip", "friction_wear"}
+every_effect = pytest.mark.parametrize(("name", "form"), CASES)
+
+
+@every_effect
+def test_it_states_what_it_is(name: str, form: str) -> None:
+    kind = registry()[name]
+    assert kind.__doc__ and kind.__doc__ != Effect.__doc__, "the formula is in the docstring"
+    assert kind.signature.endswith(".")
+    assert len(kind.source) > 20
+    assert kind.regime in REGIMES
+    assert kind.own_parameters(form), "an effect has parameters"
+    for other, how in kind.confused_with:
+        assert other in registry()
+        assert how
+
+
+@every_effect
+def test_its_parameters_have_unit_bounds_and_meaning(name: str, form: str) -> None:
+    for p in registry()[name].parameters:
+        assert p.unit
+        assert p.meaning
+        assert p.bounds[0] <= p.null <= p.bounds[1] or p.unit == "1"
+        assert p.bounds[0] <= p.typical <= p.bounds[1]
+        assert all(p.bounds[0] <= start <= p.bounds[1] for start in p.scan)
+        assert p.scale == "linear" or p.bounds[0] > 0.0, "a logarithm needs a positive bound"
+
+
+@every_effect
+def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
+    kind = registry()[name]
+    stamp, theta = stamps(12, 100), motion(stamps(12, 100))
+    lead = kind.own_parameters(form)[0]
+    values = values_of(name, form, 5)
+    with_lead_at_null = {**values, lead.name: lead.null if lead.shared else np.full(5, lead.null)}
+    if name in ("wire_slack", "wire_stiffening"):
+        with_lead_at_null |= {"compliance": np.zeros(5), "payload": 0.0}
+    if kind.own_parameters(form)[0].name == "low":
+        with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters[2:]}
+    with_lead_at_null |= {more: np.zeros(5) for more in ("gain_2", "gain_3") if more in values}
+    without = run(Model(arm_of(5)), kind.stage, theta, stamp)
+    assert run(Model(arm_of(5), {name: with_lead_at_null}), kind.stage, theta, stamp) == pytest.approx(
+        without, abs=1e-12
+    )
+    assert Model.from_parameters(Model(arm_of(5), {name: dict(kind.null())}).parameters()).effects == {}
+
+
+@every_effect
+def test_it_does_something(name: str, form: str) -> None:
+    stamp, theta = stamps(12, 100), motion(stamps(12, 100))
+    stage = registry()[name].stage
+    change = run(model_of(name, form), stage, theta, stamp) - run(Model(arm_of(5)), stage, theta, stamp)
+    assert np.sqrt(np.mean(change**2)) > NOISE_FLOOR
+
+
+@every_effect
+def test_rest_stays_at_rest(name: str, form: str) -> None:
+    """Whatever the posture; what depends on time alone is looked at after it is over."""
+    if name in OF_TIME:
+        pytest.skip("moves with time, in motion or not")
+    stamp = stamps(6, 100)
+    rest = np.broadcast_to(motion(np.array([9.0])), (len(stamp), 5))
+    out = run(model_of(name, form), registry()[name].stage, rest, stamp)
+    settled = len(out) // 2 if registry()[name].stage == "servo" else 0
+    assert np.ptp(out[settled:], axis=0) == pytest.approx(0.0, abs=1e-9)
+
+
+@every_effect
+@settings(max_examples=15, deadline=None)
+@given(data=st.data())
+def test_it_is_finite_over_its_bounds(name: str, form: str, data: Any) -> None:
+    kind = registry()[name]
+    values: dict[str, Any] = {"form": form} if form else {}
+    for p in kind.own_parameters(form):
+        numbers = [data.draw(st.floats(*p.bounds)) for _ in range(1 if p.shared else 5)]
+        values[p.name] = numbers[0] if p.shared else np.array(numbers)
+    if "low" in values:
+        values |= {"low": np.minimum(values["low"], values["high"]) - 1e-3}
+    model = Model(arm_of(5), {name: values | words_of(kind, 5)})
+    stamp = np.cumsum(np.array(data.draw(st.lists(st.floats(1e-6, 3.0), min_size=20, max_size=20))))
+    theta = motion(stamp, amplitude=1.0)
+    assert np.isfinite(run(model, kind.stage, theta, stamp)).all()
+    if (name, form) in COMPENSABLE:
+        assert np.isfinite(Chain(model, "wire").invert(theta, stamp)[0]).all()
+
+
+def in_blocks(chain: Chain, backward: bool, signal: Any, stamp: Any, cuts: list[int]) -> Any:
+    """A signal passed through a chain in blocks."""
+    state: State | None = None
+    parts = []
+    for begin, end in pairwise([0, *cuts, len(stamp)]):
+        way = chain.invert if backward else chain.run
+        part, state = way(signal[begin:end], stamp[begin:end], state)
+        parts.append(part)
+    return np.concatenate(parts)
+
+
+@every_effect
+@settings(max_examples=5, deadline=None)
+@given(cuts=st.sets(st.integers(1, 799), max_size=12), jitter=st.integers(0, 2**31))
+def test_block_by_block_equals_all_at_once(name: str, form: str, cuts: set[int], jitter: int) -> None:
+    stage, model = registry()[name].stage, model_of(name, form)
+    stamp = 0.012 * (np.arange(800) + np.random.default_rng(jitter).uniform(-0.4, 0.4, 800))
+    x = input_of(model, stage, motion(stamp))
+    for backward in (False, True) if (name, form) in COMPENSABLE else (False,):
+        whole = in_blocks(Chain(model, stage), backward, x, stamp, [])
+        assert in_blocks(Chain(model, stage), backward, x, stamp, sorted(cuts)) == pytest.approx(
+            whole, abs=1e-8
+        )
+
+
+@pytest.mark.parametrize(("name", "form"), COMPENSABLE)
+@pytest.mark.parametrize("joints", [1, 2, 5, 7])
+def test_what_its_inverse_asks_for_gives_what_was_wanted(name: str, form: str, joints: int) -> None:
+    model = model_of(name, form, joints)
+    stamp = stamps(16, 100)
+    wanted = motion(stamp, joints, amplitude=0.17)
+    chain = Chain(model, "wire")
+    gearbox, _ = chain.invert(wanted, stamp)
+    speed = np.diff(wanted, axis=0, prepend=wanted[:1]) * 100.0 / model.arm.ratio
+    got, _ = chain.run(gearbox, stamp, velocity=speed)
+    assert got == pytest.approx(wanted, abs=NOISE_FLOOR)
+
+
+@every_effect
+@pytest.mark.parametrize("joints", [1, 2, 5, 7])
+def test_any_number_of_joints_will_do(name: str, form: str, joints: int) -> None:
+    stamp = stamps(4, 100)
+    out = run(model_of(name, form, joints), registry()[name].stage, motion(stamp, joints), stamp)
+    assert out.shape == (len(stamp), 3 if registry()[name].stage == "arm" else joints)
+
+
+@pytest.mark.parametrize(("name", "form"), WIRE)
+def test_the_sampling_rate_does_not_matter(name: str, form: str) -> None:
+    fine, coarse = stamps(20, 500), stamps(20, 100)
+    model = model_of(name, form)
+    difference = run(model, "wire", motion(fine, pace=0.4), fine)[::5] - run(
+        model, "wire", motion(coarse, pace=0.4), coarse
+    )
+    jump = np.abs(coarse - 8.0) < 0.03 if name == "wire_slip" else np.zeros(len(coarse), dtype=bool)
+    assert difference[~jump] == pytest.approx(0.0, abs=2 * NOISE_FLOOR)
+
+
+@pytest.mark.parametrize(("name", "form"), [case for case in CASES if registry()[case[0]].stage == "servo"])
+def test_the_servo_does_not_care_how_often_it_is_looked_at(name: str, form: str) -> None:
+    coarse = stamps(10, 100)
+    fine = stamps(10, 500)
+    setpoint = motion(coarse) / 0.625
+    held = setpoint[np.searchsorted(coarse, fine + 1e-9, side="right") - 1]
+    model = model_of(name, form)
+    often, seldom = (Chain(model, "servo").run(x, t)[0] for x, t in ((held, fine), (setpoint, coarse)))
+    assert often[::5] == pytest.approx(seldom, abs=NOISE_FLOOR)
+
+
+@pytest.mark.parametrize(("name", "form"), WIRE)
+def test_uneven_stamps_and_a_gap_give_the_same_curve(name: str, form: str) -> None:
+    """Half of the samples are lost, and all of them for a second in which the arm goes straight on."""
+    stamp = stamps(16, 200)
+    theta = motion(stamp, pace=0.4)
+    gap = (stamp > 9.0) & (stamp < 10.0)
+    for j in range(5):
+        theta[gap, j] = np.interp(
+            stamp[gap], [9.0, 10.0], [theta[stamp == 9.0, j][0], theta[stamp == 10.0, j][0]]
+        )
+    kept = np.random.default_rng(3).random(len(stamp)) < 0.5
+    kept[[0, -1]] = True
+    kept[(stamp == 9.0) | (stamp == 10.0)] = True
+    kept &= ~gap
+    model = model_of(name, form)
+    difference = run(model, "wire", theta[kept], stamp[kept]) - run(model, "wire", theta, stamp)[kept]
+    sudden = np.abs(stamp[kept] - (8.0 if name == "wire_slip" else 10.0)) < 0.1
+    loose = name in ("stribeck_friction", "sensor_delay", "link_resonance")
+    assert difference[~sudden] == pytest.approx(0.0, abs=1.5e-4 if loose else 3e-5)
+
+
+def test_two_effects_with_memory_never_share_a_place() -> None:
+    stamp = stamps(1, 100)
+    places: dict[tuple[str, int], str] = {}
+    for name, form in CASES:
+        stage = registry()[name].stage
+        _, state = Chain(model_of(name, form), stage).run(motion(stamp), stamp)
+        if state.blocks.get(name) is not None:
+            assert places.setdefault((stage, registry()[name].place), name) == name
+    assert len(places) >= 4

@@ -1,0 +1,140 @@
+"""What the effects of one stage do to a signal, given what they see of the arm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.servo.loop import servo_loop
+from trunk_ros.effects.wire.play import SharpPlay
+
+SENSOR = 700  # wire effects from this place on change the reading, not the joint
+
+Memory = dict[str, Any]
+
+
+@dataclass
+class State:
+    """The memory of a chain between two calls."""
+
+    stamp: float
+    x: Array
+    """(columns,) the last gearbox angle."""
+    angles: Array
+    """(columns,) the last joint angle."""
+    blocks: Memory = field(default_factory=dict)
+    core: Any = None
+
+
+@dataclass(frozen=True)
+class Order:
+    """The effects of a stage, by where they act."""
+
+    path: list[Effect]
+    core: list[Effect]
+    after: list[Effect]
+    sensor: list[Effect]
+
+    @staticmethod
+    def of(effects: Sequence[Effect]) -> Order:
+        """Sort effects that are in physical order already."""
+        return Order(
+            [e for e in effects if e.place < Effect.CORE],
+            [e for e in effects if e.place == Effect.CORE],
+            [e for e in effects if Effect.CORE < e.place < SENSOR],
+            [e for e in effects if e.place >= SENSOR],
+        )
+
+
+def wire_pass(
+    x: Array, now: Now, effects: Sequence[Effect], core: Core, state: State | None
+) -> tuple[Array, Array, State]:
+    """Gearbox angle (n, columns) to joint reading, and to the joint's own angle before the sensor."""
+    order, old, new = Order.of(effects), state.blocks if state else {}, Memory()
+    u, memory = friction(x, now, order, core, state.core if state else None, old, new)
+    true = through(u, order.after, now, old, new)
+    shown = through(true, order.sensor, now, old, new)
+    return shown, true, State(float(now.stamp[-1]), x[-1], true[-1], new, memory)
+
+
+def friction(
+    x: Array, now: Now, order: Order, core: Core, state: Any, old: Memory, new: Memory
+) -> tuple[Array, Any]:
+    """What the wire hands on to the joint, and the friction element's memory."""
+    for e in order.core:
+        e.adjust(core, now)
+    if core.rounding is None and not order.path:
+        return SharpPlay().run(x, core.width, state, now.ratio)
+    u = through(x * now.ratio, order.path, now, old, new)
+    moved: tuple[Array, Any] = (core.rounding or SharpPlay()).run(u, core.width, state)
+    return moved
+
+
+def through(x: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory) -> Array:
+    """Pass a signal (n, columns) through blocks; their memory goes from ``old`` to ``new``."""
+    for e in effects:
+        x, new[e.id] = e.run(x, now, old.get(e.id))
+    return x
+
+
+def back(y: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory) -> Array:
+    """Pass a signal (n, columns) backward through the blocks that can be compensated."""
+    for e in reversed(effects):
+        if e.compensable:
+            y, new[e.id] = e.invert(y, now, old.get(e.id))
+    return y
+
+
+def run_servo(
+    arm: Arm, effects: Sequence[Effect], now: Now, setpoints: Array, stamps: Array, start: Array
+) -> tuple[Array, Array]:
+    """Gearbox angle (n, columns) and the loop's state (2, columns) after it; ``setpoints`` may begin with
+    past rows.
+    """
+    n, columns = len(now.stamp), len(now.ratio)
+    core = Core(
+        kp=np.full(columns, arm.kp),
+        tau_v=np.full(columns, arm.tau_v),
+        v_max=np.full(columns, arm.v_max),
+        delay=np.zeros(columns),
+        pull=np.zeros((n, columns)),
+        cogging=np.zeros((3, columns)),
+    )
+    for e in effects:
+        if e.place == Effect.CORE:
+            e.adjust(core, now)
+    out, state = np.empty((n, columns)), start.copy()
+    skip = len(stamps) - n
+    servo_loop(
+        setpoints,
+        stamps,
+        core.kp,
+        core.tau_v,
+        core.v_max,
+        core.delay,
+        core.pull,
+        core.cogging,
+        skip,
+        state,
+        out,
+    )
+    return out, state
+
+
+def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Array:
+    """Tip (n, 3) of joint angles (n, joints) with the effects of the arm stage."""
+    core = Core(link_length=arm.link_length)
+    for e in effects:
+        if e.place == Effect.CORE:
+            e.adjust(core, now)
+    heading = np.cumsum(theta, axis=1)
+    out = np.column_stack(
+        [-(np.sin(heading) @ core.link_length), np.cos(heading) @ core.link_length, heading[:, -1]]
+    )
+    return through(out, [e for e in effects if e.place > Effect.CORE], now, {}, {})
