@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording import expression, yaml_text
+from trunk_ros.recording import expression, plain_yaml
 from trunk_ros.recording.expression import Expression
+from trunk_ros.recording.plain_yaml import scalar
 from trunk_ros.recording.topics import JOINT_TOPICS
 from trunk_ros.recording.units import QUANTITIES, TIME_UNITS, UNITS
-from trunk_ros.recording.yaml_text import scalar
 from trunk_ros.share import config_names, config_path
 
 TOPICS = tuple(key for key in JOINT_TOPICS if key != "wire_states")
@@ -60,7 +60,7 @@ def load_mapping(name: str | Path) -> Mapping:
             raise RecordingError(f"{name}: no such mapping: give a file, or one of {', '.join(names)}")
         path = config_path(f"import/{name}")
     try:
-        return parse_mapping(yaml_text.load(path.read_bytes()))
+        return parse_mapping(plain_yaml.load(path.read_bytes()))
     except (OSError, TypeError, ValueError) as error:
         raise RecordingError(f"{name}: {' '.join(str(error).split())}") from None
 

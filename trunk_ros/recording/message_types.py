@@ -5,7 +5,7 @@ from typing import Any
 
 from rosbags.typesys import Stores, get_typestore
 
-from trunk_ros.recording.metadata import plain_yaml
+from trunk_ros.recording import plain_yaml
 
 _ENDLESS = {"sec": 9223372036, "nsec": 854775807}
 
@@ -32,4 +32,4 @@ def definition(kind: str) -> tuple[str, str]:
 
 def qos_text(profiles: list[dict[str, Any]]) -> str:
     """Offered profiles as an MCAP channel carries them."""
-    return plain_yaml(profiles).strip()
+    return plain_yaml.dump(profiles).strip()

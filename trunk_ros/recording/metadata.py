@@ -5,23 +5,14 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-import yaml
-
-from trunk_ros.recording import yaml_text
+from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.block import DamageError
-from trunk_ros.recording.yaml_text import scalar
+from trunk_ros.recording.plain_yaml import scalar
 
 FILE = "metadata.yaml"
 NEWEST = 9
 _KEY = "rosbag2_bagfile_information"
 _STORAGES = ("mcap", "sqlite3")
-
-
-class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
-    """Writes everything out: other readers do not expect YAML's references."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        return True
 
 
 @dataclass(frozen=True)
@@ -69,7 +60,7 @@ def read_metadata(folder: Path) -> BagMetadata:
 
 def _load(path: Path) -> Any:
     try:
-        return yaml_text.load(path.read_bytes())
+        return plain_yaml.load(path.read_bytes())
     except ValueError as error:
         where = str(error).removeprefix("is not YAML")
         raise DamageError(f"has a damaged {FILE}{where}: `recover` writes it anew") from None
@@ -101,14 +92,9 @@ def _message_counts(information: dict[str, Any]) -> dict[str, int]:
     return {scalar(each["topic_metadata"]["name"]): int(each["message_count"]) for each in topics}
 
 
-def plain_yaml(content: Any) -> str:
-    """YAML that other readers take: in order, and without references."""
-    return str(yaml.dump(content, Dumper=_Dumper, sort_keys=False))
-
-
 def write_metadata(folder: Path, content: dict[str, Any]) -> None:
     """Write metadata.yaml with what `information` gave."""
-    (folder / FILE).write_text(plain_yaml({_KEY: content}))
+    (folder / FILE).write_text(plain_yaml.dump({_KEY: content}))
 
 
 def information(

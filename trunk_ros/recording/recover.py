@@ -12,7 +12,7 @@ from typing import Any
 from mcap.reader import make_reader
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording import yaml_text
+from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.bag import mcap_files
 from trunk_ros.recording.block import DamageError
@@ -117,7 +117,7 @@ def _describe(file: Path) -> tuple[BagFile, list[Topic]]:
 
 def _profiles(text: str) -> list[dict[str, Any]]:
     with suppress(ValueError):
-        profiles = yaml_text.load(text.encode())
+        profiles = plain_yaml.load(text.encode())
         if isinstance(profiles, list):
             return [each for each in profiles if isinstance(each, dict)]
     return []

@@ -9,10 +9,11 @@ import numpy as np
 from mcap.writer import Writer
 
 from trunk_ros.errors import ArgumentError
+from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.block import Bytes, Whole
 from trunk_ros.recording.encode import encode_joints, encode_poses
 from trunk_ros.recording.message_types import RELIABLE, definition, qos_text
-from trunk_ros.recording.metadata import BagFile, Topic, information, plain_yaml, write_metadata
+from trunk_ros.recording.metadata import BagFile, Topic, information, write_metadata
 from trunk_ros.recording.output import BAG_FILES, new_folder
 from trunk_ros.recording.recording import Floats, Recording
 from trunk_ros.recording.topics import TIP, TIP_TOPIC, TOPICS, expected_type
@@ -46,7 +47,7 @@ def write_recording(
         name = f"{Path(path).absolute().name}_0.mcap"
         topics = [each.topic for each in messages]
         described = information([_file(name, messages)], topics, noted)
-        _write_mcap(folder / name, messages, noted, plain_yaml(described))
+        _write_mcap(folder / name, messages, noted, plain_yaml.dump(described))
         write_metadata(folder, described)
 
 

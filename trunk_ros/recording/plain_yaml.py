@@ -17,6 +17,13 @@ class _Loader(_Base):  # type: ignore[misc]
                 raise yaml.constructor.ConstructorError(None, None, "merge keys", key.start_mark)
 
 
+class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
+    """Writes everything out: other readers do not expect YAML's references."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
 def load(data: bytes) -> Any:
     """Content of a YAML text; ValueError says in one line what is wrong with it, and where."""
     if len(data) > _LARGEST:
@@ -46,3 +53,8 @@ def scalar(value: Any) -> str:
     if not isinstance(value, str | int | float | None):
         raise TypeError("a list where a single value is expected")
     return str(value)
+
+
+def dump(content: Any) -> str:
+    """YAML that other readers take: in order, and without references."""
+    return str(yaml.dump(content, Dumper=_Dumper, sort_keys=False))
