@@ -17,6 +17,7 @@ TABLE = {"a": np.array([1.0, 2.0, 4.0]), "b": np.array([0.5, 0.0, -1.0])}
         ("radians(a)", np.radians([1, 2, 4])),
         ("atan2(b, a) + pi", np.arctan2([0.5, 0, -1], [1, 2, 4]) + np.pi),
         ("a / b", [2, np.inf, -4]),
+        ("nonzero(b)", [0.5, np.nan, -1]),
         ("sqrt(b)", [np.sqrt(0.5), 0, np.nan]),
     ],
 )

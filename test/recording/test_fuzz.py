@@ -147,7 +147,7 @@ KEYS = st.sampled_from(
 @FUZZ
 @given(key=KEYS, value=YAML)
 @example(key="relative_file_paths", value=["", ".", "..", "/"])
-@example(key="custom_data", value={"units": "[[[["})
+@example(key="custom_data", value={"trunk_ros.units": "[[[["})
 def test_metadata_with_entries_of_another_kind(seeds, tmp_path, key, value):
     import yaml
 

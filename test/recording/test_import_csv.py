@@ -159,6 +159,13 @@ def test_the_mappings_fit_the_data_that_they_are_for(file, name, joints, topics)
 
 
 @real
+def test_markers_that_the_camera_lost_are_masked():
+    recording = read_csv(REAL / "dvrk-wrist/train_random.csv", "dvrk-wrist")
+    lost = np.isnan(recording.require("joint_states").position).sum(axis=0)
+    assert lost.tolist() == [2, 2, 2, 69, 69, 69]
+
+
+@real
 def test_the_tip_gives_way_by_what_its_readme_says():
     recording = read_csv(REAL / "tip-compliance/z-0.105_28.csv", "tip-compliance")
     gearbox, tip = recording.require("gearbox_states"), recording.require("joint_states")

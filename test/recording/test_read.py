@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
@@ -206,6 +207,17 @@ def test_a_needed_topic_of_another_type_is_an_error(tmp_path):
     messages = [("/joint_states", START_NS, text(header(START_NS).stamp, ""))]
     with pytest.raises(RecordingError, match=r"/joint_states is std_msgs/msg/Header, not sensor_msgs"):
         read_recording(write_bag(tmp_path / "bag", messages))
+
+
+def test_a_needed_topic_in_another_encoding_is_an_error(tmp_path):
+    with (tmp_path / "a.mcap").open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start(profile="ros2")
+        schema = writer.register_schema("sensor_msgs/msg/JointState", "jsonschema", b"{}")
+        writer.add_message(writer.register_channel("/joint_states", "json", schema), 1, b"{}", 1)
+        writer.finish()
+    with pytest.raises(RecordingError, match="/joint_states encoded as 'json': only cdr"):
+        read_recording(tmp_path / "a.mcap")
 
 
 def test_a_bag_without_the_topics_says_which_there_are(tmp_path):

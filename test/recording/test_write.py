@@ -1,5 +1,6 @@
 """What is written is read back the same, by this package and by others."""
 
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -70,6 +71,24 @@ def test_units_and_custom_entries_are_also_in_the_bare_file(bag):
 def test_notes_of_the_writer_are_read_back(tmp_path):
     write_recording(tmp_path / "bag", replace(example(), notes=("12 rows repeated a stamp",)))
     assert "12 rows repeated a stamp" in read_recording(tmp_path / "bag").notes
+
+
+def test_what_the_recorder_noted_about_its_losses_is_said(tmp_path):
+    noted = {"expected": 50, "received": 47, "lost": 2, "dropped": 1}
+    write_recording(
+        tmp_path / "bag", example(), custom={"trunk_ros.loss": json.dumps({"/joint_states": noted})}
+    )
+    said = read_recording(tmp_path / "bag").notes
+    assert said == ("/joint_states: the recorder missed 3 of 50 messages",)
+
+
+@pytest.mark.parametrize(
+    "noted", ["", "[]", "3", '{"/a": 1}', '{"/a": {"lost": 1e999, "dropped": 0}}', "{" * 9999]
+)
+def test_losses_that_cannot_be_read_do_no_harm(tmp_path, noted):
+    write_recording(tmp_path / "bag", example(), custom={"trunk_ros.loss": noted})
+    (said,) = read_recording(tmp_path / "bag").notes
+    assert "cannot be read" in said
 
 
 def test_rosbags_reads_it_with_its_custom_data_and_verifies_the_type_hashes(bag):

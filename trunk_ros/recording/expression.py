@@ -30,6 +30,7 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "atan2": np.arctan2,
     "radians": np.radians,
     "degrees": np.degrees,
+    "nonzero": lambda x: np.where(x == 0, np.nan, x),  # where a sensor says 0 when it sees nothing
 }
 _CONSTANTS = {"pi": np.pi}
 

@@ -13,7 +13,7 @@ from trunk_ros.recording.decode import Decoder
 from trunk_ros.recording.layout import joint_layout, pose_layout
 from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.recording import Counts, JointSeries, PoseSeries, Recording
-from trunk_ros.recording.remarks import loss_remarks, series_remarks
+from trunk_ros.recording.remarks import loss_remarks, recorder_remarks, series_remarks
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP, TOPICS, expected_type, split_topic
 
@@ -50,8 +50,10 @@ def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Dec
     decoders: dict[str, Decoder] = {}
     for block in read_blocks(path, lambda topic: split_topic(topic) is not None, contents, progress):
         found = split_topic(block.topic)
-        if found is None or block.type != expected_type(found[1]) or block.encoding not in ("cdr", "ros1"):
+        if found is None or block.type != expected_type(found[1]):
             continue
+        if block.encoding not in ("cdr", "ros1"):
+            raise DamageError(f"holds {block.topic} encoded as {block.encoding[:20]!r}: only cdr can be read")
         layout_of = pose_layout if found[1] == TIP else joint_layout
         decoders.setdefault(block.topic, Decoder(layout_of)).add(block)
     for topic in contents.topics:
@@ -62,7 +64,7 @@ def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Dec
 def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], remarks: list[str]) -> Recording:
     """Series with common stamps; RecordingError if no topic has a message."""
     full = {key: decoder for key, decoder in decoders.items() if decoder.pieces}
-    remarks = loss_remarks(contents, decoders) + remarks
+    remarks = loss_remarks(contents, decoders) + recorder_remarks(contents.custom) + remarks
     if not full:
         reason = f" ({'; '.join(remarks)})" if remarks else ""
         raise RecordingError(f"{path}: no readable message of an arm{reason}")
@@ -99,10 +101,10 @@ def _same_order(series: dict[str, JointSeries]) -> dict[str, JointSeries]:
 
 def _custom(custom: dict[str, str]) -> tuple[list[str], dict[str, str], dict[str, str]]:
     """Notes, other entries and units that a writer of ours left in the bag."""
-    rest = {key: value for key, value in custom.items() if key not in ("units", "notes")}
+    rest = {key: value for key, value in custom.items() if key not in ("trunk_ros.units", "trunk_ros.notes")}
     try:
-        units = json.loads(custom.get("units", "{}"))
-        notes = json.loads(custom.get("notes", "[]"))
+        units = json.loads(custom.get("trunk_ros.units", "{}"))
+        notes = json.loads(custom.get("trunk_ros.notes", "[]"))
         return [str(each) for each in notes], rest, {str(joint): str(unit) for joint, unit in units.items()}
     except (ValueError, TypeError, AttributeError, RecursionError):
         return ["the units noted in the bag cannot be read: rad is assumed"], rest, {}

@@ -1,5 +1,7 @@
 """What a reader has to say about a recording, in sentences."""
 
+import json
+
 from trunk_ros.recording.block import Contents
 from trunk_ros.recording.decode import Decoder
 from trunk_ros.recording.quality import quality_of
@@ -25,6 +27,20 @@ def _missing(contents: Contents, decoders: dict[str, Decoder]) -> list[str]:
     ours = tuple(TOPICS[key] for key in decoders)
     expected = sum(count for topic, count in contents.expected.items() if topic.endswith(ours))
     return [f"{read} of {expected} messages could be read"] if expected > read else []
+
+
+def recorder_remarks(custom: dict[str, str]) -> list[str]:
+    """What the recorder of this package noted about its own losses."""
+    try:
+        noted = json.loads(custom.get("trunk_ros.loss", "{}"))
+        missed = {topic: int(each["lost"] + each["dropped"]) for topic, each in noted.items()}
+        return [
+            f"{topic}: the recorder missed {count} of {int(noted[topic]['expected'])} messages"
+            for topic, count in missed.items()
+            if count
+        ]
+    except (AttributeError, KeyError, RecursionError, TypeError, ValueError, OverflowError):
+        return ["what the recorder noted about its losses cannot be read"]
 
 
 def series_remarks(series: dict[str, JointSeries], counts: dict[str, Counts]) -> list[str]:

@@ -39,9 +39,9 @@ def write_recording(
     """
     noted = {**recording.custom, **(custom or {})}
     if recording.units:
-        noted["units"] = json.dumps(recording.units)
+        noted["trunk_ros.units"] = json.dumps(recording.units)
     if recording.notes:
-        noted["notes"] = json.dumps(list(recording.notes))
+        noted["trunk_ros.notes"] = json.dumps(list(recording.notes))
     messages = list(_serialised(recording))
     with new_folder(path, overwrite, BAG_FILES) as folder:
         name = f"{Path(path).absolute().name}_0.mcap"
