@@ -93,6 +93,12 @@ def test_messages_that_contradict_themselves_are_counted_and_left_out(message):
     assert sum(len(piece.place) for piece in decoder.pieces) == 2
 
 
+def test_messages_of_which_no_two_are_alike_are_decoded_as_well():
+    messages = [joint_state(i, [f"joint_{i}"], [i]) for i in range(1, 3000)]
+    decoder = decoded([bytes(STORE.serialize_cdr(each, KIND)) for each in messages])
+    assert sorted(int(piece.position[0, 0]) for piece in decoder.pieces) == list(range(1, 3000))
+
+
 def test_poses_are_decoded():
     numbers = [1.0, 2.0, 3.0, 0.0, 0.0, 0.6, 0.8]
     kind = "geometry_msgs/msg/PoseStamped"

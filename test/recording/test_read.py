@@ -220,6 +220,14 @@ def test_a_needed_topic_in_another_encoding_is_an_error(tmp_path):
         read_recording(tmp_path / "a.mcap")
 
 
+def test_names_without_end_are_refused(tmp_path):
+    messages = [
+        ("/joint_states", START_NS + i, joint_state(START_NS + i, [f"j{i}"], [0])) for i in range(1500)
+    ]
+    with pytest.raises(RecordingError, match="names 1500 different joints"):
+        read_recording(write_bag(tmp_path / "bag", messages))
+
+
 def test_a_bag_without_the_topics_says_which_there_are(tmp_path):
     with pytest.raises(RecordingError, match="topics there: /imu, /odom"):
         read_recording(write_bag(tmp_path / "bag", motion("/odom") + motion("/imu")))

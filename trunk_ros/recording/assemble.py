@@ -5,12 +5,13 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from trunk_ros.recording.block import Whole
+from trunk_ros.recording.block import DamageError, Whole
 from trunk_ros.recording.decode import Piece
 from trunk_ros.recording.recording import Counts, Floats, JointSeries
 
 Bools: TypeAlias = npt.NDArray[np.bool_]
 
+_MOST_JOINTS = 1000  # damaged names are new joints, and each is a column
 _SANE_NS = 10**17  # 1973: stamps beyond are wall clock, and a zero among them was never set
 
 
@@ -36,6 +37,8 @@ def joint_series(pieces: list[Piece], start_ns: int) -> tuple[JointSeries, Count
     A message that repeats a stamp counts only for joints that no earlier message of that stamp has given.
     """
     joints = tuple(dict.fromkeys(joint for piece in pieces for joint in piece.joints))
+    if len(joints) > _MOST_JOINTS:
+        raise DamageError(f"names {len(joints)} different joints in one topic")
     stamp_ns, remark = sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))
     place = _joined(pieces, "place")
     order = np.lexsort((place, stamp_ns))

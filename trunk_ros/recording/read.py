@@ -32,17 +32,20 @@ def read_recording(
     RecordingError, ArgumentError: one line on what is wrong.
     """
     path = Path(path)
-    contents = Contents()
     try:
-        decoders = _decode(path, contents, progress or (lambda _: None))
+        whole = _read(path, namespace, progress or (lambda _: None))
     except DamageError as error:
         raise RecordingError(f"{path}: {error}") from None
     except (OSError, MemoryError) as error:
         raise RecordingError(f"{path}: cannot be read ({str(error) or 'not enough memory'})") from None
+    return checked(whole.part(*time_range(whole.duration, from_time, until)))
+
+
+def _read(path: Path, namespace: str | None, progress: Progress) -> Recording:
+    contents = Contents()
+    decoders = _decode(path, contents, progress)
     chosen, remarks = choose(str(path), contents.topics, namespace)
-    whole = _assemble(path, contents, {key: decoders[topic] for key, topic in chosen.items()}, remarks)
-    part = whole.part(*time_range(whole.duration, from_time, until))
-    return checked(part)
+    return _assemble(path, contents, {key: decoders[topic] for key, topic in chosen.items()}, remarks)
 
 
 def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Decoder]:
