@@ -1,0 +1,318 @@
+"""What all nodes share: life cycle, clock, counted streams, diagnostics, and the loop of a process."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+from trunk_ros.errors import TrunkError
+from trunk_ros.model import Declaration, Model
+from trunk_ros.nodes import parameters
+from trunk_ros.nodes.health import Health, Stream
+from trunk_ros.nodes.messages import SECOND, nanoseconds, time_message
+from trunk_ros.nodes.progress import Listener, Progress
+from trunk_ros.nodes.ros import (
+    Clock,
+    ClockType,
+    DiagnosticArray,
+    DiagnosticStatus,
+    EventsExecutor,
+    KeyValue,
+    LifecycleNode,
+    LifecycleState,
+    QoSProfile,
+    SignalHandlerOptions,
+    SteadyClock,
+    String,
+    TransitionCallbackReturn,
+    rclpy,
+)
+
+DEPTH = 200  # messages that a slow partner may be behind
+PROGRESS_TOPIC = "trunk/_progress"  # hidden: only listened to by the bringup that started the node
+
+DELIVERY = 0.05  # s that the last messages have to arrive; waiting for acknowledgements would take a heartbeat of 3 s
+
+COMMON = (
+    Declaration("rate", 100.0, "Hz", (1.0, 2000.0), "rate of the node's loop"),
+    Declaration("autostart", True, "", None, "configure and activate the node by itself"),
+    Declaration("supervised", False, "", None, "tell a bringup how far the node is"),
+)
+
+
+class TrunkNode(LifecycleNode):
+    """A managed node with a model. Subclasses override ``configure``, ``tick`` and, where needed, ``release``."""
+
+    NAME = "node"
+    OWN: tuple[Declaration, ...] = ()
+    needs_model = True
+    model: Model
+
+    def __init__(self, **options: Any):
+        """``options`` are those of rclpy's Node. Raises TrunkError for parameters that make no sense."""
+        super().__init__(self.NAME, **options)
+        for declaration in (*COMMON, *self.OWN):
+            parameters.declare(self, declaration)
+        if self.needs_model:
+            self.model = parameters.declare_model(self)
+        self.period = round(SECOND / self.value("rate"))
+        self.simulated = bool(self.value("use_sim_time"))
+        self.health = Health()
+        self.progress = Progress(self.get_fully_qualified_name())
+        self.listener: Listener | None = None
+        self.fault = ""
+        self.crash: Exception | None = None
+        self.active = False
+        self._parts: list[tuple[Callable[[Any], Any], Any]] = []
+        self._last = -1
+        self._woken: float | None = None
+
+    def value(self, name: str) -> Any:
+        """A parameter's value."""
+        return self.get_parameter(name).value
+
+    # What a subclass does
+
+    def configure(self) -> None:
+        """Create streams. Raises TrunkError where that is impossible."""
+
+    def tick(self, now: int) -> None:
+        """One step of the loop at ``now`` ns."""
+
+    def release(self) -> None:
+        """Let go of what ``configure`` took, streams aside."""
+
+    # Streams
+
+    def publish_on(self, kind: Any, topic: str, qos: Any = DEPTH) -> Callable[[Any], None]:
+        """Create a publisher; returns a function that publishes and counts."""
+        publisher = self.create_publisher(kind, topic, qos)
+        self._parts.append((self.destroy_publisher, publisher))
+        name, sent = publisher.topic_name, self.progress.sent
+        sent.setdefault(name, 0)
+
+        def publish(message: Any) -> None:
+            sent[name] += 1
+            publisher.publish(message)
+
+        return publish
+
+    def listen_to(self, kind: Any, topic: str, callback: Callable[[Any], None], raw: bool = False) -> None:
+        """Subscribe and count; a TrunkError of the callback goes to diagnostics and the node goes on."""
+        name = ""
+
+        def arrived(message: Any) -> None:
+            self.progress.received[name] += 1
+            if self.active:
+                self.guarded(callback, message)
+            self._tell()
+
+        subscription = self.create_subscription(kind, topic, arrived, DEPTH, raw=raw)
+        self._parts.append((self.destroy_subscription, subscription))
+        name = subscription.topic_name
+        self.progress.received.setdefault(name, 0)
+
+    def watch(self, topic: str, timeout: float) -> Stream:
+        """A stream whose silence diagnostics report."""
+        return self.health.streams.setdefault(topic, Stream(timeout))
+
+    def guarded(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call, and turn a TrunkError into a line on diagnostics."""
+        try:
+            return function(*arguments)
+        except TrunkError as error:
+            self.health.note(str(error))
+            return None
+
+    # Clock
+
+    def every(self, seconds: float, function: Callable[[], Any]) -> None:
+        """Call a function by the wall's clock."""
+        self._parts.append((self.destroy_timer, self.create_timer(seconds, function, clock=steady_clock())))
+
+    def now(self) -> int:
+        """ns of the node's clock: in simulated time the stamp of the step under way."""
+        return self._last if self.simulated else self.get_clock().now().nanoseconds
+
+    def _start_clock(self) -> None:
+        if self.simulated:
+            self._parts.append((self.destroy_subscription, self.create_subscription(Clock, "/clock", self._on_clock, DEPTH)))
+        else:
+            self.every(self.period / SECOND, self._on_timer)
+        if self.value("supervised"):
+            self.every(0.05, self._heartbeat)
+
+    def _on_clock(self, message: Any) -> None:
+        now = nanoseconds(message.clock)
+        if now < self._last:
+            self.health.note("time jumped back")
+        elif now - self._last < self.period and self._last >= 0:
+            return
+        self._step(now, 0)
+
+    def _on_timer(self) -> None:
+        awake, before = time.monotonic(), self._woken
+        self._woken = awake
+        late = 0.0 if before is None else max(awake - before - self.period / SECOND, 0.0)
+        self._step(self.get_clock().now().nanoseconds, round(late * SECOND))
+
+    def _step(self, now: int, late: int) -> None:
+        self._last = now
+        self.health.ticked(late)
+        if self.active:
+            self.guarded(self.tick, now)
+        if self.health.due(now):
+            self._diagnose(now)
+        self.progress.stamp = now
+        self._tell()
+
+    # What others are told
+
+    def _diagnose(self, now: int) -> None:
+        level, words, values = self.health.report(now)
+        status = DiagnosticStatus(level=bytes([level]), name=self.get_fully_qualified_name(), message=words)
+        status.hardware_id = "trunk"
+        status.values = [KeyValue(key=key, value=value) for key, value in values.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = time_message(now)
+        self._publish_diagnostics(message)
+
+    def _tell(self) -> None:
+        if self.listener is not None:
+            self.listener(self.progress)
+
+    def _heartbeat(self) -> None:
+        for destroy, part in self._parts:
+            if destroy == self.destroy_publisher:
+                self.progress.matched[">" + part.topic_name] = part.get_subscription_count()
+            elif destroy == self.destroy_subscription:
+                self.progress.matched["<" + part.topic_name] = part.get_publisher_count()
+        self._tell()
+
+    # Life cycle
+
+    def start(self) -> None:
+        """Configure and activate. Raises TrunkError with the reason where that fails."""
+        for transition in (self.trigger_configure, self.trigger_activate):
+            succeeded = transition() == TransitionCallbackReturn.SUCCESS
+            self._raise_crash()
+            if not succeeded:
+                raise TrunkError(f"{self.get_name()}: {self.fault or 'the node could not be started'}")
+
+    def end(self) -> None:
+        """Let the last messages arrive and let go of everything, from any state."""
+        self.active = False
+        time.sleep(DELIVERY)
+        self.trigger_shutdown()
+        self._raise_crash()
+
+    def _raise_crash(self) -> None:
+        if self.crash is not None:
+            raise self.crash
+
+    def _uncrashed(self, function: Callable[[], None]) -> bool:
+        """Call within a transition, where rclpy would swallow what goes wrong; tells whether all went well."""
+        try:
+            function()
+        except TrunkError as error:
+            self.fault = str(error)
+            return False
+        except Exception as error:
+            self.crash = error
+            return False
+        return True
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Create streams and start the clock; the node is silent but for diagnostics until it is activated."""
+        self._publish_diagnostics = self.publish_on(DiagnosticArray, "diagnostics")
+        if self.needs_model:
+            self.health.values["model"] = self.model.hash()
+        if not self._uncrashed(self.configure):
+            self._let_go()
+            return TransitionCallbackReturn.FAILURE
+        if self.value("supervised") and self.listener is None:
+            self.listener = self._distant_listener()
+        self._start_clock()
+        return TransitionCallbackReturn.SUCCESS
+
+    def _distant_listener(self) -> Listener:
+        publisher = self.create_publisher(String, PROGRESS_TOPIC, QoSProfile(depth=DEPTH))
+        return lambda progress: publisher.publish(String(data=progress.to_json()))
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin to act."""
+        self.active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop acting; the arm holds."""
+        self.active = False
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Undo ``on_configure``."""
+        self._let_go()
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """End from any state."""
+        self.active = False
+        self._uncrashed(self._let_go)
+        return TransitionCallbackReturn.SUCCESS
+
+    def _let_go(self) -> None:
+        self.release()
+        for destroy, part in reversed(self._parts):
+            destroy(part)
+        self._parts.clear()
+
+
+def steady_clock() -> Any:
+    """A clock that nothing sets; one for each timer, as rclpy wants it."""
+    return SteadyClock(clock_type=ClockType.STEADY_TIME)
+
+
+class Stop:
+    """Turns SIGINT and SIGTERM into a flag, so that a process ends in good order."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, *_: Any) -> None:
+        self.asked = True
+
+
+def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
+    """The life of a process with one node: 0 when asked to end, 2 (a TrunkError) when it cannot start."""
+    stop = Stop()
+    start_ros(argv)
+    try:
+        node = kind()
+        if node.value("autostart"):
+            node.start()
+        executor = EventsExecutor()
+        executor.add_node(node)
+        while not stop.asked and not node.fault:
+            executor.spin_once(timeout_sec=0.1)
+        node.end()
+        if node.fault:
+            raise TrunkError(f"{node.get_name()}: {node.fault}")
+    finally:
+        rclpy.try_shutdown()
+    return 0
+
+
+def start_ros(argv: list[str]) -> None:
+    """Initialise ROS with a command's ``--ros-args``. Raises TrunkError for others."""
+    try:
+        rclpy.init(args=["trunk_ros", *argv], signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:
+        raise TrunkError(f"bad ROS arguments: {' '.join(str(error).split())}") from None
+    rest = rclpy.utilities.remove_ros_args(["trunk_ros", *argv])[1:]
+    if rest:
+        rclpy.try_shutdown()
+        raise TrunkError(f"unknown argument {rest[0]!r}: a node takes --ros-args (see ros2 run --help)")

@@ -1,0 +1,155 @@
+"""bringup: all nodes at once with a trajectory, recorded; in one process or several, in real or simulated time."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.plan import PARTS, PUBLISHED, Plan, plan_of
+from trunk_ros.recording.metadata import read_metadata
+
+LAG = 500  # messages of a topic that the recorder may be behind
+CHAIN = [part for part in PARTS if part != "recorder"]
+
+
+def main(argv: list[str]) -> int:
+    """Run and record: 0 when done or asked to end, 2 (a TrunkError) for what cannot be begun, 1 when a node gave up."""
+    plan = plan_of(argv)
+    from trunk_ros.nodes.base import Stop, start_ros
+    from trunk_ros.nodes.ros import rclpy
+
+    stop = Stop()
+    start_ros(plan.ros_arguments)
+    try:
+        fault = run_apart(plan, stop) if plan.apart else run_together(plan, stop)
+    finally:
+        rclpy.try_shutdown()
+    summarise(plan)
+    if fault:
+        say(f"ended early: {fault}")
+    return 1 if fault else 0
+
+
+def say(text: str) -> None:
+    """One line for the user."""
+    print(f"bringup: {text}", file=sys.stderr, flush=True)
+
+
+def make_pacer(plan: Plan) -> Any:
+    """The node that gives the run its time."""
+    from trunk_ros.nodes.pacer import Pace, Pacer
+    from trunk_ros.nodes.progress import Ledger
+    from trunk_ros.urdf import urdf
+
+    foreign = tuple(topic for part, topic in PUBLISHED.items() if part not in plan.parts)
+    description = "" if "wire_elasticity" in plan.parts else urdf(plan.arm)
+    pace = Pace(plan.seconds, plan.rate, plan.simulated, plan.trajectory, foreign, description)
+    pacer = Pacer(pace, Ledger([]), say)
+    names = {part: pacer.get_namespace().rstrip("/") + "/" + part for part in plan.parts}
+    pacer.ledger.nodes += names.values()
+    if "recorder" in names:
+        pacer.ledger.lagging[names["recorder"]] = LAG
+    return pacer
+
+
+def run_together(plan: Plan, stop: Any) -> str:
+    """All nodes in this process; returns why it ended early, "" otherwise."""
+    from trunk_ros.nodes.ros import EventsExecutor
+
+    make_room(plan)
+    pacer = make_pacer(plan)
+    executor = EventsExecutor()
+    executor.add_node(pacer)
+    nodes: dict[str, Any] = {}
+    try:
+        for part in plan.parts:
+            nodes[part] = make_node(part, plan.parameters(part))
+            nodes[part].listener = pacer.note
+            nodes[part].start()
+            executor.add_node(nodes[part])
+        trouble = lambda: next((node.fault for node in nodes.values() if node.fault), "")
+        pump(executor, pacer, stop, trouble, lambda: pacer.phase == "done")
+    finally:
+        for part in [*CHAIN, "recorder"]:
+            if part in nodes:
+                nodes[part].end()
+    return pacer.fault or (nodes["recorder"].fault if "recorder" in nodes else "")
+
+
+def make_node(part: str, parameters: dict[str, Any]) -> Any:
+    """One of the nodes with parameters."""
+    from trunk_ros.nodes.compensator import Compensator
+    from trunk_ros.nodes.recorder import Recorder
+    from trunk_ros.nodes.ros import Parameter
+    from trunk_ros.nodes.servo_driver import ServoDriver
+    from trunk_ros.nodes.wire_elasticity import WireElasticity
+
+    kinds = {kind.NAME: kind for kind in (ServoDriver, WireElasticity, Compensator, Recorder)}
+    return kinds[part](parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()])
+
+
+def run_apart(plan: Plan, stop: Any) -> str:
+    """Each node in a process of its own; returns why it ended early, "" otherwise."""
+    from trunk_ros.nodes.apart import Processes
+    from trunk_ros.nodes.ros import EventsExecutor
+
+    make_room(plan)
+    pacer = make_pacer(plan)
+    executor = EventsExecutor()
+    executor.add_node(pacer)
+    processes = Processes(plan.ros_arguments)
+    try:
+        for part in plan.parts:
+            if part != "recorder":
+                processes.start(part, plan.parameters(part))
+        pump(executor, pacer, stop, processes.ended, lambda: pacer.ledger.missing() == recorder_of(pacer))
+        if "recorder" in plan.parts:
+            processes.start("recorder", plan.parameters("recorder"))
+        pump(executor, pacer, stop, processes.ended, lambda: pacer.phase == "done")
+        if stop.asked:
+            say("asked to end: closing the recording")
+        processes.stop(CHAIN)
+        processes.stop(["recorder"])
+    finally:
+        processes.close()
+    return str(pacer.fault)
+
+
+def recorder_of(pacer: Any) -> list[str]:
+    """The recorder's name, in a list, where there is one."""
+    return list(pacer.ledger.lagging)
+
+
+def pump(executor: Any, pacer: Any, stop: Any, trouble: Callable[[], str], over: Callable[[], bool]) -> None:
+    """Serve callbacks until it is over, somebody asks to end, or something is wrong."""
+    while not over() and not stop.asked and not pacer.fault:
+        executor.spin_once(timeout_sec=0.1)
+        pacer.fault = pacer.fault or trouble()
+
+
+def make_room(plan: Plan) -> None:
+    """Remove the recording that is to be replaced."""
+    if plan.output is not None and plan.overwrite and plan.output.exists():
+        shutil.rmtree(plan.output)
+
+
+def summarise(plan: Plan) -> None:
+    """Say where the bag is, what it holds, and what was lost."""
+    if plan.output is None:
+        return
+    try:
+        bag = read_metadata(plan.output)
+    except (OSError, TrunkError) as error:
+        say(f"no whole recording at {plan.output}: {error}")
+        return
+    losses = json.loads(bag.custom.get("trunk_ros.loss", "{}"))
+    print(f"{plan.output}: {sum(bag.messages.values())} messages")
+    for topic, count in sorted(bag.messages.items()):
+        lost = losses.get(topic, {})
+        missing = int(lost.get("lost", 0) + lost.get("dropped", 0))
+        print(f"  {topic:28} {count:8d}" + (f"   lost {missing} of {count + missing}" if missing else ""))
+    print(f"lost: {sum(int(each['lost'] + each['dropped']) for each in losses.values())}")

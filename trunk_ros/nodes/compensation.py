@@ -1,0 +1,101 @@
+"""The model run backward, tamed: what goes out neither jumps nor chatters nor asks for more than the servo can do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.chain import Chain, State
+from trunk_ros.model import Model
+from trunk_ros.nodes.bus import gearbox_limits
+from trunk_ros.trajectory import Array
+
+FADE = 0.3  # s in which a difference at the start or at a change of model fades out
+
+
+class Compensation:
+    """Reference (joint angle) to setpoint (gearbox angle), all (joints,) rad, one call per control period."""
+
+    def __init__(self, model: Model, reversal: float, position: Array | None = None):
+        """``reversal``: rad that a reference must turn back before that counts as a change of direction.
+
+        ``position``: gearbox angle that the motors hold; the first setpoint is there. None: it starts at the reference.
+        """
+        self.reversal = reversal
+        self.out: Array | None = None if position is None else position.copy()
+        self.limited = np.zeros(len(model.arm.joints), dtype=bool)
+        self._fresh = True
+        self._time = 0.0
+        self._use(model)
+
+    def _use(self, model: Model) -> None:
+        self.model = model
+        self.chain = Chain(model, "wire", hold_time=True)
+        self.lower, self.upper = gearbox_limits(model.arm)
+        self.top_speed = slowest(model)
+        self._state: State | None = None
+        self._fade = np.zeros(len(model.arm.joints))
+
+    def swap(self, model: Model) -> None:
+        """Change the model; the setpoint goes over to the new one's smoothly."""
+        self._use(model)
+        self._fresh = True
+
+    def joint_angle(self, gearbox: Array) -> Array:
+        """Where the model believes the joints stand after a start at ``gearbox``, memory at its centre."""
+        shown, _ = self.chain.run(gearbox[None], np.zeros(1))
+        return np.clip(shown[0], self.model.arm.lower, self.model.arm.upper)
+
+    def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
+        """How far a reference has to run ahead for the servo to be there in time, for its derivatives (joints,).
+
+        From the servo's equations, setpoint - phi = (v + tau_v dv/dt)/Kp; a setpoint is held for ``dt``, half of which is late.
+        """
+        gain = position_gain(self.model)
+        return velocity * (1 / gain + dt / 2) + acceleration * self.model.arm.tau_v / gain
+
+    def step(self, reference: Array, dt: float) -> Array:
+        """The setpoint for ``dt`` s after the last one. ``limited`` tells which joints a limit held back."""
+        wanted = self.ideal(reference, dt)
+        if self.out is None:
+            self.out = np.clip(wanted, self.lower, self.upper)
+        if self._fresh:
+            self._fade, self._fresh = self.out - wanted, False
+        else:
+            self._fade = self._fade * np.exp(-dt / FADE)
+        target = wanted + self._fade
+        inside = np.clip(target, self.lower, self.upper)
+        reach = self.top_speed * dt
+        self.out = self.out + np.clip(inside - self.out, -reach, reach)
+        self.limited = np.abs(self.out - target) > 1e-12
+        return self.out
+
+    def ideal(self, reference: Array, dt: float) -> Array:
+        """What the inverse alone asks for, with memory of direction."""
+        arm = self.model.arm
+        self._time += dt
+        steady = self._steady(np.clip(reference, arm.lower, arm.upper))
+        (wanted,), self._state = self.chain.invert(steady[None], np.array([self._time]), self._state)
+        return wanted
+
+    def _steady(self, reference: Array) -> Array:
+        """The reference without turns smaller than ``reversal``, which would swing the inverse of the dead band to and fro."""
+        if self._state is None:
+            self._held, self._direction = reference.copy(), np.zeros_like(reference)
+            return self._held
+        step = reference - self._held
+        passes = (step * self._direction >= 0) | (np.abs(step) > self.reversal)
+        self._direction = np.where(passes & (step != 0), np.sign(step), self._direction)
+        self._held = np.where(passes, reference, self._held)
+        return self._held
+
+
+def position_gain(model: Model) -> Array:
+    """Gain of the position loop [1/s] per joint, with what was found."""
+    found = np.asarray(model.effects.get("servo_bandwidth", {}).get("relative", 0.0), dtype=float)
+    return model.arm.kp * (1 + found) * np.ones(len(model.arm.joints))
+
+
+def slowest(model: Model) -> float:
+    """Top speed of the servo [rad/s at the shaft], as nominal or as found, whichever is less."""
+    found = model.effects.get("velocity_saturation", {}).get("v_max", model.arm.v_max)
+    return float(np.min(np.append(np.asarray(found, dtype=float), model.arm.v_max)))

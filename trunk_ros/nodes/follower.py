@@ -1,0 +1,83 @@
+"""What joint_trajectory_controller does with a trajectory: replace on arrival, stop on an empty one, hold at the end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.trajectory import Array, Limits, Trajectory, TrajectoryError
+
+START_TOLERANCE = 0.02  # rad between the arm and a point that is due at once
+
+
+class Follower:
+    """The reference of all joints over time; times are seconds of the node's clock."""
+
+    def __init__(self, joints: tuple[str, ...], limits: Limits, position: Array):
+        self.joints = joints
+        self.limits = limits
+        self._held = position.copy()
+        self._active: Trajectory | None = None
+        self._begin = 0.0
+
+    @property
+    def position(self) -> Array:
+        """The last reference (joints,) rad."""
+        return self._held
+
+    def moving(self, now: float) -> bool:
+        """Whether a trajectory is still under way."""
+        return self._active is not None and now < self._begin + self._active.duration
+
+    def sample(self, now: float) -> tuple[Array, Array, Array]:
+        """Reference position, velocity and acceleration, each (joints,)."""
+        position, velocity, acceleration = self._state(now)
+        self._held = position
+        return position, velocity, acceleration
+
+    def stop(self, now: float) -> None:
+        """Stay where the reference is now."""
+        self.sample(now)
+        self._active = None
+
+    def follow(self, trajectory: Trajectory, now: float, begin: float | None = None) -> None:
+        """Replace what is under way. ``begin`` is when its time 0 is, by default now; points in the past are left out.
+
+        Raises TrajectoryError with the reason, and goes on with what was under way, where a joint is unknown, a limit
+        would be broken, all points are past, or the first point is due at once somewhere else.
+        """
+        position, velocity, acceleration = self._state(now)
+        plan = trajectory.for_joints(self.joints, position)
+        plan = remaining(plan, (now if begin is None else begin) - now)
+        if plan.time[0] == 0 and np.max(np.abs(plan.position[0] - position)) > START_TOLERANCE:
+            raise TrajectoryError("its first point is due at once but elsewhere: give it a later time_from_start")
+        plan = plan.after(position, velocity, acceleration)
+        plan.check(self.limits)
+        self._active, self._begin = plan, now
+
+    def _state(self, now: float) -> tuple[Array, Array, Array]:
+        if self._active is None:
+            rest = np.zeros(len(self.joints))
+            return self._held, rest, rest
+        position, velocity, acceleration = self._active.sample(now - self._begin)
+        return position[0], velocity[0], acceleration[0]
+
+
+def remaining(plan: Trajectory, delay: float) -> Trajectory:
+    """The points that are still to come of a motion that begins after ``delay`` s (negative: began already).
+
+    Raises TrajectoryError where there is none.
+    """
+    time = plan.time + delay
+    ahead = time >= 0
+    if not ahead.any():
+        raise TrajectoryError(f"its last point was due {-time[-1]:.3f} s ago")
+
+    def cut(values: Array | None) -> Array | None:
+        return None if values is None else values[ahead]
+
+    return replace(
+        plan, time=time[ahead], position=plan.position[ahead],
+        velocity=cut(plan.velocity), acceleration=cut(plan.acceleration),
+    )

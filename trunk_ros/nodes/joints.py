@@ -1,0 +1,64 @@
+"""Joints are matched by name, whatever the order and number in which a message has them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from trunk_ros.errors import TrunkError
+from trunk_ros.trajectory import Array
+
+
+class MessageError(TrunkError):
+    """A message cannot be used; the node says so on diagnostics and goes on."""
+
+
+class JointMatcher:
+    """Brings the values of messages into the order of ``joints``.
+
+    ``unknown`` and ``missing`` name what the last message had too much and too little.
+    """
+
+    def __init__(self, joints: Sequence[str]):
+        self.joints = tuple(joints)
+        self.unknown: tuple[str, ...] = ()
+        self.missing: tuple[str, ...] = ()
+        self._names: list[str] | None = None
+        self._from: list[int] = []
+        self._to: list[int] = []
+
+    def match(self, names: Sequence[str]) -> None:
+        """Prepare for messages that name these joints. Raises MessageError where a joint is named twice or none fits."""
+        names = list(names)
+        if names == self._names:
+            return
+        if len(set(names)) != len(names):
+            raise MessageError(f"a joint is named twice: {', '.join(names)}")
+        known = [name for name in names if name in self.joints]
+        if not known:
+            raise MessageError(f"no joint of {', '.join(names) or 'an empty list'} belongs to the arm")
+        self.unknown = tuple(name for name in names if name not in self.joints)
+        self.missing = tuple(joint for joint in self.joints if joint not in names)
+        self._from = [names.index(name) for name in known]
+        self._to = [self.joints.index(name) for name in known]
+        self._names = names
+
+    def gather(self, names: Sequence[str], values: Sequence[float]) -> Array:
+        """Values (joints,) in the arm's order, NaN where the message has none; a field may be empty.
+
+        Raises MessageError where names and values do not go together.
+        """
+        self.match(names)
+        out = np.full(len(self.joints), np.nan)
+        if not len(values):
+            return out
+        if len(values) != len(names):
+            raise MessageError(f"{len(names)} names but {len(values)} values")
+        out[self._to] = np.asarray(values, dtype=float)[self._from]
+        return out
+
+    def oddities(self) -> list[str]:
+        """What is wrong with the names, in words."""
+        said = [f"unknown joint {name} ignored" for name in self.unknown]
+        return said + [f"joint {name} missing" for name in self.missing]

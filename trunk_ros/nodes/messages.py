@@ -1,0 +1,97 @@
+"""Messages to arrays and back; stamps are integer nanoseconds."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.nodes.ros import JointState, JointTrajectory, JointTrajectoryPoint, PoseStamped, Time
+from trunk_ros.trajectory import Array, Trajectory, TrajectoryError
+
+SECOND = 1_000_000_000
+
+
+def nanoseconds(stamp: Any) -> int:
+    """A stamp or duration message in ns."""
+    return int(stamp.sec) * SECOND + int(stamp.nanosec)
+
+
+def time_message(ns: int) -> Any:
+    """The stamp message of a time in ns."""
+    return Time(sec=ns // SECOND, nanosec=ns % SECOND)
+
+
+def joint_state(
+    ns: int, names: Sequence[str], position: Array, velocity: Array | None = None, effort: Array | None = None
+) -> Any:
+    """A JointState of (joints,) arrays; what is None stays empty."""
+    message = JointState()
+    message.header.stamp = time_message(ns)
+    message.name = list(names)
+    message.position = doubles(position)
+    if velocity is not None:
+        message.velocity = doubles(velocity)
+    if effort is not None:
+        message.effort = doubles(effort)
+    return message
+
+
+def doubles(values: Array) -> Any:
+    """What a float64[] field takes without looking at each element."""
+    return array("d", np.ascontiguousarray(values, dtype=float).tobytes())
+
+
+def pose(ns: int, frame: str, tip: Array) -> Any:
+    """PoseStamped of a tip (3,): y m, z m, roll rad about X."""
+    message = PoseStamped()
+    message.header.stamp = time_message(ns)
+    message.header.frame_id = frame
+    message.pose.position.y, message.pose.position.z = float(tip[0]), float(tip[1])
+    message.pose.orientation.x = float(np.sin(tip[2] / 2))
+    message.pose.orientation.w = float(np.cos(tip[2] / 2))
+    return message
+
+
+def trajectory_of(message: Any) -> Trajectory:
+    """A trajectory message's points. Raises TrajectoryError where they do not fit together."""
+    points = message.points
+    try:
+        position = np.array([p.positions for p in points], dtype=float)
+    except ValueError:
+        raise TrajectoryError("its points have different numbers of positions") from None
+    if any(len(p.positions) != len(message.joint_names) for p in points):
+        raise TrajectoryError(f"each point needs one position for each of the {len(message.joint_names)} joints")
+    return Trajectory(
+        tuple(message.joint_names),
+        np.array([nanoseconds(p.time_from_start) / SECOND for p in points]),
+        position,
+        derivative([p.velocities for p in points], "velocities"),
+        derivative([p.accelerations for p in points], "accelerations"),
+    )
+
+
+def derivative(rows: list[Any], name: str) -> Array | None:
+    """Velocities or accelerations (k, joints), None where a point has none."""
+    if not all(len(row) for row in rows):
+        return None
+    if len({len(row) for row in rows}) > 1:
+        raise TrajectoryError(f"its points have different numbers of {name}")
+    return np.array(rows, dtype=float)
+
+
+def trajectory_message(trajectory: Trajectory) -> Any:
+    """A message that begins on arrival."""
+    message = JointTrajectory(joint_names=list(trajectory.joints))
+    for k, at in enumerate(trajectory.time):
+        point = JointTrajectoryPoint(positions=doubles(trajectory.position[k]))
+        if trajectory.velocity is not None:
+            point.velocities = doubles(trajectory.velocity[k])
+        if trajectory.acceleration is not None:
+            point.accelerations = doubles(trajectory.acceleration[k])
+        ns = round(at * SECOND)
+        point.time_from_start.sec, point.time_from_start.nanosec = ns // SECOND, ns % SECOND
+        message.points.append(point)
+    return message

@@ -1,0 +1,242 @@
+"""recorder: every topic of the run into an MCAP bag, byte for byte, with what was lost on the way."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass, replace
+from typing import Any
+
+from trunk_ros.errors import TrunkError
+from trunk_ros.model import Declaration
+from trunk_ros.nodes.bag_writer import COMPRESSION, BagWriter, Channel, Entry, Options
+from trunk_ros.nodes.base import TrunkNode, run_node
+from trunk_ros.nodes.health import ERROR
+from trunk_ros.nodes.interfaces import message_class, message_definition
+from trunk_ros.nodes.losses import Tally
+from trunk_ros.nodes.qos import described, hearing_all
+from trunk_ros.nodes.ros import SubscriptionEventCallbacks, rclpy
+
+LOOK = 0.1  # s between two looks at the graph
+TAKE = 0.004  # s between two looks for messages
+AT_ONCE = 2000  # messages of one topic taken before the next topic has its turn
+QUIET = 3  # empty looks after which everything has arrived
+MIB = float(1 << 20)
+
+
+@dataclass
+class Ear:
+    """A topic that is listened to."""
+
+    kind: Any
+    subscription: Any
+    profile: Any
+    channel: Channel
+    tally: Tally
+
+
+class Recorder(TrunkNode):
+    """Takes messages from the middleware itself, not through the executor: faster, and with their numbers."""
+
+    NAME = "recorder"
+    needs_model = False
+    OWN = (
+        Declaration("output", "", "", None, "folder of the bag; must not exist"),
+        Declaration("topics", [""], "", None, "topics to record; empty: all"),
+        Declaration("exclude", [""], "", None, "topics to leave out"),
+        Declaration("compression", "zstd", "", None, f"of chunks: {', '.join(COMPRESSION)}"),
+        Declaration("chunk_size", 1.0, "MiB", (0.001, 64.0), "size at which a chunk is closed; every 0.4 s at the latest"),
+        Declaration("buffer_size", 64.0, "MiB", (0.1, 4096.0), "messages that may wait for the disk; more is counted as loss"),
+        Declaration("depth", 5000.0, "1", (1.0, 1e6), "messages of a topic that may wait in the middleware"),
+        Declaration("split_size", 0.0, "MiB", (0.0, 1e6), "size at which a new file is begun; 0: never"),
+        Declaration("split_duration", 0.0, "s", (0.0, 1e6), "time after which a new file is begun; 0: never"),
+        Declaration("manifest", "{}", "", None, "JSON about the run, kept in the bag"),
+    )
+
+    def configure(self) -> None:
+        """Open the bag. Raises TrunkError where that is impossible."""
+        if not self.value("output"):
+            raise TrunkError("give the bag's folder: --ros-args -p output:=FOLDER")
+        if self.value("compression") not in COMPRESSION:
+            raise TrunkError(f"unknown compression {self.value('compression')!r}: choose {', '.join(COMPRESSION)}")
+        self.ears: dict[str, Ear] = {}
+        self.refused: set[str] = set()
+        self.early: list[Entry] = []
+        self.writer: BagWriter | None = BagWriter(self.value("output"), self.options())
+        self.taker = rclpy.create_node(f"_{self.get_name()}_taker", context=self.context, use_global_arguments=False)
+        self.wanted = {self.resolve_topic_name(topic) for topic in self.value("topics") if topic}
+        self.unwanted = {self.resolve_topic_name(topic) for topic in self.value("exclude") if topic}
+        self.unwanted.add(f"{self.get_fully_qualified_name()}/transition_event")  # of its own life
+        for period, function in ((LOOK, self.look), (TAKE, self.take)):
+            self.every(period, function)
+        self.look()
+
+    def options(self) -> Options:
+        """The parameters about the bag."""
+        return Options(
+            self.value("compression"), int(self.value("chunk_size") * MIB), int(self.value("buffer_size") * MIB),
+            int(self.value("split_size") * MIB), self.value("split_duration"),
+        )
+
+    # Finding topics
+
+    def look(self) -> None:
+        """Subscribe to topics that have appeared, and anew where a publisher's quality of service asks for it."""
+        for topic, kinds in self.get_topic_names_and_types():
+            if not self.is_wanted(topic) or topic in self.refused:
+                continue
+            publishers = self.get_publishers_info_by_topic(topic)
+            if not publishers:
+                continue
+            try:
+                self.hear(topic, kinds[0], publishers)
+            except TrunkError as error:
+                self.refused.add(topic)
+                self.health.note(f"{topic} is not recorded: {error}")
+
+    def is_wanted(self, topic: str) -> bool:
+        """Whether a topic is to be recorded; hidden ones only where they are named."""
+        hidden = any(part.startswith("_") for part in topic.split("/"))
+        return topic not in self.unwanted and (topic in self.wanted or (not self.wanted and not hidden))
+
+    def hear(self, topic: str, kind: str, publishers: list[Any]) -> None:
+        """Listen with a profile that all publishers match. Raises TrunkError for a type that is not installed."""
+        profile = hearing_all([each.qos_profile for each in publishers], int(self.value("depth")))
+        ear = self.ears.get(topic)
+        if ear is None:
+            text, known_hash = message_definition(kind)
+            offered = str(publishers[0].topic_type_hash)
+            digest = offered if offered.startswith("RIHS") else known_hash
+            channel = Channel(topic, kind, text, digest, unique(publishers))
+            ear = Ear(message_class(kind), self.subscribe(topic, kind, profile), profile, channel, Tally())
+            assert self.writer is not None
+            self.writer.add_channel(channel)
+            self.ears[topic] = ear
+            self.progress.received.setdefault(topic, 0)
+        elif stricter(ear.profile, profile):
+            self.take()
+            self.taker.destroy_subscription(ear.subscription)
+            ear.subscription, ear.profile = self.subscribe(topic, kind, profile), profile
+        self.ears[topic].tally.publishers = len(publishers)
+        self.ears[topic].channel.qos = unique(publishers)
+
+    def subscribe(self, topic: str, kind: str, profile: Any) -> Any:
+        """A subscription that no executor serves."""
+        quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
+        return self.taker.create_subscription(
+            message_class(kind), topic, ignore, profile, raw=True, event_callbacks=quiet
+        )
+
+    # Taking messages
+
+    def tick(self, now: int) -> None:
+        """Keep up with simulated time."""
+        if self.simulated:
+            self.take()
+
+    def take(self) -> int:
+        """Take what has arrived; returns how many messages."""
+        total = 0
+        for topic, ear in self.ears.items():
+            for _ in range(AT_ONCE):
+                taken = ear.subscription.handle.take_message(ear.kind, True)
+                if taken is None:
+                    break
+                self.keep(topic, ear, *taken)
+                total += 1
+        if self.writer is not None and self.writer.failure and not self.fault:
+            self.fault = self.writer.failure
+            self.health.note(self.fault, ERROR)
+        return total
+
+    def keep(self, topic: str, ear: Ear, data: bytes, info: dict[str, Any]) -> None:
+        """Count a message and queue it for the disk."""
+        number, arrival = info["publication_sequence_number"], info["received_timestamp"]
+        self.progress.received[topic] += 1
+        if self.active:
+            missing = ear.tally.note(number, self.now() if self.simulated else arrival)
+            if missing:
+                self.health.note(f"{missing} messages of {topic} lost")
+            self.file(ear, arrival, info["source_timestamp"], number or 0, data)
+
+    def file(self, ear: Ear, arrival: int, sent: int, number: int, data: bytes) -> None:
+        """Hand a message to the writer. In simulated time what comes before the clock begins waits for it."""
+        assert self.writer is not None
+        at, source = (self.now(), self.now()) if self.simulated else (arrival, sent)
+        entry = Entry(ear.channel, at, source, number, data)
+        if at < 0:
+            self.early.append(entry)
+            return
+        self.file_early()
+        if not self.writer.put(entry):
+            ear.tally.dropped += 1
+            self.health.note(f"no room for messages of {ear.channel.name}: the disk is too slow")
+
+    def file_early(self) -> None:
+        """File what waited for the clock, at the time that it shows now."""
+        now = max(self.now(), 0)
+        for entry in self.early:
+            assert self.writer is not None
+            self.writer.put(replace(entry, log_ns=now, publish_ns=now))
+        self.early.clear()
+
+    # Saying and ending
+
+    def _diagnose(self, now: int) -> None:
+        tallies = [ear.tally for ear in self.ears.values()]
+        self.health.values["lost"] = str(sum(tally.lost for tally in tallies))
+        self.health.values["dropped"] = str(sum(tally.dropped for tally in tallies))
+        if not self.simulated:
+            self.health.values["messages"] = str(sum(tally.received for tally in tallies))
+            self.health.values["waiting [MiB]"] = f"{self.writer.queued_bytes / MIB:.2f}" if self.writer else "0"
+        super()._diagnose(now)
+
+    def _heartbeat(self) -> None:
+        for topic, ear in self.ears.items():
+            self.progress.matched["<" + topic] = ear.subscription.get_publisher_count()
+        super()._heartbeat()
+
+    def release(self) -> None:
+        """Take what is still on its way, and end the bag."""
+        if getattr(self, "writer", None) is None:
+            return
+        quiet = 0
+        while quiet < QUIET and not self.fault:
+            quiet = 0 if self.take() else quiet + 1
+            time.sleep(TAKE)
+        self.file_early()
+        writer, self.writer = self.writer, None
+        assert writer is not None
+        writer.close({"trunk_ros.loss": json.dumps(self.losses()), "trunk_ros.manifest": self.value("manifest")})
+        self.fault = self.fault or writer.failure
+        self.taker.destroy_node()
+
+    def losses(self) -> dict[str, Any]:
+        """Per topic: messages expected, received, lost, and the longest gap."""
+        return {topic: ear.tally.summary() for topic, ear in sorted(self.ears.items())}
+
+
+def unique(publishers: list[Any]) -> list[dict[str, Any]]:
+    """The publishers' profiles, each once."""
+    found: list[dict[str, Any]] = []
+    for each in publishers:
+        profile = described(each.qos_profile)
+        if profile not in found:
+            found.append(profile)
+    return found
+
+
+def stricter(old: Any, new: Any) -> bool:
+    """Whether an old profile shuts out publishers that a new one hears."""
+    return bool(old.reliability != new.reliability or old.durability != new.durability)
+
+
+def ignore(message: Any) -> None:
+    """Messages are taken, never called back."""
+
+
+def main(argv: list[str]) -> int:
+    """Record until asked to end."""
+    return run_node(Recorder, argv)
+
+

@@ -1,0 +1,109 @@
+"""wire_elasticity: gearbox angle to joint state, wire elongation and tension, tip pose."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.chain import Chain, State
+from trunk_ros.model import Declaration
+from trunk_ros.nodes.base import TrunkNode, run_node
+from trunk_ros.nodes.joints import JointMatcher, MessageError
+from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, pose
+from trunk_ros.nodes.ros import DurabilityPolicy, JointState, PoseStamped, QoSProfile, String
+from trunk_ros.trajectory import Array
+from trunk_ros.urdf import urdf
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+RESTART = SECOND  # ns that a stamp may be before the last one; more is a clock that was set back
+
+
+class WireElasticity(TrunkNode):
+    """One sample in, one sample out with the same stamp."""
+
+    NAME = "wire_elasticity"
+    OWN = (
+        Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which gearbox_states are called stale"),
+        Declaration("base_frame", "base_link", "", None, "frame of tip_pose"),
+    )
+
+    def configure(self) -> None:
+        """Create the chains and the streams."""
+        arm = self.model.arm
+        self.joints = arm.joints
+        self.wires = [f"wire_{number}" for number in range(1, len(arm.joints) + 1)]
+        self.matcher = JointMatcher(arm.joints)
+        self.restart()
+        still = np.zeros((2, len(arm.joints)))
+        self.wire.run(still, np.arange(2.0) / 100)  # compiles, so that no sample is late
+        self.publish_joints = self.publish_on(JointState, "joint_states")
+        self.publish_wires = self.publish_on(JointState, "trunk/wire_states")
+        self.publish_tip = self.publish_on(PoseStamped, "trunk/tip_pose")
+        self.publish_on(String, "robot_description", LATCHED)(String(data=urdf(arm)))
+        self.gearbox = self.watch("trunk/gearbox_states", self.value("timeout"))
+        self.listen_to(JointState, "trunk/gearbox_states", self.on_gearbox)
+
+    def restart(self) -> None:
+        """Begin with no memory, the play at its centre."""
+        self.wire, self.tip = (Chain(self.model, stage, hold_time=True) for stage in ("wire", "arm"))
+        self.state: State | None = None
+        self.origin = 0
+        self.last: tuple[int, Array] | None = None
+        self.phi = np.full(len(self.joints), np.nan)
+
+    def on_gearbox(self, message: Any) -> None:
+        """Pass one sample through the wire. Raises MessageError for one that cannot be used."""
+        now = nanoseconds(message.header.stamp)
+        self.gearbox.arrived(self.now())
+        phi = self.complete(message)
+        if self.last is not None and now <= self.last[0]:
+            if self.last[0] - now < RESTART:
+                raise MessageError("gearbox_states out of order: a sample was left out")
+            self.health.note("gearbox_states begin anew: their stamps jumped back")
+            self.restart()
+        self.origin = self.origin or now
+        self.publish_all(now, phi, message)
+
+    def complete(self, message: Any) -> Array:
+        """Gearbox angles (joints,) rad; joints that the message leaves out keep their last angle."""
+        phi = self.matcher.gather(message.name, message.position)
+        for oddity in self.matcher.oddities():
+            self.health.note(oddity)
+        phi = np.where(np.isfinite(phi), phi, self.phi)
+        if not np.isfinite(phi).all():
+            raise MessageError(f"no angle yet of {self.joints[int(np.argmin(np.isfinite(phi)))]}")
+        self.phi = phi
+        return phi
+
+    def publish_all(self, now: int, phi: Array, message: Any) -> None:
+        """Publish the joints, the wires and the tip at ``now`` ns."""
+        stamp = np.array([(now - self.origin) / SECOND])
+        (theta,), self.state = self.wire.run(phi[None], stamp, self.state)
+        effort = -self.wire.arm.load(theta[None])[0]
+        self.publish_joints(joint_state(now, self.joints, theta, self.speed(now, theta), effort))
+        self.last = now, theta
+        if self.model.arm.wire is not None:
+            stretch, tension = wire_state(self.model.arm, phi, theta, effort)
+            self.publish_wires(joint_state(now, self.wires, stretch, effort=tension))
+        if self.model.arm.has_geometry:
+            self.publish_tip(pose(now, self.value("base_frame"), self.tip.tip(theta[None], stamp)[0]))
+
+    def speed(self, now: int, theta: Array) -> Array:
+        """Joint speed (joints,) rad/s since the last sample."""
+        if self.last is None:
+            return np.zeros_like(theta)
+        return (theta - self.last[1]) * SECOND / (now - self.last[0])
+
+
+def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array, Array]:
+    """Elongation [m] and tension [N] of the wires (joints,): what the joint lags behind, and pull plus load."""
+    stretch = arm.wire.cylinder_radius * (arm.ratio * phi - theta)
+    return stretch, arm.wire.pull_tension + np.abs(effort) / arm.wire.cylinder_radius
+
+
+def main(argv: list[str]) -> int:
+    """Run the node until it is asked to end."""
+    return run_node(WireElasticity, argv)
+
+
