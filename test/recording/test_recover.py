@@ -118,6 +118,19 @@ def test_a_split_bag_gets_metadata_of_all_its_files(killed):
     assert total > COUNT
 
 
+def test_a_file_of_a_split_bag_with_nothing_in_it_is_left_out_and_kept(killed):
+    (killed / "bag_1.mcap").write_bytes(b"")
+    said = recover(killed)
+    assert "bag_1.mcap: is not an MCAP file; left out of the bag, kept as bag_1.mcap.damaged" in said[1]
+    assert messages(killed) > 0
+    assert sorted(each.name for each in killed.iterdir()) == [
+        "bag_0.mcap",
+        "bag_1.mcap.damaged",
+        "metadata.yaml",
+    ]
+    assert recover(killed) == [f"{killed}: is whole, nothing to repair"]
+
+
 def test_only_metadata_that_is_missing_or_damaged_is_written_anew(tmp_path):
     bag = tmp_path / "bag"
     bag.mkdir()

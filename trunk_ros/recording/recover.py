@@ -41,9 +41,9 @@ def recover(path: str | Path) -> list[str]:
     if not files:
         raise RecordingError(f"{path}: holds no .mcap file: other storages cannot be repaired")
     try:
-        said = [sentence for file in files for sentence in _recover_file(file)]
+        said, lost = _recover_files(files)
         if path.is_dir():
-            said += _recover_metadata(path, files, bool(said))
+            said += _recover_metadata(path, [each for each in files if each not in lost], bool(said))
     except DamageError as error:
         raise RecordingError(f"{path}: {error}") from None
     except OSError as error:
@@ -51,20 +51,40 @@ def recover(path: str | Path) -> list[str]:
     return said or [f"{path}: is whole, nothing to repair"]
 
 
+def _recover_files(files: Sequence[Path]) -> tuple[list[str], list[Path]]:
+    """What was done, and the files of a split bag that are lost; DamageError if that is all of them."""
+    said: list[str] = []
+    lost: dict[Path, DamageError] = {}
+    for file in files:
+        _refuse_live(file)
+        try:
+            said += _recover_file(file)
+        except DamageError as error:
+            lost[file] = error
+    if len(lost) == len(files):
+        raise next(iter(lost.values()))
+    for file, reason in lost.items():
+        file.rename(_damaged(file))
+        said.append(f"{file}: {reason}; left out of the bag, kept as {_damaged(file).name}")
+    return said, list(lost)
+
+
+def _damaged(file: Path) -> Path:
+    return file.with_name(f"{file.name}.damaged")
+
+
 def _recover_file(file: Path) -> list[str]:
-    _refuse_live(file)
     if is_whole(file):
         return []
     with new_file(file, overwrite=True) as draft:
         loss = repair(file, draft)
         if not loss.messages:
-            raise DamageError(f"holds no whole message in {file.name}: nothing was changed")
+            raise DamageError("holds no whole message")
         if loss.skipped:  # somebody may get more out of the damaged chunks
-            kept = file.with_name(f"{file.name}.damaged")
-            kept.unlink(missing_ok=True)
-            os.link(file, kept)
-    kept_note = f"; the old file is kept as {file.name}.damaged" if loss.skipped else ""
-    return [f"{file}: repaired, {loss.sentence()}{kept_note}"]
+            _damaged(file).unlink(missing_ok=True)
+            os.link(file, _damaged(file))
+    kept = f"; the old file is kept as {_damaged(file).name}" if loss.skipped else ""
+    return [f"{file}: repaired, {loss.sentence()}{kept}"]
 
 
 def _refuse_live(file: Path) -> None:
