@@ -85,7 +85,7 @@ class Model:
         flat = arm_parameters(self.arm)
         flat["model.duration"] = float(self.duration)
         for name, values in self.in_order():
-            for key, value in values.items():
+            for key, value in _effect_values(effect(name), values, self.arm.joints).items():
                 flat[f"effects.{name}.{key}"] = np.asarray(value).tolist()
         return flat
 
@@ -136,20 +136,29 @@ def bind(name: str, values: Values, joints: tuple[str, ...]) -> Effect:
 
 
 def _effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[str, ...]) -> Values:
-    """A model's values of one effect; empty where everything is at its null."""
-    values: Values = {}
-    for p in kind.parameters:
-        numbers = np.atleast_1d(given.get(p.name, p.null))
-        if numbers.size not in (1, len(joints)):
-            raise ModelError(f"effects.{kind.id}.{p.name} has {numbers.size} values for {len(joints)} joints")
-        if np.any(numbers != p.null):
-            values[p.name] = float(numbers[0]) if p.shared else _per_joint(numbers, len(joints))
-    if not values:
+    """All values of one effect that a model has of it; empty where everything is at its null."""
+    form = str(given.get("form") or kind.forms[0])
+    numbers = {
+        p.name: np.atleast_1d(np.asarray(given.get(p.name, p.null), dtype=float)) for p in kind.parameters
+    }
+    set_ = {p.name for p in kind.parameters if np.any(numbers[p.name] != p.null)}
+    if not set_:
         return {}
-    words = {text: _per_joint(given[text], len(joints)) for text in kind.texts if any(given.get(text, []))}
-    form = {"form": given["form"]} if given.get("form") else {}
-    bind(kind.id, values | words | form, joints)
-    return values | words | form
+    values: Values = {"form": form} if len(kind.forms) > 1 else {}
+    for p in kind.parameters:
+        if numbers[p.name].size not in (1, len(joints)):
+            raise ModelError(
+                f"effects.{kind.id}.{p.name} has {numbers[p.name].size} values for {len(joints)} joints"
+            )
+        if p.name in set_ or (p in kind.own_parameters(form) and not p.optional):
+            values[p.name] = (
+                float(numbers[p.name][0]) if p.shared else _per_joint(numbers[p.name], len(joints))
+            )
+    values |= {
+        text: _per_joint(list(given[text]), len(joints)) for text in kind.texts if any(given.get(text, []))
+    }
+    bind(kind.id, values, joints)
+    return values
 
 
 def _check_rivals(effects: Mapping[str, Values]) -> None:

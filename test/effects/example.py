@@ -94,6 +94,15 @@ def model_of(name: str, form: str = "", joints: int = 5, dead_band: float = 3e-4
     return Model(arm_of(joints, dead_band), {name: values_of(name, form, joints)})
 
 
+def everything(joints: int = 5) -> Model:
+    """An arm with every effect of the wire that can be compensated, save those that include another."""
+    effects: dict[str, Any] = {}
+    for name, form in COMPENSABLE:
+        if not registry()[name].replaces and name not in effects:
+            effects |= model_of(name, form, joints).effects
+    return Model(arm_of(joints), effects, duration=16.0)
+
+
 def few_sources(name: str, joints: int) -> dict[str, Any]:
     """A coupling with one source, for arms that have no more."""
     kind = registry()[name]

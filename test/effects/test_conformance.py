@@ -37,7 +37,8 @@ every_effect = pytest.mark.parametrize(("name", "form"), CASES)
 @every_effect
 def test_it_states_what_it_is(name: str, form: str) -> None:
     kind = registry()[name]
-    assert kind.__doc__ and kind.__doc__ != Effect.__doc__, "the formula is in the docstring"
+    assert kind.__doc__, "the formula is in the docstring"
+    assert kind.__doc__ != Effect.__doc__
     assert kind.signature.endswith(".")
     assert len(kind.source) > 20
     assert kind.regime in REGIMES

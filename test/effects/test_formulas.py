@@ -1,0 +1,196 @@
+"""Each effect against its formula of the contract's table, written once more in plain Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.effects.example import arm_of, motion, stamps
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.model import Model
+
+ARM = arm_of(3, dead_band=0.0)
+STAMP = stamps(20, 200)
+THETA = motion(STAMP, 3)
+PHI = THETA / 0.625
+TAU = ARM.load(THETA)
+SPEED = np.diff(THETA, axis=0, prepend=THETA[:1]) * 200.0
+
+
+def wire(effect: str, dead_band: float = 0.0, **values: Any) -> Array:
+    """Joint readings (n, 3) of the wire with one effect."""
+    spread = {k: np.full(3, v) if isinstance(v, float) and k not in SHARED else v for k, v in values.items()}
+    return Chain(Model(arm_of(3, dead_band), {effect: spread}), "wire").run(PHI, STAMP)[0]
+
+
+SHARED = {"factor", "payload", "delay"}
+
+
+def play(u: Array, width: Any) -> Array:
+    """theta[k] = clip(theta[k-1], u[k] - w, u[k] + w), from the centre."""
+    widths = np.broadcast_to(width, u.shape)
+    theta, out = u[0], []
+    for row, w in zip(u, widths, strict=True):
+        theta = np.clip(theta, row - w, row + w)
+        out.append(theta)
+    return np.array(out)
+
+
+STATIC: dict[str, tuple[dict[str, Any], Callable[[], Array]]] = {
+    "ratio_error": ({"relative": 0.02}, lambda: 0.625 * 1.02 * PHI),
+    "transmission_ripple": (
+        {"amplitude": 1e-3, "cycles_per_rev": 9.0, "phase": 0.4},
+        lambda: THETA + 1e-3 * np.sin(9.0 * PHI + 0.4),
+    ),
+    "wire_slip": ({"onset": 5.0, "step": 2e-3}, lambda: THETA + 2e-3 * (STAMP > 5.0)[:, None]),
+    "zero_offset": ({"offset": 3e-3}, lambda: THETA + 3e-3),
+    "hard_stop": ({"upper": 0.1, "lower": -0.12}, lambda: np.clip(THETA, -0.12, 0.1)),
+    "backlash": ({"half_width": 2e-3}, lambda: play(THETA, 2e-3)),
+    "friction_wear": ({"rate": 1e-4}, lambda: play(THETA, 1e-4 * STAMP[:, None])),
+}
+
+
+@pytest.mark.parametrize("name", STATIC)
+def test_what_depends_on_angle_and_time_follows_its_formula(name: str) -> None:
+    values, expected = STATIC[name]
+    still = np.abs(STAMP - 5.0) > 0.02 if name == "wire_slip" else np.ones(len(STAMP), dtype=bool)
+    assert wire(name, **values)[still] == pytest.approx(expected()[still], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("values", "drift"),
+    [
+        ({"amplitude": 2e-3, "time_constant": 8.0}, 2e-3 * (1.0 - np.exp(-STAMP / 8.0))),
+        ({"rate": 1e-4, "form": "straight"}, 1e-4 * STAMP),
+    ],
+)
+def test_a_drift_is_exponential_or_straight(values: dict[str, Any], drift: Array) -> None:
+    assert wire("thermal_drift", **values) == pytest.approx(THETA + drift[:, None], abs=1e-12)
+
+
+def test_a_coupling_adds_gain_times_the_sources_true_angle() -> None:
+    got = wire("joint_coupling", gain=np.array([0.0, 0.1, 0.05]), source=["", "joint_1", "joint_2"])
+    assert got[:, 1] == pytest.approx(THETA[:, 1] + 0.1 * got[:, 0], abs=1e-8)
+    assert got[:, 2] == pytest.approx(THETA[:, 2] + 0.05 * got[:, 1], abs=1e-8)
+
+
+def test_joints_may_drag_each_other() -> None:
+    got = wire("joint_coupling", gain=np.array([0.0, 0.3, 0.25]), source=["", "joint_3", "joint_2"])
+    assert got[:, 1] == pytest.approx(THETA[:, 1] + 0.3 * got[:, 2], abs=1e-8)
+    assert got[:, 2] == pytest.approx(THETA[:, 2] + 0.25 * got[:, 1], abs=1e-8)
+
+
+def test_a_tension_error_scales_the_nominal_dead_band() -> None:
+    assert wire("tension_error", dead_band=2e-3, factor=1.5) == pytest.approx(play(THETA, 3e-3), abs=1e-12)
+
+
+def test_friction_grows_with_the_load() -> None:
+    got = wire("load_dependent_friction", dead_band=1e-3, gain=0.01)
+    assert got == pytest.approx(play(THETA, 1e-3 + 0.01 * np.abs(ARM.load(got))), abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("form", "fade"),
+    [
+        ("exponential", lambda x: np.exp(-x)),
+        ("gaussian", lambda x: np.exp(-(x**2))),
+        ("hyperbolic", lambda x: 1 / (1 + x)),
+    ],
+)
+def test_friction_is_wider_at_low_speed(form: str, fade: Callable[[Array], Array]) -> None:
+    got = wire("stribeck_friction", dead_band=1e-3, form=form, amplitude=2e-3, velocity=0.1)
+    assert got == pytest.approx(play(THETA, 1e-3 + 2e-3 * fade(np.abs(SPEED) / 0.1)), abs=1e-12)
+
+
+def test_a_load_stretches_the_wire_along_with_a_payload() -> None:
+    got = wire("load_elasticity", compliance=0.05, payload=0.1)
+    tau = ARM.load(got) + 0.1 * ARM.lever(got)
+    assert got == pytest.approx(THETA + 0.05 * tau, abs=1e-8)
+
+
+def test_a_slack_wire_is_twice_as_soft_past_its_threshold() -> None:
+    got = wire("wire_slack", threshold=0.03, compliance=0.05)
+    tau = ARM.load(got)
+    excess = np.sign(tau) * np.maximum(np.abs(tau) - 0.03, 0.0)
+    assert got == pytest.approx(THETA + 0.05 * (tau + excess), abs=1e-8)
+
+
+@pytest.mark.parametrize("form", ["tangent", "secant", "smooth"])
+def test_a_stiffening_wires_compliance_has_halved_at_the_moment(form: str) -> None:
+    """Its slope there; with the secant form, deflection over load."""
+    arm = arm_of(1, dead_band=0.0)
+    model = Model(
+        arm, {"wire_stiffening": {"form": form, "moment": np.full(1, 0.1), "compliance": np.full(1, 1e-4)}}
+    )
+    theta = np.linspace(0.0, 0.7, 701)[:, None]
+    sag = (Chain(model, "wire").run(theta / 0.625, np.arange(701.0))[0] - theta)[:, 0] / 1e-4
+    tau = arm.load(theta)[:, 0]
+    at = int(np.argmin(np.abs(tau - 0.1)))
+    softness = sag[at] / tau[at] if form == "secant" else np.gradient(sag, tau)[at]
+    assert softness == pytest.approx(0.5, abs=0.01)
+    assert np.gradient(sag, tau)[1] == pytest.approx(1.0, abs=0.02)
+
+
+def euler(rate: Callable[[Array, int], Array], start: Array, steps: int = 40) -> Array:
+    """States (n, ...) of dx/dt = rate(x, fine row) by many small steps, at the rows of STAMP."""
+    x, out = start.copy(), [start.copy()]
+    for row in range((len(STAMP) - 1) * steps):
+        x = x + rate(x, row) / (200.0 * steps)
+        if (row + 1) % steps == 0:
+            out.append(x.copy())
+    return np.array(out)
+
+
+FINE = np.column_stack([np.interp(np.arange((len(STAMP) - 1) * 40 + 1) / 8000.0, STAMP, c) for c in THETA.T])
+
+
+def test_a_lag_is_a_first_order_low_pass() -> None:
+    expected = euler(lambda x, row: (FINE[row] - x) / 0.05, THETA[0])
+    assert wire("viscous_lag", time_constant=0.05) == pytest.approx(expected, abs=2e-5)
+
+
+def test_a_creep_gives_back_a_share_of_the_slow_position() -> None:
+    low = euler(lambda x, row: (FINE[row] - x) / 2.0, THETA[0])
+    got = wire("viscoelastic_creep", gain=0.05, time_constant=np.full(3, 2.0))
+    assert got == pytest.approx(THETA - 0.05 * low, abs=2e-5)
+
+
+def test_a_link_swings_as_a_damped_oscillator() -> None:
+    omega = 2 * np.pi * 3.0
+
+    def rate(x: Array, row: int) -> Array:
+        return np.array([x[1], omega**2 * (FINE[row] - x[0]) - 2 * 0.1 * omega * x[1]])
+
+    expected = euler(rate, np.array([THETA[0], np.zeros(3)]))[:, 0]
+    got = wire("link_resonance", frequency=3.0, damping=0.1)
+    assert got == pytest.approx(expected, abs=2e-3 * np.abs(got - THETA).max() + 1e-4)
+
+
+def test_a_late_sensor_shows_the_past() -> None:
+    past = np.column_stack([np.interp(STAMP - 0.013, STAMP, column) for column in THETA.T])
+    assert wire("sensor_delay", delay=0.013) == pytest.approx(past, abs=2e-5)
+
+
+@pytest.mark.parametrize("form", ["spread", "bouc_wen", "bouc_wen_2", "dahl"])
+def test_a_rounded_loop_lags_by_half_its_width_once_it_slides(form: str) -> None:
+    up = np.concatenate([np.linspace(0, 0.5, 500), np.linspace(0.5, 0, 500)])[:, None]
+    model = Model(arm_of(1, 1e-3), {"presliding_hysteresis": {"form": form, "width": np.full(1, 4e-3)}})
+    got = Chain(model, "wire").run(up / 0.625, np.arange(1000.0))[0]
+    assert (up - got)[499, 0] == pytest.approx(1e-3 + 2e-3, abs=1e-5)
+    assert (up - got)[-1, 0] == pytest.approx(-1e-3 - 2e-3, abs=1e-5)
+
+
+def test_plays_spread_over_a_width_slide_fully_after_twice_that_travel() -> None:
+    """The contract's definition of ``width``; at half of the travel half of the plays have turned."""
+    down = np.concatenate([np.linspace(0, 0.5, 500), 0.5 - np.linspace(0, 0.02, 2001)[1:]])[:, None]
+    model = Model(arm_of(1, 1e-3), {"presliding_hysteresis": {"form": "spread", "width": np.full(1, 4e-3)}})
+    got = Chain(model, "wire").run(down / 0.625, np.arange(2500.0))[0][500:, 0]
+    travel = 0.5 - down[500:, 0]
+    slope = np.gradient(got, -travel)
+    assert slope[travel < 1.9e-3] == pytest.approx(0.0, abs=1e-9), "twice w: the dead band"
+    assert slope[np.abs(travel - 6e-3) < 2e-4].mean() == pytest.approx(0.5, abs=0.06)
+    assert slope[travel > 10.2e-3] == pytest.approx(1.0, abs=1e-9), "twice w + width"

@@ -1,0 +1,123 @@
+"""The servo loop against the contract's equations, stepped in plain Python."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from test.effects.example import arm_of, motion, stamps
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.model import Model
+
+STEP = 0.002  # s
+
+
+def reference(setpoint: Array, rows: int, kp: float = 20.0, tau: float = 0.02, v_max: float = 1.5) -> Array:
+    """Gearbox angle (n,) at setpoints (n,) that come every ``rows`` steps of 2 ms: v first, then phi with
+    the new v.
+    """
+    phi, v, out = setpoint[0], 0.0, []
+    for target in setpoint:
+        out.append(phi)
+        for _ in range(rows):
+            v_ref = min(max(kp * (target - phi), -v_max), v_max)
+            v += STEP * (v_ref - v) / tau
+            phi += STEP * v
+    return np.array(out)
+
+
+def servo(setpoint: Array, stamp: Array, **effects: Any) -> Array:
+    """Gearbox angles (n, joints) of the servo stage."""
+    return Chain(Model(arm_of(setpoint.shape[1]), effects), "servo").run(setpoint, stamp)[0]
+
+
+def steps_and_sweeps(rate: float) -> tuple[Array, Array]:
+    """Stamps, and setpoints with a jump that saturates the speed."""
+    stamp = stamps(6, rate)
+    setpoint = motion(stamp, 2) / 0.625
+    setpoint[stamp > 3.0] += [0.5, -0.2]
+    return stamp, setpoint
+
+
+@pytest.mark.parametrize("rows", [1, 2, 5, 10])
+def test_it_is_the_contracts_integration(rows: int) -> None:
+    stamp, setpoint = steps_and_sweeps(500.0 / rows)
+    got = servo(setpoint, stamp)
+    for joint in range(2):
+        assert got[:, joint] == pytest.approx(reference(setpoint[:, joint], rows), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "changed"),
+    [
+        ("servo_bandwidth", {"relative": -0.3}, {"kp": 14.0}),
+        ("velocity_saturation", {"v_max": 0.4}, {"v_max": 0.4}),
+        ("velocity_saturation", {"v_max": 3.0}, {}),
+    ],
+)
+def test_a_changed_loop_is_the_same_integration(effect: str, values: Any, changed: Any) -> None:
+    stamp, setpoint = steps_and_sweeps(100.0)
+    got = servo(setpoint, stamp, **{effect: values})
+    assert got[:, 0] == pytest.approx(reference(setpoint[:, 0], 5, **changed), abs=1e-12)
+
+
+def test_a_setpoint_acts_from_its_stamp_on() -> None:
+    stamp = stamps(0.1, 100)
+    setpoint = np.where(stamp[:, None] >= 0.05 - 1e-9, 0.1, 0.0)
+    phi = servo(setpoint, stamp)[:, 0]
+    assert phi[stamp < 0.051].tolist() == [0.0] * 6, "read before the setpoint of that stamp acts"
+    assert phi[6] > 0.0
+
+
+@pytest.mark.parametrize("delay", [0.01, 0.02])
+def test_a_delay_of_whole_samples_shifts_the_setpoints(delay: float) -> None:
+    stamp, setpoint = steps_and_sweeps(100.0)
+    late = round(delay * 100)
+    shifted = np.concatenate([np.repeat(setpoint[:1], late, axis=0), setpoint[:-late]])
+    assert servo(setpoint, stamp, servo_delay={"delay": delay}) == pytest.approx(
+        servo(shifted, stamp), abs=1e-9
+    )
+
+
+def test_a_delay_may_be_longer_than_a_block() -> None:
+    stamp, setpoint = steps_and_sweeps(100.0)
+    chain = Chain(Model(arm_of(2), {"servo_delay": {"delay": 0.137}}), "servo")
+    state, parts = None, []
+    for begin in range(0, len(stamp), 3):
+        part, state = chain.run(setpoint[begin : begin + 3], stamp[begin : begin + 3], state)
+        parts.append(part)
+    assert np.concatenate(parts) == pytest.approx(chain.run(setpoint, stamp)[0], abs=1e-12)
+
+
+def test_the_load_pulls_the_shaft_off_its_setpoint() -> None:
+    arm = arm_of(3)
+    stamp = stamps(5, 100)
+    setpoint = np.tile([0.4, 0.2, -0.1], (len(stamp), 1))
+    phi = servo(setpoint, stamp, load_droop={"gain": 0.1})[-1]
+    assert phi == pytest.approx(setpoint[0] + 0.1 * arm.load((phi * 0.625)[None])[0], abs=1e-6)
+
+
+def test_cogging_shifts_where_the_shaft_stands() -> None:
+    stamp = stamps(5, 100)
+    setpoint = np.tile(np.linspace(-0.3, 0.3, 5), (len(stamp), 1))
+    phi = servo(setpoint, stamp, cogging={"amplitude": 1e-3, "cycles_per_rev": 24.0})[-1]
+    assert phi == pytest.approx(setpoint[0] + 1e-3 * np.sin(24.0 * phi), abs=1e-6)
+
+
+@settings(max_examples=20, deadline=None)
+@given(gaps=st.lists(st.floats(0.0005, 0.08), min_size=5, max_size=40))
+def test_uneven_setpoints_are_held_until_the_next(gaps: list[float]) -> None:
+    """A chain asked at further times between the setpoints passes through the same states, to the
+    integrator's step.
+    """
+    stamp = np.cumsum([0.0, *gaps])
+    setpoint = motion(stamp * 5, 1)
+    dense = np.sort(np.concatenate([stamp, stamp[:-1] + np.diff(stamp) / 2]))
+    held = setpoint[np.searchsorted(stamp, dense + 1e-12, side="right") - 1]
+    at = np.searchsorted(dense, stamp)
+    assert servo(held, dense)[at] == pytest.approx(servo(setpoint, stamp), abs=2e-3)
