@@ -63,7 +63,13 @@ def slow(rng: np.random.Generator) -> list[Move]:
     return [Move(rng.uniform(-0.3, 0.3), 0.4)] + [Move(rng.uniform(-0.3, 0.3), 0.05) for _ in range(2)]
 
 
-SECTIONS: dict[str, Section] = {"sweeps": sweep, "fast": fast, "reversals": reversals, "holds": hold, "slow": slow}
+SECTIONS: dict[str, Section] = {
+    "sweeps": sweep,
+    "fast": fast,
+    "reversals": reversals,
+    "holds": hold,
+    "slow": slow,
+}
 NAMES = ("default", *SECTIONS)
 
 

@@ -37,8 +37,8 @@ class Limits:
 class Trajectory:
     """Points of a motion: ``time`` (k,) s from its start, the rest (k, joints) rad, rad/s, rad/s^2.
 
-    Between points it is linear where only positions are given, cubic with velocities, quintic with accelerations
-    as well. Raises TrajectoryError where the points cannot be followed.
+    Between points it is linear where only positions are given, cubic with velocities, quintic with
+    accelerations as well. Raises TrajectoryError where the points cannot be followed.
     """
 
     joints: tuple[str, ...]
@@ -63,7 +63,9 @@ class Trajectory:
         if values.shape != (len(self.time), len(self.joints)):
             raise TrajectoryError(f"each point needs one {name} for each of the {len(self.joints)} joints")
         if not np.all(np.isfinite(values)):
-            raise TrajectoryError(f"{name} of {self.joints[np.argwhere(~np.isfinite(values))[0][1]]} is not finite")
+            raise TrajectoryError(
+                f"{name} of {self.joints[np.argwhere(~np.isfinite(values))[0][1]]} is not finite"
+            )
 
     @property
     def duration(self) -> float:
@@ -106,7 +108,7 @@ class Trajectory:
         return c
 
     def after(self, position: Array, velocity: Array, acceleration: Array) -> Trajectory:
-        """The same motion begun from a state (joints,) at time 0, in the place of whatever stood there before."""
+        """The same motion begun from a state (joints,) at time 0; as it is where it has a point there."""
         late = self.time > 0
         if not late.any() or not late[0]:
             return self
@@ -137,7 +139,9 @@ class Trajectory:
         still = np.zeros(len(joints))
         position = spread(self.position, held)
         assert position is not None
-        return Trajectory(joints, self.time, position, spread(self.velocity, still), spread(self.acceleration, still))
+        return Trajectory(
+            joints, self.time, position, spread(self.velocity, still), spread(self.acceleration, still)
+        )
 
     def check(self, limits: Limits) -> None:
         """Raise TrajectoryError naming the first limit that the motion would break, where and when.
@@ -150,7 +154,9 @@ class Trajectory:
         high = np.maximum(limits.upper, position[0]) + TOLERANCE
         self._refuse(at, position, position < low, "reach", "rad", limits.lower)
         self._refuse(at, position, position > high, "reach", "rad", limits.upper)
-        self._refuse(at, velocity, np.abs(velocity) > limits.speed + TOLERANCE, "move at", "rad/s", limits.speed)
+        self._refuse(
+            at, velocity, np.abs(velocity) > limits.speed + TOLERANCE, "move at", "rad/s", limits.speed
+        )
         if self.velocity is not None:
             hard = np.abs(acceleration) > limits.acceleration + TOLERANCE
             self._refuse(at, acceleration, hard, "accelerate at", "rad/s^2", limits.acceleration)
@@ -165,7 +171,8 @@ class Trajectory:
             return
         k, j = np.argwhere(broken)[0]
         raise TrajectoryError(
-            f"{self.joints[j]} would {verb} {values[k, j]:.4g} {unit} at {at[k]:.3f} s: its limit is {limit[j]:.4g} {unit}"
+            f"{self.joints[j]} would {verb} {values[k, j]:.4g} {unit} at {at[k]:.3f} s: "
+            f"its limit is {limit[j]:.4g} {unit}"
         )
 
 
@@ -180,7 +187,7 @@ def evaluate(c: Array, since: Array) -> tuple[Array, Array, Array]:
 
 
 def load_trajectory(path: str | Path) -> Trajectory:
-    """Read a YAML file with the fields of trajectory_msgs/JointTrajectory; times in s, or as ``{sec, nanosec}``.
+    """Read a YAML file with the fields of trajectory_msgs/JointTrajectory; times in s or ``{sec, nanosec}``.
 
     Raises TrajectoryError that names the file and the field.
     """
@@ -196,7 +203,11 @@ def load_trajectory(path: str | Path) -> Trajectory:
 
 def save_trajectory(path: str | Path, trajectory: Trajectory) -> None:
     """Write the file that ``load_trajectory`` reads."""
-    named = {"positions": trajectory.position, "velocities": trajectory.velocity, "accelerations": trajectory.acceleration}
+    named = {
+        "positions": trajectory.position,
+        "velocities": trajectory.velocity,
+        "accelerations": trajectory.acceleration,
+    }
     points = [
         {name: values[k].tolist() for name, values in named.items() if values is not None}
         | {"time_from_start": float(trajectory.time[k])}
@@ -227,7 +238,9 @@ def from_fields(fields: Any) -> Trajectory:
 
 def column(points: list[Any], name: str) -> Array | None:
     """One field of all points (k, joints), or None where not every point has it."""
-    return np.array([point[name] for point in points], dtype=float) if all(p.get(name) for p in points) else None
+    return (
+        np.array([point[name] for point in points], dtype=float) if all(p.get(name) for p in points) else None
+    )
 
 
 def seconds(time: Any) -> float:

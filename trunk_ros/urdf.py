@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.errors import TrunkError
 
 RADIUS = 0.012  # m, of the links as drawn
 DRAWN_LENGTH = 0.05  # m of a link whose length is not known
@@ -16,7 +18,7 @@ COLOURS = ("0.25 0.45 0.70 1", "0.85 0.85 0.80 1")
 
 
 def urdf(arm: Arm, name: str = "trunk") -> str:
-    """The arm as URDF text: base upright, z up, all axes along X, a link on each joint, ``tip`` at the end."""
+    """The arm as URDF text: base upright, z up, axes along X, a link on each joint, ``tip`` at the end."""
     robot = Element("robot", name=name)
     for number, colour in enumerate(COLOURS):
         SubElement(SubElement(robot, "material", name=f"colour_{number}"), "color", rgba=colour)
@@ -66,3 +68,20 @@ def _connect(robot: Element, name: str, kind: str, parent: str, child: str, heig
     SubElement(joint, "child", link=child)
     SubElement(joint, "origin", xyz=f"0 0 {height:g}", rpy="0 0 0")
     return joint
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Print the URDF of a model: ``python -m trunk_ros.urdf [MODEL]``, by default the nominal arm."""
+    from trunk_ros.model import load_model
+
+    names = sys.argv[1:] if argv is None else argv
+    try:
+        print(urdf(load_model(names[0] if names else "trunk").arm), end="")
+    except TrunkError as error:
+        print(f"urdf: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -39,7 +39,11 @@ class Processes:
         for part, process in self.running.items():
             code = process.poll()
             if code is not None:
-                return f"{part} ended with exit code {code}" if code >= 0 else f"{part} was ended by signal {-code}"
+                return (
+                    f"{part} ended with exit code {code}"
+                    if code >= 0
+                    else f"{part} was ended by signal {-code}"
+                )
         return ""
 
     def stop(self, parts: list[str]) -> None:

@@ -56,7 +56,8 @@ class BagSource:
     def topics(self) -> list[Topic]:
         """What the bag holds."""
         return [
-            Topic(c.topic, c.msgtype, tuple(c.ext.offered_qos_profiles), c.msgcount) for c in self._reader.connections
+            Topic(c.topic, c.msgtype, tuple(getattr(c.ext, "offered_qos_profiles", ())), c.msgcount)
+            for c in self._reader.connections
         ]
 
     def messages(self, wanted: set[str]) -> Iterator[tuple[int, str, bytes]]:
@@ -73,7 +74,9 @@ class BagSource:
     def __enter__(self) -> BagSource:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._reader.close()
 
 

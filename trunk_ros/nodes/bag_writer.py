@@ -1,4 +1,4 @@
-"""Writes a bag beside the node's loop: a bounded queue, a thread, MCAP chunks that are on disk within half a second."""
+"""Writes a bag beside the node's loop: bounded queue, thread, MCAP chunks on disk within half a second."""
 
 from __future__ import annotations
 
@@ -165,7 +165,11 @@ class BagWriter:
             part.stream.close()
             part = self._begin_part()
         part.writer.add_message(
-            self._channel_id(part, entry.channel), entry.log_ns, entry.data, entry.publish_ns, entry.number & 0xFFFFFFFF
+            self._channel_id(part, entry.channel),
+            entry.log_ns,
+            entry.data,
+            entry.publish_ns,
+            entry.number & 0xFFFFFFFF,
         )
         entry.channel.count += 1
         part.count += 1
@@ -175,12 +179,18 @@ class BagWriter:
         options = self.options
         if options.split_bytes and part.stream.tell() > options.split_bytes:
             return True
-        return bool(options.split_seconds and part.count and entry.log_ns - part.first_ns >= options.split_seconds * 1e9)
+        return bool(
+            options.split_seconds
+            and part.count
+            and entry.log_ns - part.first_ns >= options.split_seconds * 1e9
+        )
 
     def _begin_part(self) -> Part:
         path = self.folder / f"{self.folder.name}_{len(self._parts)}.mcap"
         stream = path.open("xb")
-        writer = Writer(stream, chunk_size=self.options.chunk_bytes, compression=COMPRESSION[self.options.compression])
+        writer = Writer(
+            stream, chunk_size=self.options.chunk_bytes, compression=COMPRESSION[self.options.compression]
+        )
         writer.start(profile="ros2", library="trunk_ros")
         self._parts.append(Part(path, writer, stream))
         return self._parts[-1]
@@ -191,7 +201,9 @@ class BagWriter:
                 text = channel.definition.encode()
                 part.schemas[channel.type] = part.writer.register_schema(channel.type, "ros2msg", text)
             noted = {"offered_qos_profiles": qos_text(channel.qos), "topic_type_hash": channel.hash}
-            part.ids[channel.name] = part.writer.register_channel(channel.name, "cdr", part.schemas[channel.type], noted)
+            part.ids[channel.name] = part.writer.register_channel(
+                channel.name, "cdr", part.schemas[channel.type], noted
+            )
         return part.ids[channel.name]
 
     def _describe(self, custom: dict[str, str]) -> dict[str, Any]:
@@ -208,5 +220,3 @@ def create_folder(folder: Path) -> None:
         raise ArgumentError(f"{folder} exists: give another output") from None
     except OSError as error:
         raise ArgumentError(f"{folder} cannot be written: {error.strerror}") from None
-
-

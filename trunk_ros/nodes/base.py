@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import time
 from collections.abc import Callable
 from typing import Any
@@ -18,22 +17,19 @@ from trunk_ros.nodes.ros import (
     ClockType,
     DiagnosticArray,
     DiagnosticStatus,
-    EventsExecutor,
     KeyValue,
     LifecycleNode,
     LifecycleState,
     QoSProfile,
-    SignalHandlerOptions,
     SteadyClock,
     String,
     TransitionCallbackReturn,
-    rclpy,
 )
 
 DEPTH = 200  # messages that a slow partner may be behind
 PROGRESS_TOPIC = "trunk/_progress"  # hidden: only listened to by the bringup that started the node
 
-DELIVERY = 0.05  # s that the last messages have to arrive; waiting for acknowledgements would take a heartbeat of 3 s
+DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
 
 COMMON = (
     Declaration("rate", 100.0, "Hz", (1.0, 2000.0), "rate of the node's loop"),
@@ -42,8 +38,13 @@ COMMON = (
 )
 
 
+def steady_clock() -> Any:
+    """A clock that nothing sets; one for each timer, as rclpy wants it."""
+    return SteadyClock(clock_type=ClockType.STEADY_TIME)
+
+
 class TrunkNode(LifecycleNode):
-    """A managed node with a model. Subclasses override ``configure``, ``tick`` and, where needed, ``release``."""
+    """A managed node with a model. Subclasses override ``configure``, ``tick`` and ``release``."""
 
     NAME = "node"
     OWN: tuple[Declaration, ...] = ()
@@ -80,6 +81,9 @@ class TrunkNode(LifecycleNode):
 
     def tick(self, now: int) -> None:
         """One step of the loop at ``now`` ns."""
+
+    def rewound(self, now: int) -> None:
+        """Simulated time was set back to ``now`` ns."""
 
     def release(self) -> None:
         """Let go of what ``configure`` took, streams aside."""
@@ -138,7 +142,9 @@ class TrunkNode(LifecycleNode):
 
     def _start_clock(self) -> None:
         if self.simulated:
-            self._parts.append((self.destroy_subscription, self.create_subscription(Clock, "/clock", self._on_clock, DEPTH)))
+            self._parts.append(
+                (self.destroy_subscription, self.create_subscription(Clock, "/clock", self._on_clock, DEPTH))
+            )
         else:
             self.every(self.period / SECOND, self._on_timer)
         if self.value("supervised"):
@@ -148,6 +154,7 @@ class TrunkNode(LifecycleNode):
         now = nanoseconds(message.clock)
         if now < self._last:
             self.health.note("time jumped back")
+            self.rewound(now)
         elif now - self._last < self.period and self._last >= 0:
             return
         self._step(now, 0)
@@ -213,7 +220,7 @@ class TrunkNode(LifecycleNode):
             raise self.crash
 
     def _uncrashed(self, function: Callable[[], None]) -> bool:
-        """Call within a transition, where rclpy would swallow what goes wrong; tells whether all went well."""
+        """Call within a transition, where rclpy swallows what goes wrong; tells whether all went well."""
         try:
             function()
         except TrunkError as error:
@@ -225,7 +232,7 @@ class TrunkNode(LifecycleNode):
         return True
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Create streams and start the clock; the node is silent but for diagnostics until it is activated."""
+        """Create streams and start the clock; but for diagnostics the node is silent until activated."""
         self._publish_diagnostics = self.publish_on(DiagnosticArray, "diagnostics")
         if self.needs_model:
             self.health.values["model"] = self.model.hash()
@@ -267,52 +274,3 @@ class TrunkNode(LifecycleNode):
         for destroy, part in reversed(self._parts):
             destroy(part)
         self._parts.clear()
-
-
-def steady_clock() -> Any:
-    """A clock that nothing sets; one for each timer, as rclpy wants it."""
-    return SteadyClock(clock_type=ClockType.STEADY_TIME)
-
-
-class Stop:
-    """Turns SIGINT and SIGTERM into a flag, so that a process ends in good order."""
-
-    def __init__(self) -> None:
-        self.asked = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
-
-    def _ask(self, *_: Any) -> None:
-        self.asked = True
-
-
-def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
-    """The life of a process with one node: 0 when asked to end, 2 (a TrunkError) when it cannot start."""
-    stop = Stop()
-    start_ros(argv)
-    try:
-        node = kind()
-        if node.value("autostart"):
-            node.start()
-        executor = EventsExecutor()
-        executor.add_node(node)
-        while not stop.asked and not node.fault:
-            executor.spin_once(timeout_sec=0.1)
-        node.end()
-        if node.fault:
-            raise TrunkError(f"{node.get_name()}: {node.fault}")
-    finally:
-        rclpy.try_shutdown()
-    return 0
-
-
-def start_ros(argv: list[str]) -> None:
-    """Initialise ROS with a command's ``--ros-args``. Raises TrunkError for others."""
-    try:
-        rclpy.init(args=["trunk_ros", *argv], signal_handler_options=SignalHandlerOptions.NO)
-    except Exception as error:
-        raise TrunkError(f"bad ROS arguments: {' '.join(str(error).split())}") from None
-    rest = rclpy.utilities.remove_ros_args(["trunk_ros", *argv])[1:]
-    if rest:
-        rclpy.try_shutdown()
-        raise TrunkError(f"unknown argument {rest[0]!r}: a node takes --ros-args (see ros2 run --help)")

@@ -1,4 +1,4 @@
-"""bringup: all nodes at once with a trajectory, recorded; in one process or several, in real or simulated time."""
+"""bringup: all nodes with a trajectory, recorded; in one process or several, real or simulated time."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ CHAIN = [part for part in PARTS if part != "recorder"]
 
 
 def main(argv: list[str]) -> int:
-    """Run and record: 0 when done or asked to end, 2 (a TrunkError) for what cannot be begun, 1 when a node gave up."""
+    """Run and record: 0 when done or asked to end, 1 when a node gave up. Raises TrunkError at first."""
     plan = plan_of(argv)
-    from trunk_ros.nodes.base import Stop, start_ros
+    from trunk_ros.nodes.process import Stop, start_ros
     from trunk_ros.nodes.ros import rclpy
 
     stop = Stop()
@@ -71,8 +71,7 @@ def run_together(plan: Plan, stop: Any) -> str:
             nodes[part].listener = pacer.note
             nodes[part].start()
             executor.add_node(nodes[part])
-        trouble = lambda: next((node.fault for node in nodes.values() if node.fault), "")
-        pump(executor, pacer, stop, trouble, lambda: pacer.phase == "done")
+        pump(executor, pacer, stop, lambda: first_fault(nodes), lambda: pacer.phase == "done")
     finally:
         for part in [*CHAIN, "recorder"]:
             if part in nodes:
@@ -89,7 +88,9 @@ def make_node(part: str, parameters: dict[str, Any]) -> Any:
     from trunk_ros.nodes.wire_elasticity import WireElasticity
 
     kinds = {kind.NAME: kind for kind in (ServoDriver, WireElasticity, Compensator, Recorder)}
-    return kinds[part](parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()])
+    return kinds[part](
+        parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()]
+    )
 
 
 def run_apart(plan: Plan, stop: Any) -> str:
@@ -117,6 +118,11 @@ def run_apart(plan: Plan, stop: Any) -> str:
     finally:
         processes.close()
     return str(pacer.fault)
+
+
+def first_fault(nodes: dict[str, Any]) -> str:
+    """Why a node gave up, "" where none did."""
+    return next((str(node.fault) for node in nodes.values() if node.fault), "")
 
 
 def recorder_of(pacer: Any) -> list[str]:

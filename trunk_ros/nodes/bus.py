@@ -51,7 +51,9 @@ class SimulatedBus:
         self._waiting: list[tuple[float, Array]] = []
         self._state: State | None = None
         self._read: tuple[float, Array] | None = None
-        self._chain.run(np.tile(self._setpoint, (3, 1)), np.arange(3.0) / 100)  # compiles, so that no step is late
+        self._chain.run(
+            np.tile(self._setpoint, (3, 1)), np.arange(3.0) / 100
+        )  # compiles, so that no step is late
 
     def write(self, setpoint: Array, at: float) -> None:
         """The setpoint acts from its time on, or at once where that is past."""
@@ -78,7 +80,9 @@ class SimulatedBus:
             stamps = [max(begin, self._state.stamp) for begin, _ in due]
             rows = [setpoint for _, setpoint in due]
         self._setpoint = rows[-1] if rows else self._setpoint
-        out, self._state = self._chain.run(np.array([*rows, self._setpoint]), np.array([*stamps, at]), self._state)
+        out, self._state = self._chain.run(
+            np.array([*rows, self._setpoint]), np.array([*stamps, at]), self._state
+        )
         return out[-1]
 
     def _torque(self, phi: Array, speed: Array) -> Array:
@@ -93,7 +97,7 @@ class SimulatedBus:
 
 
 def gearbox_limits(arm: Arm) -> tuple[Array, Array]:
-    """Lowest and highest gearbox angle (joints,) rad: the joint limits through the ratio, plus the nominal dead band."""
+    """Lowest and highest gearbox angle (joints,) rad: joint limits through the ratio, plus the dead band."""
     ends = np.sort(np.stack([arm.lower, arm.upper]) / arm.ratio, axis=0)
     play = arm.dead_band / np.abs(arm.ratio)
     return ends[0] - play, ends[1] + play

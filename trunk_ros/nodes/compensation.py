@@ -1,4 +1,4 @@
-"""The model run backward, tamed: what goes out neither jumps nor chatters nor asks for more than the servo can do."""
+"""The model run backward, tamed: no jumps, no chatter, nothing that the servo cannot do."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Compensation:
     def __init__(self, model: Model, reversal: float, position: Array | None = None):
         """``reversal``: rad that a reference must turn back before that counts as a change of direction.
 
-        ``position``: gearbox angle that the motors hold; the first setpoint is there. None: it starts at the reference.
+        ``position``: gearbox angle that the motors hold, the first setpoint. None: start at the reference.
         """
         self.reversal = reversal
         self.out: Array | None = None if position is None else position.copy()
@@ -46,9 +46,9 @@ class Compensation:
         return np.clip(shown[0], self.model.arm.lower, self.model.arm.upper)
 
     def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
-        """How far a reference has to run ahead for the servo to be there in time, for its derivatives (joints,).
+        """How far a reference with these derivatives (joints,) has to run ahead for the servo to be in time.
 
-        From the servo's equations, setpoint - phi = (v + tau_v dv/dt)/Kp; a setpoint is held for ``dt``, half of which is late.
+        From the servo's equations: setpoint - phi = (v + tau_v dv/dt)/Kp. Holding it for ``dt`` is dt/2 late.
         """
         gain = position_gain(self.model)
         return velocity * (1 / gain + dt / 2) + acceleration * self.model.arm.tau_v / gain
@@ -78,7 +78,7 @@ class Compensation:
         return wanted
 
     def _steady(self, reference: Array) -> Array:
-        """The reference without turns smaller than ``reversal``, which would swing the inverse of the dead band to and fro."""
+        """The reference without turns below ``reversal``, which would make the dead band's inverse swing."""
         if self._state is None:
             self._held, self._direction = reference.copy(), np.zeros_like(reference)
             return self._held

@@ -7,38 +7,61 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.errors import TrunkError
-from trunk_ros.model import Declaration, Model, load_model
+from trunk_ros.arm import Arm
+from trunk_ros.errors import ModelError, TrunkError
+from trunk_ros.model import Declaration, Model, declared_parameters, load_model
 from trunk_ros.nodes import parameters
-from trunk_ros.nodes.base import TrunkNode, run_node
+from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.compensation import Compensation
 from trunk_ros.nodes.follower import Follower
 from trunk_ros.nodes.joints import JointMatcher, MessageError
 from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, trajectory_of
+from trunk_ros.nodes.process import run_node
 from trunk_ros.nodes.ros import JointState, JointTrajectory, SetParametersResult, deserialize_message
 from trunk_ros.trajectory import Array, Limits
 
-FORGOTTEN = 2 * SECOND  # ns after which a foreign reference that dried up no longer keeps ours back
 LONGEST_STEP = 0.1  # s that the output may move on after a pause
 
 
 class Compensator(TrunkNode):
-    """Publishes the reference itself while it follows a trajectory; a foreign ``trunk/reference`` has precedence."""
+    """Publishes the reference while it follows a trajectory; a foreign ``trunk/reference`` has precedence."""
 
     NAME = "compensator"
     OWN = (
-        Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which gearbox_states or a reference are called stale"),
-        Declaration("reversal", 5e-5, "rad", (0.0, 0.1), "a reference that turns back by less keeps its direction"),
-        Declaration("max_acceleration", 100.0, "rad/s^2", (0.1, 1e6), "joint acceleration that a trajectory may ask for"),
+        Declaration(
+            "timeout",
+            0.5,
+            "s",
+            (0.01, 60.0),
+            "silence after which gearbox_states or a reference are called stale",
+        ),
+        Declaration(
+            "reversal", 5e-5, "rad", (0.0, 0.1), "a reference that turns back by less keeps its direction"
+        ),
+        Declaration(
+            "max_acceleration",
+            100.0,
+            "rad/s^2",
+            (0.1, 1e6),
+            "joint acceleration that a trajectory may ask for",
+        ),
         Declaration("lead", True, "", None, "let setpoints of a trajectory run ahead by the servo's lag"),
-        Declaration("patience", 1.0, "s", (0.0, 60.0), "wait for gearbox_states before starting without knowing where the arm is"),
+        Declaration(
+            "patience",
+            1.0,
+            "s",
+            (0.0, 60.0),
+            "wait for gearbox_states before starting without knowing where the arm is",
+        ),
     )
 
     def configure(self) -> None:
         """Create the streams; nothing goes out until a trajectory or a reference has come in."""
         self.joints = self.model.arm.joints
         still = np.zeros(len(self.joints))
-        Compensation(self.model, self.value("reversal"), still).step(still, 0.01)  # compiles, so that no step is late
+        Compensation(self.model, self.value("reversal"), still).step(
+            still, 0.01
+        )  # compiles, so that no step is late
         self.from_gearbox, self.from_reference = JointMatcher(self.joints), JointMatcher(self.joints)
         self.gearbox: Array | None = None
         self.compensation: Compensation | None = None
@@ -54,7 +77,9 @@ class Compensator(TrunkNode):
         self.listen_to(JointTrajectory, "trunk/joint_trajectory", self.on_trajectory)
         self.listen_to(JointState, "trunk/reference", self.on_reference, raw=True)
         self.listen_to(JointState, "trunk/gearbox_states", self.on_gearbox)
+        self.describing = False
         self.add_on_set_parameters_callback(self.on_parameters)
+        self.add_post_set_parameters_callback(self.after_parameters)
 
     # In
 
@@ -105,7 +130,7 @@ class Compensator(TrunkNode):
         """Sample the reference and publish the setpoint."""
         if self.compensation is None and not self.begin(now):
             return
-        assert self.compensation is not None and self.follower is not None
+        assert self.compensation is not None
         dt = min(max((now - self.since) / SECOND, 0.0), LONGEST_STEP) if self.since is not None else 0.0
         self.since = now
         reference, velocity, acceleration = self.sample(now)
@@ -113,7 +138,9 @@ class Compensator(TrunkNode):
             reference = reference + self.compensation.ahead(velocity, acceleration, dt)
         out = self.compensation.step(reference, dt)
         if self.compensation.limited.any():
-            self.health.note(f"held back at a limit: {self.joints[int(np.argmax(self.compensation.limited))]}", level=0)
+            self.health.note(
+                f"held back at a limit: {self.joints[int(np.argmax(self.compensation.limited))]}", level=0
+            )
         self.publish_setpoints(joint_state(now, self.joints, out))
 
     def begin(self, now: int) -> bool:
@@ -125,8 +152,9 @@ class Compensator(TrunkNode):
         if not known and now - self.since < self.value("patience") * SECOND and self.expects_gearbox():
             return False
         self.since = None
-        self.compensation = Compensation(self.model, self.value("reversal"), self.gearbox if known else None)
-        start = self.compensation.joint_angle(self.gearbox if known else np.zeros(len(self.joints)))
+        stands = self.gearbox if known else None
+        self.compensation = Compensation(self.model, self.value("reversal"), stands)
+        start = self.compensation.joint_angle(np.zeros(len(self.joints)) if stands is None else stands)
         self.follower = Follower(self.joints, self.limits(), start)
         if self.foreign is not None:
             self.foreign = np.where(np.isfinite(self.foreign), self.foreign, start)
@@ -140,7 +168,7 @@ class Compensator(TrunkNode):
         return self.count_publishers("trunk/gearbox_states") > 0
 
     def sample(self, now: int) -> tuple[Array, Array, Array]:
-        """The reference and its derivatives, each (joints,): the foreign one, or our own, which is published."""
+        """Reference, speed, acceleration (joints,): the foreign one, or our own, which is published."""
         assert self.follower is not None
         stream = self.health.streams.get("trunk/reference")
         if self.foreign is not None and stream is not None:
@@ -154,16 +182,26 @@ class Compensator(TrunkNode):
         self.publish_reference(message)
         return position, velocity, acceleration
 
+    def rewound(self, now: int) -> None:
+        """The trajectory's time is gone: stay."""
+        self.since = None
+        if self.follower is not None:
+            self.follower = Follower(self.joints, self.limits(), self.follower.position)
+
     def limits(self) -> Limits:
         """What a trajectory may ask for."""
         arm = self.model.arm
         everywhere = np.ones(len(self.joints))
-        return Limits(arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), everywhere * self.value("max_acceleration"))
+        return Limits(
+            arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), everywhere * self.value("max_acceleration")
+        )
 
     # Model at run time
 
     def on_parameters(self, changes: list[Any]) -> Any:
         """Take a new model, or refuse it with the reason; the setpoint goes over without a jump."""
+        if self.describing:
+            return SetParametersResult(successful=True)
         try:
             model = self.changed({change.name: change.value for change in changes})
         except TrunkError as error:
@@ -172,11 +210,18 @@ class Compensator(TrunkNode):
             self.use(model)
         return SetParametersResult(successful=True)
 
+    def after_parameters(self, changes: list[Any]) -> None:
+        """Let the other parameters show the model that ``model`` has loaded."""
+        if not self.describing and any(change.name == parameters.MODEL.name for change in changes):
+            self.describing = True
+            parameters.describe_model(self, self.model)
+            self.describing = False
+
     def changed(self, changes: dict[str, Any]) -> Model | None:
         """The model that changed parameters describe, None where they are not about it. Raises TrunkError."""
         if "model" in changes:
             return self.fitting(load_model(changes["model"]))
-        names = {d.name for d in parameters.declared_parameters()}
+        names = {d.name for d in declared_parameters()}
         if not names & changes.keys():
             return None
         flat = {name: self.value(name) for name in names} | {k: v for k, v in changes.items() if k in names}
@@ -186,8 +231,7 @@ class Compensator(TrunkNode):
         """The model if it is of the running arm. Raises TrunkError where it is another arm's."""
         if model.any_joints:
             model = model.for_joints(self.joints)
-        if model.arm.joints != self.joints:
-            raise TrunkError(f"the model has joints {', '.join(model.arm.joints)}, the arm {', '.join(self.joints)}")
+        check_same_arm(model.arm, self.model.arm)
         return model
 
     def use(self, model: Model) -> None:
@@ -196,6 +240,15 @@ class Compensator(TrunkNode):
         self.health.values["model"] = model.hash()
         if self.compensation is not None:
             self.compensation.swap(model)
+
+
+def check_same_arm(new: Arm, running: Arm) -> None:
+    """Raise ModelError where a model is not of the running arm; effects may differ, the arm may not."""
+    if new.joints != running.joints:
+        raise ModelError(f"the model has joints {', '.join(new.joints)}, the arm {', '.join(running.joints)}")
+    for name in ("ratio", "lower", "upper"):
+        if not np.allclose(getattr(new, name), getattr(running, name), rtol=1e-6):
+            raise ModelError(f"the model's {name} is not that of the running arm")
 
 
 def main(argv: list[str]) -> int:

@@ -1,4 +1,4 @@
-"""What joint_trajectory_controller does with a trajectory: replace on arrival, stop on an empty one, hold at the end."""
+"""What joint_trajectory_controller does with trajectories: replace on arrival, hold at the end."""
 
 from __future__ import annotations
 
@@ -42,16 +42,18 @@ class Follower:
         self._active = None
 
     def follow(self, trajectory: Trajectory, now: float, begin: float | None = None) -> None:
-        """Replace what is under way. ``begin`` is when its time 0 is, by default now; points in the past are left out.
+        """Replace what is under way. ``begin``: when its time 0 is, by default now; past points are left out.
 
-        Raises TrajectoryError with the reason, and goes on with what was under way, where a joint is unknown, a limit
-        would be broken, all points are past, or the first point is due at once somewhere else.
+        Raises TrajectoryError with the reason, and goes on with what was under way, where a joint is unknown,
+        a limit would be broken, all points are past, or the first is due at once somewhere else.
         """
         position, velocity, acceleration = self._state(now)
         plan = trajectory.for_joints(self.joints, position)
         plan = remaining(plan, (now if begin is None else begin) - now)
         if plan.time[0] == 0 and np.max(np.abs(plan.position[0] - position)) > START_TOLERANCE:
-            raise TrajectoryError("its first point is due at once but elsewhere: give it a later time_from_start")
+            raise TrajectoryError(
+                "its first point is due at once but elsewhere: give it a later time_from_start"
+            )
         plan = plan.after(position, velocity, acceleration)
         plan.check(self.limits)
         self._active, self._begin = plan, now
@@ -78,6 +80,9 @@ def remaining(plan: Trajectory, delay: float) -> Trajectory:
         return None if values is None else values[ahead]
 
     return replace(
-        plan, time=time[ahead], position=plan.position[ahead],
-        velocity=cut(plan.velocity), acceleration=cut(plan.acceleration),
+        plan,
+        time=time[ahead],
+        position=plan.position[ahead],
+        velocity=cut(plan.velocity),
+        acceleration=cut(plan.acceleration),
     )

@@ -10,7 +10,7 @@ SECOND = 1_000_000_000
 
 @dataclass
 class Stream:
-    """An input that should not dry up: silent for longer than ``timeout`` s once it has begun, it is stale."""
+    """An input that should not dry up: it is stale when silent for ``timeout`` s after it has begun."""
 
     timeout: float
     last: int | None = None
@@ -28,7 +28,7 @@ class Stream:
 
 @dataclass
 class Health:
-    """Counts since the last report. All times are ns of the node's clock, so that simulated time repeats exactly."""
+    """Counts since the last report; times are ns of the node's clock, so that simulated runs repeat."""
 
     streams: dict[str, Stream] = field(default_factory=dict)
     values: dict[str, str] = field(default_factory=dict)
@@ -57,7 +57,9 @@ class Health:
     def report(self, now: int) -> tuple[int, str, dict[str, str]]:
         """Level, message, values; then counting starts anew."""
         stale = [name for name, stream in self.streams.items() if stream.stale(now)]
-        notes = [text if times == 1 else f"{text} ({times} times)" for text, (times, _) in self._notes.items()]
+        notes = [
+            text if times == 1 else f"{text} ({times} times)" for text, (times, _) in self._notes.items()
+        ]
         level = max([OK, *(level for _, level in self._notes.values()), *(WARN for _ in stale)])
         words = [f"no {name} for {self.silence(name, now):.1f} s" for name in stale] + notes
         values = self._rates(now) | self.values

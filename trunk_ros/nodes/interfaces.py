@@ -62,7 +62,11 @@ def _references(text: str, package: str) -> list[str]:
     for line in text.splitlines():
         word = line.split("#")[0].strip().split(" ")[0].split("[")[0].split("<")[0]
         if word and not PLAIN.match(word):
-            found.append(f"{package}/msg/{word}" if "/" not in word else f"{word.split('/')[0]}/msg/{word.split('/')[-1]}")
+            found.append(
+                f"{package}/msg/{word}"
+                if "/" not in word
+                else f"{word.split('/')[0]}/msg/{word.split('/')[-1]}"
+            )
     return found
 
 

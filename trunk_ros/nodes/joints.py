@@ -29,7 +29,7 @@ class JointMatcher:
         self._to: list[int] = []
 
     def match(self, names: Sequence[str]) -> None:
-        """Prepare for messages that name these joints. Raises MessageError where a joint is named twice or none fits."""
+        """Prepare for messages with these names. Raises MessageError where one comes twice or none fits."""
         names = list(names)
         if names == self._names:
             return

@@ -9,7 +9,7 @@ SECOND = 1_000_000_000
 
 @dataclass
 class Tally:
-    """One topic. ``lost`` on the way here, ``dropped`` here for want of room, ``before`` sent before we listened."""
+    """One topic: ``lost`` on the way, ``dropped`` here for want of room, sent ``before`` we listened."""
 
     received: int = 0
     lost: int = 0
@@ -60,6 +60,10 @@ class Tally:
     def summary(self) -> dict[str, float]:
         """What the bag says of the topic."""
         return {
-            "expected": self.expected, "received": self.received, "lost": self.lost, "dropped": self.dropped,
-            "sent_before_recording": self.before, "longest_gap_s": self.longest_gap_ns / SECOND,
+            "expected": self.expected,
+            "received": self.received,
+            "lost": self.lost,
+            "dropped": self.dropped,
+            "sent_before_recording": self.before,
+            "longest_gap_s": self.longest_gap_ns / SECOND,
         }

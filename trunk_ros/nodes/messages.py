@@ -63,7 +63,9 @@ def trajectory_of(message: Any) -> Trajectory:
     except ValueError:
         raise TrajectoryError("its points have different numbers of positions") from None
     if any(len(p.positions) != len(message.joint_names) for p in points):
-        raise TrajectoryError(f"each point needs one position for each of the {len(message.joint_names)} joints")
+        raise TrajectoryError(
+            f"each point needs one position for each of the {len(message.joint_names)} joints"
+        )
     return Trajectory(
         tuple(message.joint_names),
         np.array([nanoseconds(p.time_from_start) / SECOND for p in points]),

@@ -1,4 +1,4 @@
-"""What gives a run its time: waits until all are there, sends the trajectory, and steps the clock or waits."""
+"""What gives a run its time: waits for all nodes, sends the trajectory, steps the clock or waits."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Pace:
 
 
 class Pacer(Node):
-    """Goes through the phases ``gather``, ``announce``, ``run``, ``drain`` (simulated time alone), ``done``; ``fault``: why not."""
+    """Phases: ``gather``, ``announce``, ``run``, ``drain`` (simulated time), ``done``; ``fault``: why not."""
 
     def __init__(self, pace: Pace, ledger: Ledger, say: Callable[[str], None]):
         super().__init__("bringup")
@@ -53,7 +53,9 @@ class Pacer(Node):
             self.progress.sent[self.send.topic_name] = 0
         if pace.description:
             self.create_publisher(String, "robot_description", LATCHED).publish(String(data=pace.description))
-        self.create_subscription(String, PROGRESS_TOPIC, lambda m: self.note(Progress.from_json(m.data)), DEPTH)
+        self.create_subscription(
+            String, PROGRESS_TOPIC, lambda m: self.note(Progress.from_json(m.data)), DEPTH
+        )
         self.watched = [self.watch_foreign(topic) for topic in pace.foreign]
         self.create_timer(0.05, self.look, clock=steady_clock())
         ledger.note(self.progress)
@@ -75,7 +77,9 @@ class Pacer(Node):
 
     def advance(self) -> None:
         """Go on where everybody is ready for it."""
-        if self.phase == "announce" and not any(way.startswith(self.trajectory_topic) for way in self.ledger.in_flight()):
+        if self.phase == "announce" and not any(
+            way.startswith(self.trajectory_topic) for way in self.ledger.in_flight()
+        ):
             self.enter("run")
             if self.pace.simulated:
                 self.tell_time()
@@ -111,10 +115,14 @@ class Pacer(Node):
             self.give_up_on_lost(silent)
         elif self.phase == "run" and self.pace.simulated:
             self.nudge(silent)
-        elif self.phase == "run" and silent >= self.pace.seconds:
+        elif self.is_over(silent):
             self.enter("done")
-        elif self.phase == "drain" and (not self.ledger.in_flight(strict=True) or silent > LOST):
-            self.enter("done")
+
+    def is_over(self, silent: float) -> bool:
+        """Whether the time is up, and in simulated time everything recorded."""
+        if self.phase == "drain":
+            return silent > LOST or not self.ledger.in_flight(strict=True)
+        return self.phase == "run" and silent >= self.pace.seconds
 
     def gather(self, silent: float) -> None:
         """Wait until all nodes are there and connected."""
@@ -167,7 +175,11 @@ class Pacer(Node):
             late = [name for name in self.ledger.nodes if self.stamp_of(name) < self.stamp]
             self.fault = f"no answer from {', '.join(late) or 'anybody'} for {PATIENCE:.0f} s"
         elif silent > SLOW and any(self.stamp_of(name) < self.stamp for name in self.ledger.nodes):
-            foreign = [name for name in self.watched if name in self.ledger.nodes and self.stamp_of(name) < self.stamp]
+            foreign = [
+                name
+                for name in self.watched
+                if name in self.ledger.nodes and self.stamp_of(name) < self.stamp
+            ]
             if foreign and silent > LOST:
                 self.say(f"{foreign[0]} does not keep up with the clock: not waited for any longer")
                 self.ledger.nodes.remove(foreign[0])
@@ -189,5 +201,3 @@ class Pacer(Node):
             for way, count in self.ledger.excuse().items():
                 self.say(f"lost {count} on {way}")
             self.advance()
-
-

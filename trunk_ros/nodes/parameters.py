@@ -10,20 +10,28 @@ from trunk_ros.model import Declaration, Model, declared_parameters, load_model
 from trunk_ros.nodes.ros import FloatingPointRange, ParameterDescriptor, ParameterException
 
 ANY_JOINTS = "*"
-MODEL = Declaration("model", "trunk", "", None, "model file, or a name in config/, for what no parameter says; may be set at run time")
+MODEL = Declaration(
+    "model",
+    "trunk",
+    "",
+    None,
+    "model file, or a name in config/, for what no parameter says; may be set at run time",
+)
 
 
 def declare(node: Any, declaration: Declaration, default: Any = None) -> Any:
-    """Declare one parameter with unit, bounds and description; returns its value. Raises TrunkError for a bad value."""
+    """Declare one parameter with unit, bounds and description; returns its value. Raises TrunkError."""
     value = declaration.default if default is None else default
     try:
         return node.declare_parameter(declaration.name, value, descriptor(declaration)).value
     except ParameterException as error:
-        raise TrunkError(f"{node.get_name()}: parameter {declaration.name}: {' '.join(str(error).split())}") from None
+        raise TrunkError(
+            f"{node.get_name()}: parameter {declaration.name}: {' '.join(str(error).split())}"
+        ) from None
 
 
 def descriptor(declaration: Declaration) -> Any:
-    """Description as ``ros2 param describe`` shows it; the middleware itself refuses scalars out of bounds."""
+    """Description as ``ros2 param describe`` shows it; rclpy itself refuses scalars out of bounds."""
     text = declaration.meaning + (f" [{declaration.unit}]" if declaration.unit else "")
     described = ParameterDescriptor(description=text)
     if declaration.bounds is None:
@@ -38,7 +46,7 @@ def descriptor(declaration: Declaration) -> Any:
 def declare_model(node: Any) -> Model:
     """Declare every model parameter and return the model.
 
-    A parameter file that names the joints is a complete model; otherwise ``model`` gives the defaults. Raises TrunkError.
+    A parameter file that names joints is a complete model; else ``model`` is. Raises TrunkError.
     """
     name = declare(node, MODEL)
     declared = {d.name: d for d in declared_parameters()}

@@ -57,14 +57,26 @@ class Plan:
 
 def parser() -> argparse.ArgumentParser:
     """The arguments of bringup."""
-    parse = Parser(prog="bringup", description="Runs servo_driver, wire_elasticity, compensator and recorder with a trajectory.")
+    parse = Parser(
+        prog="bringup",
+        description="Runs servo_driver, wire_elasticity, compensator and recorder with a trajectory.",
+    )
     add = parse.add_argument
     add("--output", metavar="BAG", help="folder of the recording; must not exist")
     add("--overwrite", action="store_true", help="replace an existing recording")
     add("--seconds", type=float, default=20.0, metavar="S", help="length of the run, 20 by default")
-    add("--trajectory", default="default", metavar="NAME|FILE", help=f"YAML file, or one of {', '.join(NAMES)}")
+    add(
+        "--trajectory",
+        default="default",
+        metavar="NAME|FILE",
+        help=f"YAML file, or one of {', '.join(NAMES)}",
+    )
     add("--without", nargs="+", default=[], metavar="NODE", help=f"nodes to leave out, of {', '.join(PARTS)}")
-    add("--model", metavar="MODEL", help="what the compensator believes the arm to be: file or name in config/, trunk by default")
+    add(
+        "--model",
+        metavar="MODEL",
+        help="what the compensator believes the arm to be: file or name in config/, trunk by default",
+    )
     add("--plant-model", metavar="MODEL", help="what the simulated arm is, the nominal arm by default")
     add("--rate", type=float, default=100.0, metavar="HZ", help="control rate, 100 by default")
     add("--sim-time", action="store_true", help="simulated time with /clock, as fast as the machine goes")
@@ -83,8 +95,16 @@ def plan_of(argv: Sequence[str]) -> Plan:
     parts = tuple(part for part in PARTS if part not in chosen(given.without))
     trajectory, models = motion(given)
     return Plan(
-        parts, output_of(given) if "recorder" in parts else None, given.overwrite, given.seconds, given.rate,
-        given.sim_time, given.processes, models, trajectory if "compensator" in parts else None, ros,
+        parts,
+        output_of(given) if "recorder" in parts else None,
+        given.overwrite,
+        given.seconds,
+        given.rate,
+        given.sim_time,
+        given.processes,
+        models,
+        trajectory if "compensator" in parts else None,
+        ros,
         manifest(argv, given, models),
     )
 
@@ -135,7 +155,8 @@ def motion(given: argparse.Namespace) -> tuple[Trajectory, dict[str, Model]]:
             raise ArgumentError("a model for any joints needs a trajectory FILE that names them")
     if believed.arm.joints != plant.arm.joints:
         raise ArgumentError(
-            f"--model has joints {', '.join(believed.arm.joints)}, --plant-model {', '.join(plant.arm.joints)}"
+            f"--model has joints {', '.join(believed.arm.joints)}, "
+            f"--plant-model {', '.join(plant.arm.joints)}"
         )
     trajectory = from_file or named_trajectory(given.trajectory, believed.arm, given.seconds)
     check(trajectory, believed, given.trajectory)
@@ -149,7 +170,9 @@ def bound(model: Model, joints: tuple[str, ...]) -> Model:
 
 def is_file(name: str) -> bool:
     """Whether a trajectory is a file rather than a name."""
-    return name not in NAMES and (Path(name).suffix in (".yaml", ".yml") or Path(name).exists() or "/" in name)
+    return name not in NAMES and (
+        Path(name).suffix in (".yaml", ".yml") or Path(name).exists() or "/" in name
+    )
 
 
 def check(trajectory: Trajectory, model: Model, name: str) -> None:
@@ -165,13 +188,13 @@ def check(trajectory: Trajectory, model: Model, name: str) -> None:
 
 def manifest(argv: Sequence[str], given: argparse.Namespace, models: dict[str, Model]) -> str:
     """What made the recording, as JSON for the bag."""
-    return json.dumps({
-        "command": shlex.join(["bringup", *argv]),
-        "version": __version__,
-        "python": platform.python_version(),
-        "trajectory": given.trajectory,
-        "models": {part: model.hash() for part, model in models.items()},
-        "parameters": {part: model.parameters() for part, model in models.items()},
-    })
-
-
+    return json.dumps(
+        {
+            "command": shlex.join(["bringup", *argv]),
+            "version": __version__,
+            "python": platform.python_version(),
+            "trajectory": given.trajectory,
+            "models": {part: model.hash() for part, model in models.items()},
+            "parameters": {part: model.parameters() for part, model in models.items()},
+        }
+    )

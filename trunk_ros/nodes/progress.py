@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, field
 class Progress:
     """Last stamp that a node acted on, and messages sent and received so far per topic (full names).
 
-    ``matched`` counts the partners that DDS has connected to each of its publishers (``>topic``) and subscriptions (``<topic``).
+    ``matched`` counts the partners of each of its publishers (``>topic``) and subscriptions (``<topic``).
     """
 
     node: str
@@ -37,7 +37,7 @@ class Ledger:
     """All nodes' progress. A step is complete when every node has acted on it and no message is under way."""
 
     def __init__(self, nodes: list[str], lagging: dict[str, int] | None = None):
-        """``lagging``: nodes that may be behind on each topic by so many messages (a recorder's queue holds them)."""
+        """``lagging``: nodes that may be so many messages behind on each topic, as a recorder has a queue."""
         self.nodes = nodes
         self.lagging = lagging or {}
         self.progress: dict[str, Progress] = {}

@@ -45,7 +45,7 @@ def hearing_all(offered: Sequence[Any], depth: int) -> Any:
 
 
 def recorded(profiles: Sequence[Any], depth: int) -> Any:
-    """A profile to publish with, of the recorded ones (rosbags' Qos objects); reliable where nothing was recorded."""
+    """A profile to publish with, of recorded ones (rosbags' Qos); reliable where nothing was recorded."""
     best_effort = bool(profiles) and all(profile.reliability.name == "BEST_EFFORT" for profile in profiles)
     latched = bool(profiles) and all(profile.durability.name == "TRANSIENT_LOCAL" for profile in profiles)
     return QoSProfile(

@@ -10,10 +10,11 @@ from typing import Any
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Declaration
 from trunk_ros.nodes.bag_writer import COMPRESSION, BagWriter, Channel, Entry, Options
-from trunk_ros.nodes.base import TrunkNode, run_node
+from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.health import ERROR
 from trunk_ros.nodes.interfaces import message_class, message_definition
 from trunk_ros.nodes.losses import Tally
+from trunk_ros.nodes.process import run_node
 from trunk_ros.nodes.qos import described, hearing_all
 from trunk_ros.nodes.ros import SubscriptionEventCallbacks, rclpy
 
@@ -45,8 +46,20 @@ class Recorder(TrunkNode):
         Declaration("topics", [""], "", None, "topics to record; empty: all"),
         Declaration("exclude", [""], "", None, "topics to leave out"),
         Declaration("compression", "zstd", "", None, f"of chunks: {', '.join(COMPRESSION)}"),
-        Declaration("chunk_size", 1.0, "MiB", (0.001, 64.0), "size at which a chunk is closed; every 0.4 s at the latest"),
-        Declaration("buffer_size", 64.0, "MiB", (0.1, 4096.0), "messages that may wait for the disk; more is counted as loss"),
+        Declaration(
+            "chunk_size",
+            1.0,
+            "MiB",
+            (0.001, 64.0),
+            "size at which a chunk is closed; every 0.4 s at the latest",
+        ),
+        Declaration(
+            "buffer_size",
+            64.0,
+            "MiB",
+            (0.1, 4096.0),
+            "messages that may wait for the disk; more is counted as loss",
+        ),
         Declaration("depth", 5000.0, "1", (1.0, 1e6), "messages of a topic that may wait in the middleware"),
         Declaration("split_size", 0.0, "MiB", (0.0, 1e6), "size at which a new file is begun; 0: never"),
         Declaration("split_duration", 0.0, "s", (0.0, 1e6), "time after which a new file is begun; 0: never"),
@@ -58,12 +71,16 @@ class Recorder(TrunkNode):
         if not self.value("output"):
             raise TrunkError("give the bag's folder: --ros-args -p output:=FOLDER")
         if self.value("compression") not in COMPRESSION:
-            raise TrunkError(f"unknown compression {self.value('compression')!r}: choose {', '.join(COMPRESSION)}")
+            raise TrunkError(
+                f"unknown compression {self.value('compression')!r}: choose {', '.join(COMPRESSION)}"
+            )
         self.ears: dict[str, Ear] = {}
         self.refused: set[str] = set()
         self.early: list[Entry] = []
         self.writer: BagWriter | None = BagWriter(self.value("output"), self.options())
-        self.taker = rclpy.create_node(f"_{self.get_name()}_taker", context=self.context, use_global_arguments=False)
+        self.taker = rclpy.create_node(
+            f"_{self.get_name()}_taker", context=self.context, use_global_arguments=False
+        )
         self.wanted = {self.resolve_topic_name(topic) for topic in self.value("topics") if topic}
         self.unwanted = {self.resolve_topic_name(topic) for topic in self.value("exclude") if topic}
         self.unwanted.add(f"{self.get_fully_qualified_name()}/transition_event")  # of its own life
@@ -74,14 +91,17 @@ class Recorder(TrunkNode):
     def options(self) -> Options:
         """The parameters about the bag."""
         return Options(
-            self.value("compression"), int(self.value("chunk_size") * MIB), int(self.value("buffer_size") * MIB),
-            int(self.value("split_size") * MIB), self.value("split_duration"),
+            self.value("compression"),
+            int(self.value("chunk_size") * MIB),
+            int(self.value("buffer_size") * MIB),
+            int(self.value("split_size") * MIB),
+            self.value("split_duration"),
         )
 
     # Finding topics
 
     def look(self) -> None:
-        """Subscribe to topics that have appeared, and anew where a publisher's quality of service asks for it."""
+        """Subscribe to topics that have appeared, and anew where a publisher's QoS asks for it."""
         for topic, kinds in self.get_topic_names_and_types():
             if not self.is_wanted(topic) or topic in self.refused:
                 continue
@@ -100,7 +120,7 @@ class Recorder(TrunkNode):
         return topic not in self.unwanted and (topic in self.wanted or (not self.wanted and not hidden))
 
     def hear(self, topic: str, kind: str, publishers: list[Any]) -> None:
-        """Listen with a profile that all publishers match. Raises TrunkError for a type that is not installed."""
+        """Listen with a profile that all publishers match. Raises TrunkError for a type not installed."""
         profile = hearing_all([each.qos_profile for each in publishers], int(self.value("depth")))
         ear = self.ears.get(topic)
         if ear is None:
@@ -188,7 +208,9 @@ class Recorder(TrunkNode):
         self.health.values["dropped"] = str(sum(tally.dropped for tally in tallies))
         if not self.simulated:
             self.health.values["messages"] = str(sum(tally.received for tally in tallies))
-            self.health.values["waiting [MiB]"] = f"{self.writer.queued_bytes / MIB:.2f}" if self.writer else "0"
+            self.health.values["waiting [MiB]"] = (
+                f"{self.writer.queued_bytes / MIB:.2f}" if self.writer else "0"
+            )
         super()._diagnose(now)
 
     def _heartbeat(self) -> None:
@@ -207,7 +229,9 @@ class Recorder(TrunkNode):
         self.file_early()
         writer, self.writer = self.writer, None
         assert writer is not None
-        writer.close({"trunk_ros.loss": json.dumps(self.losses()), "trunk_ros.manifest": self.value("manifest")})
+        writer.close(
+            {"trunk_ros.loss": json.dumps(self.losses()), "trunk_ros.manifest": self.value("manifest")}
+        )
         self.fault = self.fault or writer.failure
         self.taker.destroy_node()
 
@@ -238,5 +262,3 @@ def ignore(message: Any) -> None:
 def main(argv: list[str]) -> int:
     """Record until asked to end."""
     return run_node(Recorder, argv)
-
-

@@ -12,10 +12,11 @@ from typing import Any
 from trunk_ros.errors import ArgumentError, TrunkError
 from trunk_ros.model import Declaration
 from trunk_ros.nodes.bag_source import SECOND, BagSource, Topic
-from trunk_ros.nodes.base import Stop, TrunkNode, start_ros
+from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.interfaces import message_class
 from trunk_ros.nodes.messages import time_message
 from trunk_ros.nodes.plan import split_ros
+from trunk_ros.nodes.process import Stop, start_ros
 from trunk_ros.nodes.qos import recorded
 from trunk_ros.nodes.ros import Clock, EventsExecutor, SetBool, Trigger, rclpy
 from trunk_ros.recording.arguments import Parser
@@ -142,11 +143,28 @@ def parser() -> argparse.ArgumentParser:
     add("--topics", nargs="+", default=[], metavar="TOPIC", help="only these")
     add("--exclude", nargs="+", default=[], metavar="TOPIC", help="not these")
     add("--remap", nargs="+", default=[], metavar="OLD:=NEW", help="publish under another name")
-    add("--clock", nargs="?", type=float, const=100.0, metavar="HZ", help="publish /clock, at 100 Hz by default")
-    add("--wait", type=float, default=2.0, metavar="S", help="wait so long for topics without a subscriber, 2 s by default")
+    add(
+        "--clock",
+        nargs="?",
+        type=float,
+        const=100.0,
+        metavar="HZ",
+        help="publish /clock, at 100 Hz by default",
+    )
+    add(
+        "--wait",
+        type=float,
+        default=2.0,
+        metavar="S",
+        help="wait so long for topics without a subscriber, 2 s by default",
+    )
     add("--loop", action="store_true", help="begin again at the end")
     add("--paused", action="store_true", help="stand still until the service ~/pause says otherwise")
-    add("--step", action="store_true", help="one message for each line on the standard input, or each call of ~/step")
+    add(
+        "--step",
+        action="store_true",
+        help="one message for each line on the standard input, or each call of ~/step",
+    )
     return parse
 
 

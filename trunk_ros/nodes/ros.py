@@ -50,14 +50,43 @@ try:
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 except ImportError as error:
     raise TrunkError(
-        f"this command needs ROS 2 ({error}): pip install '.[ros]' in this environment, or source a ROS 2 installation"
+        f"this command needs ROS 2 ({error}): "
+        "pip install '.[ros]' in this environment, or source a ROS 2 installation"
     ) from None
 
 __all__ = [
-    "Clock", "ClockType", "DiagnosticArray", "DiagnosticStatus", "DurabilityPolicy", "EventsExecutor",
-    "FloatingPointRange", "HistoryPolicy", "JointState", "JointTrajectory", "JointTrajectoryPoint", "KeyValue",
-    "LifecycleNode", "LifecycleState", "Node", "PackageNotFoundError", "Parameter",
-    "ParameterDescriptor", "ParameterException",  "PoseStamped", "QoSProfile", "ReliabilityPolicy",
-    "SetBool", "SetParametersResult", "SignalHandlerOptions", "SteadyClock", "String", "SubscriptionEventCallbacks", "Time",
-    "TransitionCallbackReturn", "Trigger", "deserialize_message", "get_package_share_directory", "rclpy",
+    "Clock",
+    "ClockType",
+    "DiagnosticArray",
+    "DiagnosticStatus",
+    "DurabilityPolicy",
+    "EventsExecutor",
+    "FloatingPointRange",
+    "HistoryPolicy",
+    "JointState",
+    "JointTrajectory",
+    "JointTrajectoryPoint",
+    "KeyValue",
+    "LifecycleNode",
+    "LifecycleState",
+    "Node",
+    "PackageNotFoundError",
+    "Parameter",
+    "ParameterDescriptor",
+    "ParameterException",
+    "PoseStamped",
+    "QoSProfile",
+    "ReliabilityPolicy",
+    "SetBool",
+    "SetParametersResult",
+    "SignalHandlerOptions",
+    "SteadyClock",
+    "String",
+    "SubscriptionEventCallbacks",
+    "Time",
+    "TransitionCallbackReturn",
+    "Trigger",
+    "deserialize_message",
+    "get_package_share_directory",
+    "rclpy",
 ]

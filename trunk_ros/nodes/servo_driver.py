@@ -7,23 +7,32 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.model import Declaration
-from trunk_ros.nodes.base import TrunkNode, run_node
+from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.bus import Bus, SimulatedBus, gearbox_limits
+from trunk_ros.nodes.elapsed import Elapsed
 from trunk_ros.nodes.joints import JointMatcher, MessageError
 from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds
+from trunk_ros.nodes.process import run_node
 from trunk_ros.nodes.ros import JointState
 from trunk_ros.trajectory import Array
 
-LONGEST_PAUSE = 5 * SECOND  # ns; the time of a longer pause, or of a clock that jumps, is left out
 NEAR = SECOND  # ns; a stamp further off than this is of another clock
 ROUNDING = 1e-9  # rad
 
 
 class ServoDriver(TrunkNode):
-    """Refuses setpoints outside the limits and then holds the last safe one; holds as well when setpoints dry up."""
+    """Refuses setpoints outside the limits, holding the last safe one; holds as well when they dry up."""
 
     NAME = "servo_driver"
-    OWN = (Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which the setpoints are called stale; the arm holds"),)
+    OWN = (
+        Declaration(
+            "timeout",
+            0.5,
+            "s",
+            (0.01, 60.0),
+            "silence after which the setpoints are called stale; the arm holds",
+        ),
+    )
 
     def configure(self) -> None:
         """Open the bus and the streams."""
@@ -33,7 +42,7 @@ class ServoDriver(TrunkNode):
         self.lower, self.upper = gearbox_limits(arm)
         self.bus: Bus = self.open_bus()
         self.asked: Array | None = None
-        self.origin = self.elapsed = 0
+        self.elapsed = Elapsed()
         self.setpoints = self.watch("trunk/setpoints", self.value("timeout"))
         self.publish_state = self.publish_on(JointState, "trunk/gearbox_states")
         self.listen_to(JointState, "trunk/setpoints", self.on_setpoints)
@@ -44,11 +53,7 @@ class ServoDriver(TrunkNode):
 
     def tick(self, now: int) -> None:
         """Read the shafts and publish."""
-        pause = now - self.origin - self.elapsed
-        if not 0 <= pause <= LONGEST_PAUSE:
-            self.origin += pause
-        self.elapsed = now - self.origin
-        sample = self.bus.read(self.elapsed / SECOND)
+        sample = self.bus.read(self.elapsed.at(now))
         self.shaft = sample.position
         self.publish_state(joint_state(now, self.joints, sample.position, sample.velocity, sample.effort))
 
@@ -61,13 +66,17 @@ class ServoDriver(TrunkNode):
         setpoint = np.where(self._given(given, message), given, self.last_setpoint())
         self.check(setpoint)
         self.asked = setpoint
-        self.bus.write(setpoint, self.begin(nanoseconds(message.header.stamp)) / SECOND)
+        self.bus.write(setpoint, self.elapsed.of(self.begin(nanoseconds(message.header.stamp))))
 
     def _given(self, given: Array, message: Any) -> Any:
         """Which joints the message speaks of. Raises MessageError for a value that is no number."""
-        named = np.array([joint not in self.matcher.missing for joint in self.joints]) & (len(message.position) > 0)
+        named = np.array([joint not in self.matcher.missing for joint in self.joints]) & (
+            len(message.position) > 0
+        )
         if not np.isfinite(given[named]).all():
-            raise MessageError(f"setpoint refused: {self.joints[np.argmax(named & ~np.isfinite(given))]} is not a number")
+            raise MessageError(
+                f"setpoint refused: {self.joints[np.argmax(named & ~np.isfinite(given))]} is not a number"
+            )
         return named
 
     def last_setpoint(self) -> Array:
@@ -87,14 +96,12 @@ class ServoDriver(TrunkNode):
             )
 
     def begin(self, stamp: int) -> int:
-        """When a setpoint begins to act, ns since the bus began: at its stamp, or now where that is of another clock."""
+        """When [ns] a setpoint acts from: its stamp, or now where that is missing or of another clock."""
         now = self.now()
-        if stamp == 0:
-            stamp = now
-        if abs(stamp - now) > NEAR:
+        if stamp and abs(stamp - now) > NEAR:
             self.health.note("a setpoint's stamp is more than a second off the clock; taken as now")
-            stamp = now
-        return stamp - self.origin
+            return now
+        return stamp or now
 
     def release(self) -> None:
         """Close the bus."""

@@ -8,9 +8,11 @@ import numpy as np
 
 from trunk_ros.chain import Chain, State
 from trunk_ros.model import Declaration
-from trunk_ros.nodes.base import TrunkNode, run_node
+from trunk_ros.nodes.base import TrunkNode
+from trunk_ros.nodes.elapsed import Elapsed
 from trunk_ros.nodes.joints import JointMatcher, MessageError
 from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, pose
+from trunk_ros.nodes.process import run_node
 from trunk_ros.nodes.ros import DurabilityPolicy, JointState, PoseStamped, QoSProfile, String
 from trunk_ros.trajectory import Array
 from trunk_ros.urdf import urdf
@@ -48,7 +50,7 @@ class WireElasticity(TrunkNode):
         """Begin with no memory, the play at its centre."""
         self.wire, self.tip = (Chain(self.model, stage, hold_time=True) for stage in ("wire", "arm"))
         self.state: State | None = None
-        self.origin = 0
+        self.elapsed = Elapsed()
         self.last: tuple[int, Array] | None = None
         self.phi = np.full(len(self.joints), np.nan)
 
@@ -60,9 +62,8 @@ class WireElasticity(TrunkNode):
         if self.last is not None and now <= self.last[0]:
             if self.last[0] - now < RESTART:
                 raise MessageError("gearbox_states out of order: a sample was left out")
-            self.health.note("gearbox_states begin anew: their stamps jumped back")
-            self.restart()
-        self.origin = self.origin or now
+            self.health.note("the stamps of gearbox_states jumped back")
+            self.last = None
         self.publish_all(now, phi, message)
 
     def complete(self, message: Any) -> Array:
@@ -78,7 +79,7 @@ class WireElasticity(TrunkNode):
 
     def publish_all(self, now: int, phi: Array, message: Any) -> None:
         """Publish the joints, the wires and the tip at ``now`` ns."""
-        stamp = np.array([(now - self.origin) / SECOND])
+        stamp = np.array([self.elapsed.at(now)])
         (theta,), self.state = self.wire.run(phi[None], stamp, self.state)
         effort = -self.wire.arm.load(theta[None])[0]
         self.publish_joints(joint_state(now, self.joints, theta, self.speed(now, theta), effort))
@@ -97,7 +98,7 @@ class WireElasticity(TrunkNode):
 
 
 def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array, Array]:
-    """Elongation [m] and tension [N] of the wires (joints,): what the joint lags behind, and pull plus load."""
+    """Elongation [m] and tension [N] of the wires (joints,): lag of the joint, and pull plus load."""
     stretch = arm.wire.cylinder_radius * (arm.ratio * phi - theta)
     return stretch, arm.wire.pull_tension + np.abs(effort) / arm.wire.cylinder_radius
 
@@ -105,5 +106,3 @@ def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array
 def main(argv: list[str]) -> int:
     """Run the node until it is asked to end."""
     return run_node(WireElasticity, argv)
-
-

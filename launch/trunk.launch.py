@@ -1,0 +1,82 @@
+"""Runs the arm: servo_driver, wire_elasticity and compensator, and on request the recorder.
+
+ros2 launch trunk_ros trunk.launch.py model:=found.yaml record:=/tmp/run
+"""
+
+from launch.actions import DeclareLaunchArgument
+from launch.conditions import IfCondition
+from launch.substitutions import Command, LaunchConfiguration, NotEqualsSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+from launch import LaunchDescription
+
+ARGUMENTS = {
+    "model": ("trunk", "what the compensator believes the arm to be: model file, or a name in config/"),
+    "plant_model": ("trunk", "what the simulated arm is: model file, or a name in config/"),
+    "simulate": ("true", "false where real motors and sensors speak the topics"),
+    "rate": ("100.0", "rate of the nodes' loops [Hz]"),
+    "namespace": ("", "pushed in front of all names"),
+    "use_sim_time": ("false", "take the time from /clock"),
+    "record": ("", "folder of a bag to record everything into; empty: no recording"),
+    "state_publisher": ("false", "start robot_state_publisher, for RViz and tf"),
+}
+
+
+def generate_launch_description() -> LaunchDescription:
+    """All nodes, each in a process of its own."""
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=description)
+        for name, (default, description) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declared, *simulation(), compensator(), recorder(), state_publisher()])
+
+
+def common() -> dict[str, object]:
+    """Parameters of every node."""
+    return {
+        "rate": ParameterValue(LaunchConfiguration("rate"), value_type=float),
+        "use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool),
+    }
+
+
+def node(name: str, parameters: dict[str, object], **options: object) -> Node:
+    """One of our nodes."""
+    return Node(
+        package="trunk_ros",
+        executable=name,
+        namespace=LaunchConfiguration("namespace"),
+        parameters=[common() | parameters],
+        output="screen",
+        **options,
+    )
+
+
+def simulation() -> list[Node]:
+    """What stands in for motors, wires and sensors."""
+    wanted = IfCondition(LaunchConfiguration("simulate"))
+    model = {"model": LaunchConfiguration("plant_model")}
+    return [node(name, model, condition=wanted) for name in ("servo_driver", "wire_elasticity")]
+
+
+def compensator() -> Node:
+    """The model run backward."""
+    return node("compensator", {"model": LaunchConfiguration("model")})
+
+
+def recorder() -> Node:
+    """Only where a folder is given."""
+    output = LaunchConfiguration("record")
+    return node("recorder", {"output": output}, condition=IfCondition(NotEqualsSubstitution(output, "")))
+
+
+def state_publisher() -> Node:
+    """robot_state_publisher takes joint_states and robot_description's text."""
+    text = Command(["python3 -m trunk_ros.urdf ", LaunchConfiguration("plant_model")])
+    return Node(
+        package="robot_state_publisher",
+        executable="robot_state_publisher",
+        namespace=LaunchConfiguration("namespace"),
+        parameters=[{"robot_description": ParameterValue(text, value_type=str)}],
+        condition=IfCondition(LaunchConfiguration("state_publisher")),
+    )
