@@ -11,11 +11,12 @@ def share_folder(module: Path | None = None) -> Path:
     """Folder that holds config/ and launch/, seen from this file or from `module`.
 
     Next to the package in a checkout, also for an editable install and colcon's --symlink-install; else
-    PREFIX/share/trunk_ros above PREFIX/lib/python3.x/site-packages. Raises TrunkError when neither is there.
+    PREFIX/share/trunk_ros, where PREFIX is a folder above the package. Raises TrunkError when neither is there.
     """
     package = (module or Path(__file__)).resolve().parent
     source = package.parent
-    for folder in (source, *(prefix / "share" / PACKAGE for prefix in source.parents)):
+    prefixes = (source, *source.parents)
+    for folder in (source, *(prefix / "share" / PACKAGE for prefix in prefixes)):
         if (folder / "package.xml").is_file() and (folder / "config").is_dir():
             return folder
     raise TrunkError(f"no config/ belongs to {package}: install {PACKAGE} again")

@@ -12,7 +12,10 @@ def test_a_checkout_uses_its_own_config():
     assert config_path("trunk") == config_path("trunk.yaml") == ROOT / "config/trunk.yaml"
 
 
-@pytest.mark.parametrize("library", ["lib/python3.12/site-packages", "local/lib/python3.12/dist-packages"])
+LIBRARIES = ["lib/python3.12/site-packages", "local/lib/python3.12/dist-packages", "."]  # the last: pip --target
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
 def test_an_install_uses_the_share_folder_of_its_prefix(tmp_path, library):
     (tmp_path / "share/trunk_ros/config").mkdir(parents=True)
     (tmp_path / "share/trunk_ros/package.xml").touch()
