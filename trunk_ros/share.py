@@ -11,7 +11,7 @@ def share_folder(module: Path | None = None) -> Path:
     """Folder that holds config/ and launch/, seen from this file or from `module`.
 
     Next to the package in a checkout, also for an editable install and colcon's --symlink-install; else
-    PREFIX/share/trunk_ros, where PREFIX is a folder above the package. Raises TrunkError when neither is there.
+    PREFIX/share/trunk_ros, with PREFIX a folder above the package. Raises TrunkError where there is neither.
     """
     package = (module or Path(__file__)).resolve().parent
     source = package.parent

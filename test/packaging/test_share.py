@@ -12,7 +12,8 @@ def test_a_checkout_uses_its_own_config():
     assert config_path("trunk") == config_path("trunk.yaml") == ROOT / "config/trunk.yaml"
 
 
-LIBRARIES = ["lib/python3.12/site-packages", "local/lib/python3.12/dist-packages", "."]  # the last: pip --target
+# of colcon and pip, of apt, of pip --target
+LIBRARIES = ["lib/python3.12/site-packages", "lib/python3/dist-packages", "."]
 
 
 @pytest.mark.parametrize("library", LIBRARIES)
