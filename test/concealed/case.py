@@ -81,7 +81,7 @@ def _some_joints(rng: np.random.Generator, moving: Sequence[int]) -> tuple[int, 
     return tuple(sorted(int(j) for j in rng.choice(moving, many, replace=False)))
 
 
-def _turn(seed: int, names: Sequence[str]) -> str:
+def turn(seed: int, names: Sequence[str]) -> str:
     """Every name once in as many seeds in a row, in an order of their own."""
     order = np.random.default_rng(seed // len(names)).permutation(len(names))
     return names[int(order[seed % len(names)])]
@@ -95,7 +95,7 @@ def _names(seed: int, round_: int, knobs: Knobs) -> list[str]:
         return list(knobs.effects)
     count = int(rng.integers(1, 5)) if knobs.count is None else knobs.count
     names: list[str] = []
-    for name in ([] if round_ else [_turn(seed, table)]) + list(rng.permutation(table)):
+    for name in ([] if round_ else [turn(seed, table)]) + list(rng.permutation(table)):
         if name in names:
             continue
         if len(names) < count and not (name in LOADED and any(other in LOADED for other in names)):
@@ -127,7 +127,7 @@ def _balanced(h: Hidden, strength: Array, floor: float) -> bool:
 
 
 @dataclass(frozen=True)
-class _Motions:
+class Motions:
     """References and setpoints (n, 5) at 100 Hz of the two runs, and the joints that move in the first."""
 
     kinds: tuple[str, str]
@@ -137,7 +137,8 @@ class _Motions:
     compensator: bool
 
 
-def _draw_motions(rng: np.random.Generator, knobs: Knobs) -> _Motions:
+def draw_motions(rng: np.random.Generator, knobs: Knobs) -> Motions:
+    """Motions of both runs, of the kinds that the knobs ask for or drawn ones."""
     t = np.arange(round(knobs.seconds / PERIOD), dtype=np.float64) * PERIOD
     first = knobs.train or str(rng.choice(KINDS, p=[0.15, 0.1, 0.2, 0.15, 0.1, 0.3]))
     kinds = (first, knobs.test or TEST_KIND.get(first, "mixed"))
@@ -149,15 +150,15 @@ def _draw_motions(rng: np.random.Generator, knobs: Knobs) -> _Motions:
         train[:, still] = train[0, still] + 0.003 * (train[:, still] - train[0, still])
     runs = bool(knobs.hard and rng.uniform() < 0.35) if knobs.compensator is None else knobs.compensator
     asked = [compensated(x, PERIOD) if runs else x / RATIO for x in (train, test)]
-    return _Motions(kinds, (train, test), (asked[0], asked[1]), moving, runs)
+    return Motions(kinds, (train, test), (asked[0], asked[1]), moving, runs)
 
 
-_Drawn: TypeAlias = tuple[_Motions, Sensing, tuple[Hidden, ...], list[Array]]
+_Drawn: TypeAlias = tuple[Motions, Sensing, tuple[Hidden, ...], list[Array]]
 
 
 def _try(rng: np.random.Generator, names: list[str], knobs: Knobs) -> _Drawn | None:
     """One attempt; None where an effect does not come out in the drawn motion."""
-    motions = _draw_motions(rng, knobs)
+    motions = draw_motions(rng, knobs)
     tip = any(name in ARM for name in names) or bool(rng.uniform() < 0.4)
     how = knobs.sensing or draw_sensing(rng, knobs.hard, tip)
     how = replace(how, tip=tip or how.tip)
@@ -173,7 +174,8 @@ def _try(rng: np.random.Generator, names: list[str], knobs: Knobs) -> _Drawn | N
     return motions, how, hidden, found
 
 
-def _told(h: Hidden, strength: Array) -> dict[str, Any]:
+def told_with(h: Hidden, strength: Array) -> dict[str, Any]:
+    """The entry of truth.json with the strength, pooled and of each joint (arm: of y, z, roll)."""
     keys = ("y", "z", "roll") if h.stage == "arm" else JOINTS
     per = {key: float(s) for key, s in zip(keys, strength, strict=True)}
     return {**h.told(), "strength": _pooled(strength, h), "strength_per_joint": per}
@@ -194,7 +196,7 @@ def draw_case(seed: int, **knobs: Any) -> Case:
     raise RuntimeError(f"seed {seed}: {asked.effects or 'effects'} not brought out at strength {asked.level}")
 
 
-def _recorded(rng: np.random.Generator, seed: int, knobs: Knobs, motions: _Motions, how: Sensing,
+def _recorded(rng: np.random.Generator, seed: int, knobs: Knobs, motions: Motions, how: Sensing,
               hidden: tuple[Hidden, ...], found: list[Array]) -> Case:  # fmt: skip
     anywhere = bool(knobs.hard and rng.uniform() < 0.3)
     runs = []
@@ -204,5 +206,5 @@ def _recorded(rng: np.random.Generator, seed: int, knobs: Knobs, motions: _Motio
         runs.append(record(rng, kind, reference, setpoint, run(hidden, setpoint, start), here))
     still = [JOINTS[j] for j in ALL if j not in motions.moving]
     noise = {**asdict(how), "compensator": motions.compensator, "still": still, "anywhere": anywhere}
-    truth = [_told(h, s) for h, s in zip(hidden, found, strict=True)]
+    truth = [told_with(h, s) for h, s in zip(hidden, found, strict=True)]
     return Case(seed, truth, noise, runs[0], runs[1], hidden)

@@ -64,14 +64,21 @@ WIDTH: dict[str, Callable[[Hidden, Scene], Array]] = {
 
 @njit(cache=True)
 def _bouc_wen(x: Array, top: float, power: int) -> Array:
-    """Bouc-Wen restoring part z with beta = gamma = 1/2, which saturates at ``top``."""
+    """Bouc-Wen restoring part z with beta = gamma = 1/2, which saturates at ``top``; power 1 or 2.
+
+    Loading dz/dx = 1 - (|z|/top)^power is stepped by its solution, unloading dz/dx = 1 as it is.
+    """
     z, out = 0.0, np.zeros_like(x)
     for k in range(1, x.size):
-        dx = x[k] - x[k - 1]
-        if dx * z > 0:
-            dx *= 1 - (abs(z) / top) ** power
-        z = min(max(z + dx, -top), top)
-        out[k] = z
+        dx = (x[k] - x[k - 1]) / top
+        if dx * z < 0:
+            z = min(max(z + dx, -1.0), 1.0)
+        elif power == 1:
+            way = 1.0 if dx > 0 else -1.0
+            z = way + (z - way) * np.exp(-abs(dx))
+        else:
+            z = np.tanh(np.arctanh(min(max(z, -1 + 1e-12), 1 - 1e-12)) + dx)
+        out[k] = z * top
     return out
 
 
@@ -80,10 +87,10 @@ def _dahl(x: Array, top: float) -> Array:
     """Dahl's solid friction, half as stiff as the wire so that a reversal begins with standing still."""
     z, out = 0.0, np.zeros_like(x)
     for k in range(1, x.size):
-        dx = x[k] - x[k - 1]
+        dx = (x[k] - x[k - 1]) / top
         way = 1.0 if dx > 0 else -1.0
-        z += 0.5 * dx * (1 - way * z / top)
-        out[k] = z
+        z = way + (z - way) * np.exp(-0.5 * abs(dx))
+        out[k] = z * top
     return out
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from test.concealed.bag import write_bag
 from test.concealed.case import Case, draw_case
+from test.concealed.wire_case import draw_wire_case
 
 MIXTURE: dict[str, dict[str, Any]] = {
     "singles": {"count": 1}, "pairs": {"count": 2}, "triples": {"count": 3}, "clean": {"count": 0},
@@ -50,7 +51,8 @@ def generate(seeds: range, output: Path, kind: str | None = None, **knobs: Any) 
         if (folder / "truth.json").exists():
             continue
         which = kind or kind_of(seed)
-        write_case(draw_case(seed, **{**MIXTURE[which], **knobs}), folder, which)
+        case = draw_wire_case(seed) if which == "wire" else draw_case(seed, **{**MIXTURE[which], **knobs})
+        write_case(case, folder, which)
         print(f"\r{folder.name} {which}", end="", file=sys.stderr)
     print(file=sys.stderr)
 
@@ -67,7 +69,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=seeds_of, default=range(20), help="FIRST:LAST, LAST not included")
     parser.add_argument("--output", type=Path, required=True)
     group = parser.add_mutually_exclusive_group()
-    for name in ("singles", "pairs", "triples", "clean", "unknown"):
+    for name in ("singles", "pairs", "triples", "clean", "unknown", "wire"):
         group.add_argument(f"--{name}", dest="kind", action="store_const", const=name)
     parser.add_argument("--hard", action="store_true", help="coloured noise, 25 Hz, losses, compensator …")
     parser.add_argument("--effects", help="these only, comma separated")
