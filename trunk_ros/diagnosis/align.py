@@ -67,7 +67,9 @@ def servo_span(recording: Recording, model: Model) -> Span:
     measured = gearbox.position[kept]
     valid = np.isfinite(measured) & ~_after_gaps(setpoints.stamp, grid)[rows][:, None]
     phi, velocity = resample(gearbox, grid)
-    return Span(recording.name, joints, grid, source, velocity, rows, np.where(valid, measured, 0.0), valid, phi)
+    return Span(
+        recording.name, joints, grid, source, velocity, rows, np.where(valid, measured, 0.0), valid, phi
+    )
 
 
 def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:
@@ -76,8 +78,10 @@ def common_joints(recording: Recording, model: Model, *series: JointSeries) -> t
     joints = tuple(j for j in known if all(j in s.joints for s in series))
     if not joints:
         have = "; ".join(", ".join(s.joints) for s in series)
-        raise RecordingError(f"{recording.name}: no joint of the model ({', '.join(known)}) is in the recording ({have}): "
-                             "give the arm's own --model, or --model direct")
+        raise RecordingError(
+            f"{recording.name}: no joint of the model ({', '.join(known)}) is in the recording ({have}): "
+            "give the arm's own --model, or --model direct"
+        )
     return joints
 
 
@@ -156,7 +160,11 @@ def fill(values: Array) -> Array:
 def _in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
     """(m, joints): where the input is guessed across a gap too long to be bridged."""
     out = np.zeros((len(grid), len(series.joints)), dtype=bool)
-    usual = max(LONGEST_GAP, 4.0 * float(np.median(np.diff(series.stamp)))) if len(series.stamp) > 1 else LONGEST_GAP
+    usual = (
+        max(LONGEST_GAP, 4.0 * float(np.median(np.diff(series.stamp))))
+        if len(series.stamp) > 1
+        else LONGEST_GAP
+    )
     for j in range(len(series.joints)):
         known = series.stamp[np.isfinite(series.position[:, j])]
         for k in np.flatnonzero(np.diff(known) > usual):

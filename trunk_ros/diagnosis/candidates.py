@@ -33,7 +33,8 @@ def usable(problem: Problem) -> list[type[Effect]]:
     arm = problem.arm
     has = {"load": arm.has_load, "dead_band": bool(np.any(arm.dead_band > 0)), "several": len(arm.joints) > 1}
     return [
-        kind for name, kind in registry().items()
+        kind
+        for name, kind in registry().items()
         if kind.stage == problem.stage and name not in UNNAMED and all(has[need] for need in kind.needs)
     ]
 
@@ -112,7 +113,9 @@ class Screen:
     def products(self, candidate: Candidate, column: int) -> tuple[float, float]:
         """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot follow it."""
         there = extended(self.problem, self.explanation, candidate)
-        changes = [a - b for a, b in zip(self.problem.predictions(there, column), self.base[column], strict=True)]
+        changes = [
+            a - b for a, b in zip(self.problem.predictions(there, column), self.base[column], strict=True)
+        ]
         d = self.problem.whiten_change(changes, column)
         q = self.basis[column]
         d = d - q @ (q.T @ d)
@@ -171,7 +174,11 @@ def _scaled(
         return None
     lead: Parameter = kind.own_parameters(trial.form)[0]
     if not kind.scalable or lead.name in known:
-        return Candidate(trial.effect, trial.form, trial.column, trial.start, 2 * rd - dd) if 2 * rd > dd else None
+        return (
+            Candidate(trial.effect, trial.form, trial.column, trial.start, 2 * rd - dd)
+            if 2 * rd > dd
+            else None
+        )
     factor = rd / dd
     value = lead.null + (trial.start[lead.name] - lead.null) * factor
     low, high = lead.bounds

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -34,6 +33,12 @@ class Term:
     words: dict[int, dict[str, str]] = field(default_factory=dict)
     given: frozenset[str] = frozenset()
 
+    def copy(self) -> Term:
+        """A copy whose values can be changed."""
+        own = {column: dict(values) for column, values in self.own.items()}
+        words = {column: dict(values) for column, values in self.words.items()}
+        return Term(self.effect, self.form, dict(self.shared), own, words, self.given)
+
     @property
     def columns(self) -> list[int]:
         """The joints that the effect is on."""
@@ -49,7 +54,7 @@ class Explanation(dict[str, Term]):
 
     def copy(self) -> Explanation:
         """A copy whose values can be changed."""
-        return copy.deepcopy(self)
+        return Explanation({name: term.copy() for name, term in self.items()})
 
     def on(self, column: int) -> list[Term]:
         """The terms on a joint, in physical order."""
@@ -81,6 +86,40 @@ class Explanation(dict[str, Term]):
     def _home(self, f: Free) -> dict[str, float]:
         term = self[f.effect]
         return term.shared if f.column is None else term.own[f.column]
+
+    def take(self, column: int, other: Explanation) -> None:
+        """Have on a column what another explanation has there."""
+        for name, term in self.items():
+            term.own.pop(column, None)
+            term.words.pop(column, None)
+        for term in other.on(column):
+            mine = self.setdefault(
+                term.effect, Term(term.effect, term.form, dict(term.shared), given=term.given)
+            )
+            mine.own[column] = dict(term.own[column])
+            if column in term.words:
+                mine.words[column] = dict(term.words[column])
+
+    def only_everywhere(self, column: int) -> Explanation:
+        """Without the effects that are on a column alone."""
+        out = self.copy()
+        for term in self.on(column):
+            if not effect(term.effect).everywhere:
+                out = out.without(term.effect, column)
+        return out
+
+    def key(self, column: int) -> tuple[object, ...]:
+        """What a prediction of one joint depends on, for caches."""
+        return tuple(
+            (
+                t.effect,
+                t.form,
+                tuple(t.shared.items()),
+                tuple(t.own[column].items()),
+                tuple(t.words.get(column, {}).items()),
+            )
+            for t in self.on(column)
+        ) + (payload_of(self),)
 
     def without(self, name: str, column: int | None = None) -> Explanation:
         """A copy without an effect, on one joint or at all."""
@@ -146,7 +185,9 @@ def _model_values(term: Term, joints: int) -> Values:
     values: Values = dict(term.shared)
     for parameter in kind.parameters:
         if any(parameter.name in own for own in term.own.values()):
-            values[parameter.name] = np.array([term.own.get(j, {}).get(parameter.name, parameter.null) for j in range(joints)])
+            values[parameter.name] = np.array(
+                [term.own.get(j, {}).get(parameter.name, parameter.null) for j in range(joints)]
+            )
     for text in kind.texts:
         if any(text in words for words in term.words.values()):
             values[text] = [term.words.get(j, {}).get(text, "") for j in range(joints)]
@@ -162,9 +203,8 @@ def payload_of(explanation: Explanation) -> float:
 
 def describe(explanation: Explanation) -> str:
     """One line for logs: effect(form)@joints."""
+
     def one(term: Term) -> str:
         return f"{term.effect}{'/' + term.form if term.form else ''}@{','.join(str(c + 1) for c in term.columns)}"
 
     return " + ".join(one(t) for t in explanation.values()) or "nominal"
-
-

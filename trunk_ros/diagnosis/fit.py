@@ -69,7 +69,9 @@ class Residuals:
         return out
 
 
-def fit(problem: Problem, explanation: Explanation, columns: list[int], evaluations: int = EVALUATIONS) -> Fit:
+def fit(
+    problem: Problem, explanation: Explanation, columns: list[int], evaluations: int = EVALUATIONS
+) -> Fit:
     """Fit what is free on ``columns``. Shared values move only where all joints that they act on are among the columns."""
     residuals = Residuals(problem, explanation, columns)
     x = explanation.get(residuals.free)
@@ -79,8 +81,15 @@ def fit(problem: Problem, explanation: Explanation, columns: list[int], evaluati
         x = np.clip(x, low, high)
         inside = np.clip(x, low + 1e-9 * residuals.scale, high - 1e-9 * residuals.scale)
         solution = least_squares(
-            residuals, inside, jac=residuals.jacobian, bounds=(low, high), x_scale=residuals.scale,
-            ftol=1e-5, xtol=1e-5, gtol=1e-8, max_nfev=evaluations,
+            residuals,
+            inside,
+            jac=residuals.jacobian,
+            bounds=(low, high),
+            x_scale=residuals.scale,
+            ftol=1e-5,
+            xtol=1e-5,
+            gtol=1e-8,
+            max_nfev=evaluations,
         )
         x, jacobian = solution.x, solution.jac
     cost = {c: float(part @ part) for c, part in zip(columns, residuals.parts(x), strict=True)}

@@ -11,6 +11,7 @@ from trunk_ros.compiled import Array
 
 BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 MEDIAN_TO_STD = 1.4826
+TRIMMED = 0.98658  # std of a normal variable within three of its std
 LEAST = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
 
@@ -55,7 +56,18 @@ def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> flo
             difference = sum(c * residual[k * stride : ends + k * stride] for k, c in enumerate(BINOMIAL))
             parts.append(np.abs(difference[whole]))
     joined = np.concatenate(parts) if parts else np.empty(0)
-    return float(MEDIAN_TO_STD * np.median(joined)) if joined.size else 0.0
+    return _trimmed(joined) if joined.size else 0.0
+
+
+def _trimmed(size: Array) -> float:
+    """Standard deviation of what lies within three of it, starting from the median: a tenth of its scatter."""
+    std = float(MEDIAN_TO_STD * np.median(size))
+    for _ in range(5):
+        inside = size[size <= 3.0 * std]
+        if not inside.size:
+            return std
+        std = float(np.sqrt(np.mean(inside**2)) / TRIMMED)
+    return std
 
 
 def _gain(correlation: float, stride: int) -> float:
@@ -66,6 +78,7 @@ def _gain(correlation: float, stride: int) -> float:
 
 def _correlation(ratio: float) -> float:
     """The lag-one correlation for which strides two and one differ by this ratio of variances."""
+
     def off(correlation: float) -> float:
         return _gain(correlation, 2) / _gain(correlation, 1) - ratio
 

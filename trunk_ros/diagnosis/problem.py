@@ -17,6 +17,9 @@ from trunk_ros.effects.effect import Core, Now
 from trunk_ros.model import Model
 
 
+CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
+
+
 @dataclass
 class View:
     """A span as the effects see it: what is known of the whole arm at each step of its grid."""
@@ -30,13 +33,22 @@ class View:
 
     def now(self, arm: Arm, column: int, payload: float) -> Now:
         """The surroundings of one joint, (m, 1) each."""
+
         def cut(values: Array) -> Array:
             return np.ascontiguousarray(values[:, column : column + 1])
 
         ratio = arm.ratio[column : column + 1]
         load = cut(self.load) + payload * cut(self.lever) if payload else cut(self.load)
-        return Now(self.span.grid, self.dt, cut(self.span.gearbox), cut(self.span.velocity) * ratio, load, self.angles,
-                   self.span.joints, ratio)
+        return Now(
+            self.span.grid,
+            self.dt,
+            cut(self.span.gearbox),
+            cut(self.span.velocity) * ratio,
+            load,
+            self.angles,
+            self.span.joints,
+            ratio,
+        )
 
 
 class Problem(ABC):
@@ -52,6 +64,7 @@ class Problem(ABC):
         self.views = [self._view(span) for span in spans]
         self.noise: list[Noise] = []
         self._cache: dict[tuple[int, int, float], Now] = {}
+        self.version = 0
         self.estimate_noise(Explanation())
 
     @property
@@ -94,7 +107,9 @@ class Problem(ABC):
         """Residuals of a column over all spans, as unit noise, (rows,)."""
         parts = []
         for index, view in enumerate(self.views):
-            white = self.noise[column].whiten(self.residual(index, explanation, column), view.follows[:, column])
+            white = self.noise[column].whiten(
+                self.residual(index, explanation, column), view.follows[:, column]
+            )
             parts.append(white[view.span.valid[:, column]])
         return np.concatenate(parts)
 
@@ -116,8 +131,11 @@ class Problem(ABC):
         noise = []
         for column in range(len(self.joints)):
             residuals = [self.residual(i, explanation, column) for i in range(len(self.views))]
-            noise.append(noise_of(residuals, [view.span.valid[:, column] for view in self.views]))
+            noise.append(self._noise(residuals, [view.span.valid[:, column] for view in self.views]))
         self.noise = noise
+
+    def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
+        return noise_of(residuals, masks)
 
     def look_again(self, explanation: Explanation) -> None:
         """Let coupling and load see the angles that an explanation predicts."""
@@ -140,7 +158,11 @@ class WireProblem(Problem):
         """Predicted angles of all joints, as a simulation with this explanation would have them."""
         model = Model(self.arm, explanation.model_effects(len(self.joints)))
         for view in self.views:
-            view.angles = Chain(model, "wire").angles(view.span.gearbox, view.span.grid, view.span.velocity)
+            angles = Chain(model, "wire").angles(view.span.gearbox, view.span.grid, view.span.velocity)
+            if np.max(np.abs(angles - view.angles)) < CLOSE * np.ptp(view.angles):
+                continue
+            self.version += 1
+            view.angles = angles
             view.load = self.arm.load(view.angles)
             view.lever = self.arm.lever(view.angles)
         self._cache.clear()
@@ -150,6 +172,11 @@ class ServoProblem(Problem):
     """Setpoint to gearbox angle."""
 
     stage = "servo"
+
+    def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
+        """At least the encoder's steps; what stands still between them says nothing of correlation."""
+        steps = 2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0)
+        return Noise(max(noise_of(residuals, masks).std, steps))
 
     def predict(self, index: int, explanation: Explanation, column: int) -> Array:
         view = self.views[index]

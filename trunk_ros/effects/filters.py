@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
@@ -46,9 +48,11 @@ def lag_step(dt: float, time_constant: float) -> tuple[float, float]:
 
 
 @compiled
-def oscillator(x: Array, dt: Array, omega: Array, zeta: Array, before: Array, out: Array) -> None:
-    """y'' + 2 zeta omega y' + omega^2 y = omega^2 x; ``before`` (3, columns) holds x, y and y' of the
-    sample before.
+def oscillator(
+    x: Array, dt: Array, omega: Array, zeta: Array, relative: bool, before: Array, out: Array
+) -> None:
+    """y'' + 2 zeta omega y' + omega^2 y = omega^2 x (damped against x where ``relative``); ``before``
+    (3, columns) holds x, y and y' of the sample before.
 
     An ``omega`` of 0 stands for a rigid link.
     """
@@ -60,6 +64,8 @@ def oscillator(x: Array, dt: Array, omega: Array, zeta: Array, before: Array, ou
             known = dt[k]
             for j in range(columns):
                 swing_step(known, omega[j], zeta[j], swing[:, j])
+                if relative:
+                    swing[4, j] = 0.0
         for j in range(columns):
             if known > 0.0:
                 change = x[k, j] - before[0, j]
@@ -87,6 +93,21 @@ def swing_step(dt: float, omega: float, zeta: float, swing: Array) -> None:
     swing[2] = -omega * omega * s
     swing[3] = c - zeta * omega * s
     swing[4] = 2.0 * zeta / (omega * dt)
+
+
+def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tuple[Array, Any]:
+    """``x`` (n, columns) ``delay`` (columns,) s late, none above ``longest``.
+
+    State: stamps (m,) before the last sample, on a clock of their own since an effect's time may stand still, and
+    inputs.
+    """
+    stamps, past = (np.zeros(0), x[:0]) if state is None else state
+    stamps = np.concatenate([stamps, np.cumsum(dt) + (stamps[-1] if len(stamps) else 0.0)])
+    past = np.concatenate([past, x])
+    out = np.empty_like(x)
+    delayed(stamps, past, delay, len(stamps) - len(x), out)
+    kept = max(int(np.searchsorted(stamps, stamps[-1] - longest)) - 2, 0)
+    return out, (stamps[kept:] - stamps[-1], past[kept:])
 
 
 @compiled

@@ -12,31 +12,38 @@ FREE = 100.0  # rad: no stop
 
 
 class HardStop(Effect):
-    """theta = clip(p, lower, upper)."""
+    """theta = clip(p, lower, upper) + give (p - clip(p, lower, upper))."""
 
     id = "hard_stop"
     stage, place, regime = "wire", 600, "posture"
     scalable = False
     signature = "Past one angle the joint stays where it is, and the residual grows as the gearbox goes on."
-    source = "Unilateral contact, rigid limit."
+    source = "Unilateral contact, rigid or yielding."
     forms = ("upper", "lower")
     parameters = (
         Parameter("upper", "rad", (-FREE, FREE), "largest angle reached", typical=0.3, null=FREE),
         Parameter("lower", "rad", (-FREE, FREE), "smallest angle reached", typical=-0.3, null=-FREE),
+        Parameter(
+            "give", "1", (0.0, 0.95), "share of the motion into the obstacle that goes on", typical=0.1
+        ),
     )
     confused_with = (("ratio_error", "move within the free range: there a stop shows nothing"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return np.clip(x, self["lower"], self["upper"]), None
+        free = np.clip(x, self["lower"], self["upper"])
+        return free + self["give"] * (x - free), None
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return np.clip(y, self["lower"], self["upper"]), None
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return cls.parameters[:1] if form == "upper" else cls.parameters[1:]
+        bound, give = cls.parameters[cls.forms.index(form)], cls.parameters[2]
+        return bound, give
 
     def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
         u = now.gearbox[:, column] * now.ratio[column]
+        if parameter.name == "give":
+            return (0.0, 0.5)
         levels = (0.7, 0.85, 0.93, 0.98) if parameter.name == "upper" else (0.3, 0.15, 0.07, 0.02)
         return tuple(np.quantile(u, levels))

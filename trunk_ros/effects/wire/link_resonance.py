@@ -13,7 +13,10 @@ RIGID = 1e6  # Hz: no swing that a recording could show
 
 
 class LinkResonance(Effect):
-    """theta'' + 2 zeta omega theta' + omega^2 theta = omega^2 p."""
+    """theta'' + 2 zeta omega (theta' - b p') + omega^2 (theta - p) = 0.
+
+    absolute: b = 0, the joint is damped against the arm; relative: b = 1, the wire itself damps.
+    """
 
     id = "link_resonance"
     stage, place, regime = "wire", 500, "high_speed"
@@ -44,13 +47,14 @@ class LinkResonance(Effect):
             scan=(0.05, 0.2),
         ),
     )
+    forms = ("absolute", "relative")
     confused_with = (("viscous_lag", "stop abruptly: a lag does not ring"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
         omega = np.where(self["frequency"] >= RIGID, 0.0, 2 * np.pi * self["frequency"])
-        oscillator(x, now.dt, omega, self["damping"], state, out)
+        oscillator(x, now.dt, omega, self["damping"], self.form == "relative", state, out)
         return out, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
@@ -58,4 +62,5 @@ class LinkResonance(Effect):
         speed, first = rate(y, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
         omega = 2 * np.pi * self["frequency"]
-        return y + 2 * self["damping"] / omega * speed + acceleration / omega**2, (first, second)
+        damped = 0.0 if self.form == "relative" else 2 * self["damping"] / omega * speed
+        return y + damped + acceleration / omega**2, (first, second)

@@ -7,7 +7,7 @@ from trunk_ros.parameter import Parameter
 
 
 class LoadDependentFriction(Effect):
-    """w += gain abs(tau)."""
+    """w += gain abs(tau), or gain (hypot(tau, knee) - knee) where a pretension hides the sign of the load."""
 
     id = "load_dependent_friction"
     stage, place, regime = "wire", 100, "reversal"
@@ -16,11 +16,24 @@ class LoadDependentFriction(Effect):
         "Euler-Eytelwein, T' = T'' exp(mu alpha) (Ciofu & Stan, eq. (1)): "
         "friction in proportion to the tension."
     )
-    parameters = (Parameter("gain", "rad/(N*m)", (0.0, 5.0), "half-width per moment of load", typical=3e-3),)
+    forms = ("sharp", "rounded")
+    parameters = (
+        Parameter("gain", "rad/(N*m)", (0.0, 5.0), "half-width per moment of load", typical=3e-3),
+        Parameter(
+            "knee", "N*m", (0.0, 10.0), "load below which the friction grows more slowly", typical=0.02
+        ),
+    )
     needs = ("load",)
     confused_with = (
         ("backlash", "reverse in upright and in outstretched postures: a backlash stays the same"),
     )
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.width = core.width + self["gain"] * np.abs(now.load)
+        pull = np.abs(now.load)
+        if self.form == "rounded":
+            pull = np.hypot(now.load, self["knee"]) - self["knee"]
+        core.width = core.width + self["gain"] * pull
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        return cls.parameters if form == "rounded" else cls.parameters[:1]

@@ -17,7 +17,7 @@ SPREAD, BOUC_WEN, BOUC_WEN_2, DAHL = range(4)
 class PreslidingHysteresis(Effect):
     """The play's half-width w is followed by a rounded zone of ``width``.
 
-    spread: plays of half-widths w ... w + width (Prandtl-Ishlinskii, the same as Maxwell slip elements);
+    spread: plays of half-widths w + width s^shape, s evenly in 0 ... 1 (Prandtl-Ishlinskii, the same as Maxwell slip elements);
     bouc_wen, bouc_wen_2: h' = u' (1 - abs(h/H)^n (1 + sign(u' h))/2) with n = 1, 2; dahl: n = 1 with half
     the stiffness;
     H = width/2 behind a play of half-width w.
@@ -40,7 +40,10 @@ class PreslidingHysteresis(Effect):
             typical=1e-3,
             scan=(5e-4, 2e-3),
         ),
-    )
+        Parameter(
+            "shape", "1", (0.25, 4.0), "above 1: more of the plays are narrow, below: wide", typical=1.0, null=1.0, scale="log",
+        ),
+    )  # fmt: skip
     confused_with = (
         ("backlash", "reverse with small amplitudes: a dead band lets nothing through"),
         ("stribeck_friction", "reverse at one speed with several amplitudes"),
@@ -48,14 +51,19 @@ class PreslidingHysteresis(Effect):
 
     def adjust(self, core: Core, now: Now) -> None:
         if np.any(self["width"] != 0.0):
-            core.rounding = RoundedPlay(self["width"], self.forms.index(self.form))
+            core.rounding = RoundedPlay(self["width"], self["shape"], self.forms.index(self.form))
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        return cls.parameters if form == "spread" else cls.parameters[:1]
 
 
 class RoundedPlay:
     """A friction element with a rounded zone, in the place of the sharp play."""
 
-    def __init__(self, width: Array, kind: int):
+    def __init__(self, width: Array, shape: Array, kind: int):
         self.width = width
+        self.shape = shape
         self.kind = kind
 
     def run(self, u: Array, width: Array, state: Any) -> tuple[Array, Any]:
@@ -64,7 +72,7 @@ class RoundedPlay:
         """
         memory = self._memory(u, state)
         out = np.empty_like(u)
-        rounded(u, np.maximum(width, 0.0), self.width, self.kind, memory, out)
+        rounded(u, np.maximum(width, 0.0), self.width, self.shape, self.kind, memory, out)
         return out, memory
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
@@ -73,7 +81,7 @@ class RoundedPlay:
             (self._memory(y, None), y[0].copy()) if state is None else (state[0].copy(), state[1].copy())
         )
         out = np.empty_like(y)
-        rounded_inverse(y, np.maximum(width, 0.0), self.width, self.kind, memory, u, out)
+        rounded_inverse(y, np.maximum(width, 0.0), self.width, self.shape, self.kind, memory, u, out)
         return out, (memory, u)
 
     def _memory(self, u: Array, state: Any) -> Array:
@@ -86,12 +94,13 @@ class RoundedPlay:
 
 
 @compiled
-def step(u: float, w: float, width: float, kind: int, memory: Array) -> float:
+def step(u: float, w: float, width: float, shape: float, kind: int, memory: Array) -> float:
     """One step of one column; ``memory`` (PLAYS,) changes in place."""
     if kind == SPREAD:
         total = 0.0
         for k in range(PLAYS):
-            half = w + width * (k + 0.5) / PLAYS
+            place = (k + 0.5) / PLAYS
+            half = w + width * (place if shape == 1.0 else place**shape)
             memory[k] = min(max(memory[k], u - half), u + half)
             total += memory[k]
         return total / PLAYS
@@ -121,7 +130,9 @@ def step(u: float, w: float, width: float, kind: int, memory: Array) -> float:
 
 
 @compiled
-def rounded(u: Array, width: Array, rounding: Array, kind: int, memory: Array, out: Array) -> None:
+def rounded(
+    u: Array, width: Array, rounding: Array, shape: Array, kind: int, memory: Array, out: Array
+) -> None:
     """Pass ``u`` (n, columns) through; ``memory`` (PLAYS, columns) changes in place."""
     steps, columns = u.shape
     varying = width.shape[0] > 1
@@ -130,13 +141,13 @@ def rounded(u: Array, width: Array, rounding: Array, kind: int, memory: Array, o
         own[:] = memory[:, j]
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
-            out[k, j] = step(u[k, j], w, rounding[j], kind, own)
+            out[k, j] = step(u[k, j], w, rounding[j], shape[j], kind, own)
         memory[:, j] = own
 
 
 @compiled
 def rounded_inverse(
-    y: Array, width: Array, rounding: Array, kind: int, memory: Array, u: Array, out: Array
+    y: Array, width: Array, rounding: Array, shape: Array, kind: int, memory: Array, u: Array, out: Array
 ) -> None:
     """The input of least motion that takes the element from its state to ``y`` (n, columns)."""
     steps, columns = y.shape
@@ -148,18 +159,18 @@ def rounded_inverse(
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
             trial[:] = own
-            gap = y[k, j] - step(u[j], w, rounding[j], kind, trial)
+            gap = y[k, j] - step(u[j], w, rounding[j], shape[j], kind, trial)
             if abs(gap) > 1e-12:
                 near = u[j]
                 far = u[j] + gap + (2.0 * (w + rounding[j]) + abs(gap)) * (1.0 if gap > 0 else -1.0)
                 for _ in range(50):
                     middle = 0.5 * (near + far)
                     trial[:] = own
-                    if (step(middle, w, rounding[j], kind, trial) - y[k, j]) * gap < 0.0:
+                    if (step(middle, w, rounding[j], shape[j], kind, trial) - y[k, j]) * gap < 0.0:
                         near = middle
                     else:
                         far = middle
                 u[j] = far
-            step(u[j], w, rounding[j], kind, own)
+            step(u[j], w, rounding[j], shape[j], kind, own)
             out[k, j] = u[j]
         memory[:, j] = own

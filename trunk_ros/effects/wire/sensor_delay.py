@@ -2,11 +2,9 @@
 
 from typing import Any
 
-import numpy as np
-
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.filters import delayed
+from trunk_ros.effects.filters import shifted
 from trunk_ros.parameter import Parameter
 
 LONGEST = 0.5  # s
@@ -35,13 +33,4 @@ class SensorDelay(Effect):
     confused_with = (("viscous_lag", "stop abruptly: a delay keeps the shape, a lag rounds it"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        """State: stamps (m,) before the last sample, on a clock of its own since ``now.stamp`` may stand
-        still, and inputs.
-        """
-        stamps, past = (np.zeros(0), x[:0]) if state is None else state
-        stamps = np.concatenate([stamps, np.cumsum(now.dt) + (stamps[-1] if len(stamps) else 0.0)])
-        past = np.concatenate([past, x])
-        out = np.empty_like(x)
-        delayed(stamps, past, self["delay"], len(stamps) - len(x), out)
-        kept = max(int(np.searchsorted(stamps, stamps[-1] - LONGEST)) - 2, 0)
-        return out, (stamps[kept:] - stamps[-1], past[kept:])
+        return shifted(x, now.dt, self["delay"], LONGEST, state)

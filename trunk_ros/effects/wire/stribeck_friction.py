@@ -8,7 +8,7 @@ from trunk_ros.parameter import Parameter
 
 
 class StribeckFriction(Effect):
-    """w += amplitude s(abs(v)/velocity) with s = exp(-x), exp(-x^2) or 1/(1 + x)."""
+    """w += amplitude s(abs(v)/velocity) with s = exp(-x), exp(-x^2) or 1/(1 + x^2)."""
 
     id = "stribeck_friction"
     stage, place, regime = "wire", 100, "low_speed"
@@ -38,5 +38,5 @@ class StribeckFriction(Effect):
 
     def _fade(self, x: Array) -> Array:
         if self.form == "hyperbolic":
-            return 1.0 / (1.0 + x)
+            return 1.0 / (1.0 + x**2)
         return np.asarray(np.exp(-(x**2 if self.form == "gaussian" else x)))

@@ -10,7 +10,7 @@ from trunk_ros.parameter import Parameter
 
 
 class TransmissionRipple(Effect):
-    """u += amplitude sin(cycles_per_rev phi + phase)."""
+    """u += amplitude sin(cycles_per_rev phi + phase), with or without a second harmonic."""
 
     id = "transmission_ripple"
     stage, place, regime = "wire", 20, "posture"
@@ -38,7 +38,17 @@ class TransmissionRipple(Effect):
             typical=1.0,
             scan=(0.0, 0.785, 1.571, 2.356),
         ),
+        Parameter("harmonic", "1", (-2.0, 2.0), "size at twice the periods over amplitude", typical=0.2),
+        Parameter(
+            "harmonic_phase",
+            "rad",
+            (-10.0, 10.0),
+            "phase of it at gearbox angle 0",
+            typical=1.0,
+            scan=(0.0, 1.571),
+        ),
     )
+    forms = ("sine", "two_harmonics")
     confused_with = (("ratio_error", "move over a wide range: a ripple turns back, a ratio error grows"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
@@ -48,7 +58,15 @@ class TransmissionRipple(Effect):
         return y - self._ripple(now), None
 
     def _ripple(self, now: Now) -> Array:
-        return np.asarray(self["amplitude"] * np.sin(self["cycles_per_rev"] * now.gearbox + self["phase"]))
+        turn = self["cycles_per_rev"] * now.gearbox
+        wave = np.sin(turn + self["phase"])
+        if self.form == "two_harmonics":
+            wave = wave + self["harmonic"] * np.sin(2 * turn + self["harmonic_phase"])
+        return np.asarray(self["amplitude"] * wave)
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        return cls.parameters if form == "two_harmonics" else cls.parameters[:3]
 
     def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
         """Only ripples of which the motion spans more than a period can be told from a bent curve."""

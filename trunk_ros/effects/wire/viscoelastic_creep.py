@@ -35,7 +35,9 @@ class ViscoelasticCreep(Effect):
             shared=True,
             scan=(0.5, 2.0, 6.0, 20.0),
         ),
-        Parameter("gain_2", "1", (-0.45, 0.45), "share of the second mode", typical=0.005),
+        Parameter(
+            "share_2", "1", (0.0, 1.0), "the second mode's share of the gain", typical=0.3, scan=(0.4,)
+        ),
         Parameter(
             "time_constant_2",
             "s",
@@ -71,9 +73,10 @@ class ViscoelasticCreep(Effect):
 
     def _modes(self) -> tuple[Array, Array]:
         """Gains and time constants, (modes, columns) each."""
-        suffixes = ("", "_2") if self.form == "two_modes" else ("",)
-        gains = np.stack([self["gain" + suffix] for suffix in suffixes])
-        return gains, np.stack([self["time_constant" + suffix] for suffix in suffixes])
+        if self.form == "one_mode":
+            return self["gain"][None], self["time_constant"][None]
+        gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
+        return gains, np.stack([self["time_constant"], self["time_constant_2"]])
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

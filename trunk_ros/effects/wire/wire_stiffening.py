@@ -9,11 +9,13 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, PAYLOAD
 from trunk_ros.parameter import Parameter
 
+HALVED = 2**0.5 - 1.0  # puts the halved compliance of x/(1 + c x) at x = 1
+
 
 class WireStiffening(Effect):
     """theta += compliance M f(tau/M) with a compliance that has halved at the moment M.
 
-    Tangent: f = ln(1 + x); secant: f = x/(1 + x); smooth: f = arctan(x), for x >= 0 and odd.
+    Tangent: f = ln(1 + x); secant: f = x/(1 + 0.414 x); smooth: f = arctan(x), for x >= 0 and odd.
     """
 
     id = "wire_stiffening"
@@ -51,7 +53,7 @@ class WireStiffening(Effect):
 
     def _sag(self, now: Now) -> Array:
         x = np.abs(now.load) / self["moment"]
-        bent = {"tangent": np.log1p(x), "secant": x / (1.0 + x), "smooth": np.arctan(x)}[self.form]
+        bent = {"tangent": np.log1p(x), "secant": x / (1.0 + HALVED * x), "smooth": np.arctan(x)}[self.form]
         return np.asarray(self["compliance"] * self["moment"] * np.sign(now.load) * bent)
 
     def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
