@@ -56,7 +56,7 @@ def usual(name: str, parameter: Parameter, joint: int) -> float:
         "low": -0.3,
         "high": 0.3,
         "payload": 0.02,
-        "threshold": 0.05,
+        "threshold": 0.02,
         "moment": 0.1,
         "v_max": 0.3,
     }
