@@ -1,4 +1,4 @@
-"""Every effect's own parameters come back from its noisy signal by plain least squares, to their stated precision."""
+"""Every effect's own parameters come back from its noisy signal by plain least squares."""
 
 from __future__ import annotations
 
