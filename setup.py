@@ -1,15 +1,12 @@
 """Builds the package for colcon (ament_python) and for pip. What package.xml says is read from there."""
 
 import ast
-import os
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
-# pip may call from anywhere, and all paths below are relative to this file
-os.chdir(Path(__file__).resolve().parent)
 MANIFEST = ElementTree.parse("package.xml").getroot()
 NAME = MANIFEST.findtext("name")
 
