@@ -70,10 +70,11 @@ def _marks(job: Job) -> dict[str, Any]:
 
 
 def diagnosed(job: Job) -> dict[str, Any]:
-    """The marks of one case, kept in score.json; a failure is a case in which nothing was found."""
+    """The marks of one case, kept in score.json; what failed has found nothing, and is tried again."""
     kept = job.output / "score.json"
-    if kept.exists():
-        return dict(json.loads(kept.read_text()))
+    before = json.loads(kept.read_text()) if kept.exists() else {"failed": True}
+    if "failed" not in before:
+        return dict(before)
     job.output.mkdir(parents=True, exist_ok=True)
     truth = job.told["truth"]
     about = {"name": job.folder.name, "count": len(truth), "known": job.told["known"],
