@@ -98,7 +98,8 @@ def swing_step(dt: float, omega: float, zeta: float, swing: Array) -> None:
 def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tuple[Array, Any]:
     """``x`` (n, columns) ``delay`` (columns,) s late, none above ``longest``.
 
-    State: stamps (m,) before the last sample, on a clock of their own since an effect's time may stand still, and
+    State: stamps (m,) before the last sample, on a clock of their own since an effect's time may stand
+    still, and
     inputs.
     """
     stamps, past = (np.zeros(0), x[:0]) if state is None else state

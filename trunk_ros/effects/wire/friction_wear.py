@@ -19,8 +19,8 @@ class FrictionWear(Effect):
     parameters = (
         Parameter("rate", "rad/s", (0.0, 0.01), "growth of the half-width at the start", typical=1e-5),
         Parameter(
-            "time_constant", "s", (3.0, 3000.0), "time in which it settles", typical=30.0, null=3000.0, scale="log",
-            scan=(10.0, 40.0),
+            "time_constant", "s", (3.0, 3000.0), "time in which it settles", typical=30.0,
+            null=3000.0, scale="log", scan=(10.0, 40.0),
         ),
     )  # fmt: skip
     confused_with = (("backlash", "compare the start and the end of a long recording"),)

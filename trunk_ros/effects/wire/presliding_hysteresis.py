@@ -17,7 +17,8 @@ SPREAD, BOUC_WEN, BOUC_WEN_2, DAHL = range(4)
 class PreslidingHysteresis(Effect):
     """The play's half-width w is followed by a rounded zone of ``width``.
 
-    spread: plays of half-widths w + width s^shape, s evenly in 0 ... 1 (Prandtl-Ishlinskii, the same as Maxwell slip elements);
+    spread: plays of half-widths w + width s^shape, s evenly in 0 ... 1 (Prandtl-Ishlinskii, the same as
+    Maxwell slip elements);
     bouc_wen, bouc_wen_2: h' = u' (1 - abs(h/H)^n (1 + sign(u' h))/2) with n = 1, 2; dahl: n = 1 with half
     the stiffness;
     H = width/2 behind a play of half-width w.
@@ -41,7 +42,8 @@ class PreslidingHysteresis(Effect):
             scan=(5e-4, 2e-3),
         ),
         Parameter(
-            "shape", "1", (0.25, 4.0), "above 1: more of the plays are narrow, below: wide", typical=1.0, null=1.0, scale="log",
+            "shape", "1", (0.25, 4.0), "above 1: more of the plays are narrow, below: wide", typical=1.0,
+            null=1.0, scale="log",
         ),
     )  # fmt: skip
     confused_with = (
