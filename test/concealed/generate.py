@@ -12,6 +12,7 @@ import numpy as np
 
 from test.concealed.bag import write_bag
 from test.concealed.case import Case, draw_case
+from test.concealed.catalogue import CATALOGUE
 from test.concealed.wire_case import draw_wire_case
 
 MIXTURE: dict[str, dict[str, Any]] = {
@@ -78,6 +79,8 @@ def main(argv: list[str] | None = None) -> int:
     knobs: dict[str, Any] = {"hard": True} if args.hard else {}
     if args.effects:
         knobs["effects"] = args.effects.split(",")
+        if strange := set(knobs["effects"]) - set(CATALOGUE):
+            parser.error(f"no effect {', '.join(sorted(strange))}; there are {', '.join(CATALOGUE)}")
     if args.level:
         low, high = args.level.split(":")
         knobs["level"] = (float(low), float(high))
