@@ -18,6 +18,7 @@ from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model
 
 NOISE_FLOOR = 1e-5  # rad
+AGREED = 1e-6  # rad: what blocks and ticks may differ by, where joints see each other
 
 
 def nominal_play(phi: Array, ratio: Array, width: Array) -> Array:
@@ -69,7 +70,7 @@ def test_all_effects_at_once_work_block_by_block(cuts: set[int]) -> None:
         for part in np.split(np.arange(1600), sorted(cuts)):
             out, state = way(wanted[part], stamp[part], state)
             parts.append(out)
-        assert np.concatenate(parts) == pytest.approx(way(wanted, stamp)[0], abs=1e-8)
+        assert np.concatenate(parts) == pytest.approx(way(wanted, stamp)[0], abs=AGREED)
 
 
 def test_a_long_recording_is_cut_into_blocks_that_do_not_show() -> None:
@@ -78,7 +79,7 @@ def test_a_long_recording_is_cut_into_blocks_that_do_not_show() -> None:
     by_tens = [chain.run(x[:12_345], stamp[:12_345])]
     by_tens.append(chain.run(x[12_345:], stamp[12_345:], by_tens[0][1]))
     whole = chain.run(x, stamp)[0]
-    assert np.concatenate([part for part, _ in by_tens]) == pytest.approx(whole, abs=1e-8)
+    assert np.concatenate([part for part, _ in by_tens]) == pytest.approx(whole, abs=AGREED)
 
 
 def test_single_ticks_are_the_recording() -> None:
@@ -88,7 +89,7 @@ def test_single_ticks_are_the_recording() -> None:
     for k in range(len(stamp)):
         out, state = chain.run(x[k : k + 1], stamp[k : k + 1], state)
         ticks.append(out)
-    assert np.concatenate(ticks) == pytest.approx(chain.run(x, stamp)[0], abs=1e-8)
+    assert np.concatenate(ticks) == pytest.approx(chain.run(x, stamp)[0], abs=2 * AGREED)
 
 
 def test_a_state_can_be_used_twice() -> None:
@@ -187,7 +188,7 @@ def test_the_chain_and_one_pass_over_its_columns_agree() -> None:
         got, _, _ = wire_pass(
             np.ascontiguousarray(x[:, cut]), now, effects, Core(nominal_width=width, width=width), None
         )
-        assert got[:, 0] == pytest.approx(shown[:, column], abs=1e-8)
+        assert got[:, 0] == pytest.approx(shown[:, column], abs=AGREED)
 
 
 def test_the_nominal_tip_is_the_arms_forward_kinematics() -> None:

@@ -8,6 +8,7 @@ the same call.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,9 @@ from trunk_ros.stage import Memory, Order, State, back, friction, run_servo, thr
 # Wire effects from this place on end the motion or show it: neither load nor coupling depends on them.
 STOP = 600
 PASSES = 30  # joints that drag each other are computed until they agree
-AGREED = 1e-9  # rad
+AGREED = 1e-7  # rad, a hundredth of what an encoder tells
+CALMEST = 0.002  # a pass never counts for less of the one before
+AHEAD = 0.1  # s over which the last sample's trend is trusted
 REMEMBERED = 0.6  # s of past setpoints, longer than any servo delay
 BLOCK = 20_000  # joint-steps that are worked on at once, so that they stay in the processor's cache
 
@@ -122,40 +125,37 @@ class Chain:
     def _wire(
         self, x: Array, stamp: Array, state: State | None, velocity: Array | None
     ) -> tuple[Array, Array, State]:
-        """Joint reading, joint angle and state: passes until the joints agree on what they see of each
-        other.
-        """
+        """Joint reading, joint angle, state: passes until the joints agree on what they see of each other."""
         ratio, begun = self.arm.ratio, state.core if state else None
         if not self.effects:
             u, memory = SharpPlay().run(x, self.arm.dead_band[None], begun, ratio)
             return u, u, State(float(stamp[-1]), x[-1], u[-1], {}, memory)
         path = x * ratio
         now = self._look(stamp, path, (state.stamp, state.x * ratio) if state else None, velocity)
-        now.see(x, path + (state.angles - state.x * ratio) if state else path)
-        old, new, again = state.blocks if state else {}, Memory(), True
-        for _ in range(PASSES):
+        now.see(x, path + self._deflection(stamp, state))
+        old, new, passes, again = state.blocks if state else {}, Memory(), Passes(state), True
+        while True:
             if again:
                 u, memory = friction(x, now, self.order, self._core(), begun, old, new)
                 again = "angles" in now.asked
             true = through(u, self.order.after, now, old, new)
-            settled = "angles" not in now.asked or np.abs(true - now.angles).max() < AGREED
+            settled = "angles" not in now.asked or passes.agree(true, now.angles)
             now.see(x, true)
             if settled:
                 break
         shown = through(true, self.order.sensor, now, old, new)
-        return shown, true, State(float(stamp[-1]), x[-1], true[-1], new, memory)
+        return shown, true, self._after(stamp, x, true, state, passes.calm, new, memory)
 
     def _wire_back(
         self, y: Array, stamp: Array, state: State | None, velocity: Array | None
     ) -> tuple[Array, Array, State]:
-        """Gearbox angle, joint angle and state: passes until what depends on the gearbox angle agrees with
-        it.
-        """
+        """Gearbox angle, joint angle, state: passes until what depends on the gearbox agrees with it."""
         old, new, begun = (state.blocks, Memory(), state.core) if state else ({}, Memory(), None)
         true = back(y, self._outer, self._look(stamp, y, None), old, new)
         now = self._look(stamp, true, (state.stamp, state.angles) if state else None)
-        x = state.x + (true - state.angles) / self.arm.ratio if state else true / self.arm.ratio
-        for _ in range(PASSES):
+        x = (true - self._deflection(stamp, state)) / self.arm.ratio
+        passes, settled = Passes(state), False
+        while not settled:
             now.see(x, true)
             core = self._core()
             for e in self.order.core:
@@ -163,11 +163,30 @@ class Chain:
             u = back(true, self._inner, now, old, new)
             u, memory = (core.rounding or SharpPlay()).invert(u, core.width, begun)
             better = back(u, self.order.path, now, old, new) / self.arm.ratio
-            settled = "gearbox" not in now.asked or np.abs(better - x).max() < AGREED
+            settled = "gearbox" not in now.asked or passes.agree(better, x)
             x = better
-            if settled:
-                break
-        return x, true, State(float(stamp[-1]), x[-1], true[-1], new, memory)
+        return x, true, self._after(stamp, x, true, state, passes.calm, new, memory)
+
+    def _deflection(self, stamp: Array, state: State | None) -> Array | float:
+        """A first guess of how far the joints are from where the gearbox alone would have them."""
+        if state is None:
+            return 0.0
+        ahead = min(stamp[0] - state.stamp, AHEAD) if len(stamp) == 1 else 0.0
+        return np.asarray(state.angles - state.x * self.arm.ratio + state.drift * ahead)
+
+    def _after(
+        self, stamp: Array, x: Array, true: Array, state: State | None, calm: float, blocks: Memory, core: Any
+    ) -> State:
+        """The memory after the last sample."""
+        last = float(stamp[-1])
+        if len(stamp) > 1:
+            time, moved, turned = last - stamp[-2], x[-1] - x[-2], true[-1] - true[-2]
+        elif state is not None:
+            time, moved, turned = last - state.stamp, x[-1] - state.x, true[-1] - state.angles
+        else:
+            time, moved, turned = 0.0, x[-1], true[-1]
+        drift = (turned - self.arm.ratio * moved) / time if time > 0.0 else 0.0
+        return State(last, x[-1], true[-1], blocks, core, drift, calm)
 
     def _servo(
         self, x: Array, stamp: Array, state: State | None, velocity: Array | None
@@ -180,20 +199,34 @@ class Chain:
         stamps, setpoints = np.concatenate([past, stamp]), np.concatenate([asked, x])
         before = (state.stamp, state.x * ratio) if state else None
         phi = np.broadcast_to(start[0], x.shape)
-        for _ in range(PASSES):
+        passes, settled = Passes(state), False
+        while not settled:
             now = self._look(stamp, phi * ratio, before)
             now.see(phi, phi * ratio)
             better, after = run_servo(self.arm, self.effects, now, setpoints, stamps, start)
-            settled = not now.asked or np.abs(better - phi).max() < AGREED
+            settled = not now.asked or passes.agree(better, phi)
             phi = better
-            if settled:
-                break
         now = self._look(stamp, phi * ratio, before)
         now.see(phi, phi * ratio)
         out = through(phi, self.order.after + self.order.sensor, now, {}, {})
         kept = max(int(np.searchsorted(stamps, stamps[-1] - REMEMBERED)) - 1, 0)
-        return (
-            out,
-            phi,
-            State(float(stamp[-1]), phi[-1], phi[-1], {}, (stamps[kept:], setpoints[kept:], after)),
-        )
+        core = stamps[kept:], setpoints[kept:], after
+        return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], {}, core, calm=passes.calm)
+
+
+class Passes:
+    """Repeats a computation until its result no longer changes what it was computed from."""
+
+    def __init__(self, state: State | None):
+        self.calm = state.calm if state else 1.0
+        self._change = 0.0
+        self._left = PASSES
+
+    def agree(self, better: Array, before: Array) -> bool:
+        """Whether the next pass would change less than AGREED, going by how the changes shrank so far."""
+        change = float(np.abs(better - before).max())
+        if self._change > 0.0:
+            self.calm = min(max(change / self._change, CALMEST), 1.0)
+        self._change = change
+        self._left -= 1
+        return self.calm * change < AGREED or not self._left

@@ -55,6 +55,8 @@ class Look(Now):
 
     def _slope(self) -> Array:
         """(n, joints) rad/s since the sample before; 0 where no time has passed."""
+        if len(self.dt) == 1 and self._before is not None and self.dt[0] > 0.0:
+            return np.asarray((self._path - self._before[1]) / self.dt)
         out = np.empty_like(self._path)
         np.subtract(self._path[1:], self._path[:-1], out=out[1:])
         out[0] = self._path[0] - self._before[1] if self._before else 0.0

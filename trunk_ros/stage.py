@@ -30,6 +30,10 @@ class State:
     """(columns,) the last joint angle."""
     blocks: Memory = field(default_factory=dict)
     core: Any = None
+    drift: Array | float = 0.0
+    """(columns,) rad/s at which the joint angle was leaving the gearbox angle."""
+    calm: float = 1.0
+    """What a difference between two passes comes to in the next one."""
 
 
 @dataclass(frozen=True)

@@ -53,14 +53,18 @@ class Curve(Effect):
                 raise ModelError(f"effects.{self.id} of {joints[column]}: low must be below high")
 
     def _curve(self, now: Now) -> Array:
-        words = self.words.get("on", ())
         x = np.zeros((len(now.stamp), len(now.ratio)))
-        for column, variable in enumerate(words):
-            if variable:
-                x[:, column] = abscissa(variable, now, column)
+        for variable, here in self._columns:
+            np.copyto(x, abscissae(variable, now), where=here)
         out = np.zeros_like(x)
         curves(x, self["low"], self["high"], self._pieces, out)
         return out
+
+    @cached_property
+    def _columns(self) -> list[tuple[str, np.ndarray]]:
+        """What the curves are over, and (columns,) whose are."""
+        words = self.words.get("on", ())
+        return [(variable, np.array([word == variable for word in words])) for variable in {*words} - {""}]
 
     @cached_property
     def _pieces(self) -> Array:
@@ -92,14 +96,18 @@ def curves(x: Array, low: Array, high: Array, pieces: Array, out: Array) -> None
             out[k, j] = ((pieces[j, 0, i] * t + pieces[j, 1, i]) * t + pieces[j, 2, i]) * t + pieces[j, 3, i]
 
 
-def abscissa(variable: str, now: Now, column: int) -> Array:
-    """(n,) what a curve is drawn over, in SI units."""
+def abscissae(variable: str, now: Now) -> Array:
+    """(n, columns) what a curve is drawn over, in SI units."""
     if variable == "position":
-        return np.asarray(now.gearbox[:, column] * now.ratio[column])
-    if variable == "time":
-        return now.stamp
+        return np.asarray(now.gearbox * now.ratio)
     if variable == "speed":
-        return now.speed[:, column]
+        return now.speed
     if variable == "load":
-        return now.load[:, column]
-    return np.asarray(now.angles[:, now.joints.index(variable)])
+        return now.load
+    one = now.stamp if variable == "time" else now.angles[:, now.joints.index(variable)]
+    return np.broadcast_to(one[:, None], (len(one), len(now.ratio)))
+
+
+def abscissa(variable: str, now: Now, column: int) -> Array:
+    """(n,) what the curve of one column is drawn over, in SI units."""
+    return np.asarray(abscissae(variable, now)[:, column])

@@ -16,7 +16,7 @@ class HardStop(Effect):
 
     id = "hard_stop"
     stage, place, regime = "wire", 600, "posture"
-    scalable = False
+    vanishes = ("give", 1.0)
     signature = "Past one angle the joint stays where it is, and the residual grows as the gearbox goes on."
     source = "Unilateral contact, rigid or yielding."
     forms = ("upper", "lower")
@@ -30,11 +30,16 @@ class HardStop(Effect):
     confused_with = (("ratio_error", "move within the free range: there a stop shows nothing"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        free = np.clip(x, self["lower"], self["upper"])
+        free = np.minimum(np.maximum(x, self["lower"]), self["upper"])
         return free + self["give"] * (x - free), None
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return np.clip(y, self["lower"], self["upper"]), None
+        return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
+
+    def credible(self, now: Now) -> bool:
+        bound = self[self.form]
+        u = now.gearbox * now.ratio
+        return bool(np.all((bound > u.min()) & (bound < u.max())))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
@@ -44,6 +49,6 @@ class HardStop(Effect):
     def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
         u = now.gearbox[:, column] * now.ratio[column]
         if parameter.name == "give":
-            return (0.0, 0.5)
-        levels = (0.7, 0.85, 0.93, 0.98) if parameter.name == "upper" else (0.3, 0.15, 0.07, 0.02)
+            return (0.0,)
+        levels = (0.6, 0.75, 0.85, 0.92, 0.97) if parameter.name == "upper" else (0.4, 0.25, 0.15, 0.08, 0.03)
         return tuple(np.quantile(u, levels))

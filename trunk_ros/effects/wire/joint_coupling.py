@@ -34,6 +34,9 @@ class JointCoupling(Effect):
         ("load_elasticity", "hold this joint and turn others so that the arm's reach stays the same"),
     )
 
+    _gains: Array | None = None
+    """(all joints, columns) joint angle per angle of each source."""
+
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._pull(now), None
 
@@ -68,7 +71,8 @@ class JointCoupling(Effect):
 
     def _pull(self, now: Now) -> Array:
         """(n, columns) rad that the sources add."""
-        pulled = np.zeros((len(now.stamp), len(now.ratio)))
-        for column, source, gain in self._links:
-            pulled[:, column] += gain * now.angles[:, now.joints.index(source)]
-        return pulled
+        if self._gains is None:
+            self._gains = np.zeros((len(now.joints), len(now.ratio)))
+            for column, source, gain in self._links:
+                self._gains[now.joints.index(source), column] += gain
+        return np.asarray(now.angles @ self._gains)

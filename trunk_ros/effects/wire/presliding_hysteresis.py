@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.wire.play import JITTER
 from trunk_ros.parameter import Parameter
 
-PLAYS = 12
+PLAYS = 20
+REACHED = 1e-12  # rad
 SPREAD, BOUC_WEN, BOUC_WEN_2, DAHL = range(4)
 
 
@@ -53,7 +56,11 @@ class PreslidingHysteresis(Effect):
 
     def adjust(self, core: Core, now: Now) -> None:
         if np.any(self["width"] != 0.0):
-            core.rounding = RoundedPlay(self["width"], self["shape"], self.forms.index(self.form))
+            core.rounding = self._element
+
+    @cached_property
+    def _element(self) -> RoundedPlay:
+        return RoundedPlay(self["width"], self["shape"], self.forms.index(self.form))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
@@ -65,8 +72,10 @@ class RoundedPlay:
 
     def __init__(self, width: Array, shape: Array, kind: int):
         self.width = width
-        self.shape = shape
         self.kind = kind
+        evenly = (np.arange(PLAYS) + 0.5) / PLAYS
+        self.zone = width[:, None] * evenly ** shape[:, None]
+        """(columns, PLAYS) rad by which each play is wider than the dead band."""
 
     def run(self, u: Array, width: Array, state: Any) -> tuple[Array, Any]:
         """As SharpPlay.run; state (PLAYS, columns): plays, or for the others the play, the input and the
@@ -74,16 +83,16 @@ class RoundedPlay:
         """
         memory = self._memory(u, state)
         out = np.empty_like(u)
-        rounded(u, np.maximum(width, 0.0), self.width, self.shape, self.kind, memory, out)
+        rounded(u, np.maximum(width, 0.0), self.width, self.zone, self.kind, memory, out)
         return out, memory
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
-        """As SharpPlay.invert, by bisection: the element's output grows with its input."""
+        """As SharpPlay.invert, by a search: the element's output grows with its input."""
         memory, u = (
             (self._memory(y, None), y[0].copy()) if state is None else (state[0].copy(), state[1].copy())
         )
         out = np.empty_like(y)
-        rounded_inverse(y, np.maximum(width, 0.0), self.width, self.shape, self.kind, memory, u, out)
+        rounded_inverse(y, np.maximum(width, 0.0), self.width, self.zone, self.kind, memory, u, out)
         return out, (memory, u)
 
     def _memory(self, u: Array, state: Any) -> Array:
@@ -96,14 +105,12 @@ class RoundedPlay:
 
 
 @compiled
-def step(u: float, w: float, width: float, shape: float, kind: int, memory: Array) -> float:
+def step(u: float, w: float, width: float, zone: Array, kind: int, memory: Array) -> float:
     """One step of one column; ``memory`` (PLAYS,) changes in place."""
     if kind == SPREAD:
         total = 0.0
         for k in range(PLAYS):
-            place = (k + 0.5) / PLAYS
-            half = w + width * (place if shape == 1.0 else place**shape)
-            memory[k] = min(max(memory[k], u - half), u + half)
+            memory[k] = min(max(memory[k], u - w - zone[k]), u + w + zone[k])
             total += memory[k]
         return total / PLAYS
     before = memory[0]
@@ -133,7 +140,7 @@ def step(u: float, w: float, width: float, shape: float, kind: int, memory: Arra
 
 @compiled
 def rounded(
-    u: Array, width: Array, rounding: Array, shape: Array, kind: int, memory: Array, out: Array
+    u: Array, width: Array, rounding: Array, zone: Array, kind: int, memory: Array, out: Array
 ) -> None:
     """Pass ``u`` (n, columns) through; ``memory`` (PLAYS, columns) changes in place."""
     steps, columns = u.shape
@@ -143,13 +150,13 @@ def rounded(
         own[:] = memory[:, j]
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
-            out[k, j] = step(u[k, j], w, rounding[j], shape[j], kind, own)
+            out[k, j] = step(u[k, j], w, rounding[j], zone[j], kind, own)
         memory[:, j] = own
 
 
 @compiled
 def rounded_inverse(
-    y: Array, width: Array, rounding: Array, shape: Array, kind: int, memory: Array, u: Array, out: Array
+    y: Array, width: Array, rounding: Array, zone: Array, kind: int, memory: Array, u: Array, out: Array
 ) -> None:
     """The input of least motion that takes the element from its state to ``y`` (n, columns)."""
     steps, columns = y.shape
@@ -161,18 +168,33 @@ def rounded_inverse(
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
             trial[:] = own
-            gap = y[k, j] - step(u[j], w, rounding[j], shape[j], kind, trial)
-            if abs(gap) > 1e-12:
-                near = u[j]
-                far = u[j] + gap + (2.0 * (w + rounding[j]) + abs(gap)) * (1.0 if gap > 0 else -1.0)
-                for _ in range(50):
-                    middle = 0.5 * (near + far)
-                    trial[:] = own
-                    if (step(middle, w, rounding[j], shape[j], kind, trial) - y[k, j]) * gap < 0.0:
-                        near = middle
-                    else:
-                        far = middle
-                u[j] = far
-            step(u[j], w, rounding[j], shape[j], kind, own)
+            gap = y[k, j] - step(u[j], w, rounding[j], zone[j], kind, trial)
+            if abs(gap) > JITTER:
+                u[j] = reach(y[k, j], gap, u[j], w, rounding[j], zone[j], kind, own, trial)
+            step(u[j], w, rounding[j], zone[j], kind, own)
             out[k, j] = u[j]
         memory[:, j] = own
+
+
+@compiled
+def reach(
+    y: float, gap: float, u: float, w: float, width: float, zone: Array, kind: int, own: Array, trial: Array
+) -> float:
+    """Input next to ``u`` for which the output, ``gap`` away, is ``y``: false position, halved (Illinois)."""
+    side = 1.0 if gap > 0.0 else -1.0
+    near, short = u, -abs(gap)
+    far = u + gap + side * (2.0 * (w + width) + abs(gap))
+    trial[:] = own
+    over = side * (step(far, w, width, zone, kind, trial) - y)
+    last = 0
+    for count in range(60):
+        middle = 0.5 * (near + far) if count % 4 == 3 else (near * over - far * short) / (over - short)
+        trial[:] = own
+        off = side * (step(middle, w, width, zone, kind, trial) - y)
+        if abs(off) < REACHED:
+            return middle
+        if off < 0.0:
+            near, short, over, last = middle, off, over * (0.5 if last < 0 else 1.0), -1
+        else:
+            far, over, short, last = middle, off, short * (0.5 if last > 0 else 1.0), 1
+    return far

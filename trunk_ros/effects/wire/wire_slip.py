@@ -33,7 +33,7 @@ class WireSlip(Effect):
         return y - self._jump(now), None
 
     def _jump(self, now: Now) -> Array:
-        risen = np.clip((now.stamp[:, None] - self["onset"]) / RISE + 0.5, 0.0, 1.0)
+        risen = np.minimum(np.maximum((now.stamp[:, None] - self["onset"]) / RISE + 0.5, 0.0), 1.0)
         return np.asarray(self["step"] * risen)
 
     def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
