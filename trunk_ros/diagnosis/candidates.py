@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.parameter import Parameter
 
+NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 UNNAMED = ("unknown", "unknown_servo")
 
 
@@ -26,6 +27,8 @@ class Candidate:
     column: int | None
     start: dict[str, Any]
     gain: float = 0.0
+    columns: tuple[int, ...] = ()
+    """Where ``column`` is None: the joints that would gain, if not all."""
 
 
 def usable(problem: Problem) -> list[type[Effect]]:
@@ -43,7 +46,7 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
     """The explanation with a candidate added at its start values."""
     out = explanation.copy()
     kind = effect(candidate.effect)
-    columns = problem.columns if candidate.column is None else [candidate.column]
+    columns = (candidate.columns or problem.columns) if candidate.column is None else [candidate.column]
     for rival in (*kind.replaces, *(k.id for k in registry().values() if candidate.effect in k.replaces)):
         if rival in out:
             del out[rival]
@@ -121,10 +124,18 @@ class Screen:
         d = d - q @ (q.T @ d)
         return float(self.rest[column] @ d), float(d @ d)
 
-    def local(self, kind: type[Effect], column: int) -> Candidate | None:
-        """The most promising form and start of a local effect on one column."""
+    def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
+        """The best start of each form that comes near the best one."""
         found = [c for c in (self.local_form(kind, form, column) for form in self._forms(kind)) if c]
-        return max(found, key=lambda c: c.gain, default=None)
+        best = max((c.gain for c in found), default=0.0)
+        return [c for c in found if c.gain > NEAR * best]
+
+    def ranked(self, kinds: list[type[Effect]], column: int, most: int) -> list[Candidate]:
+        """The most promising effects, each in its promising forms."""
+        found = sorted(
+            (f for f in (self.forms(k, column) for k in kinds) if f), key=lambda f: -max(c.gain for c in f)
+        )
+        return [candidate for forms in found[:most] for candidate in forms]
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""
@@ -147,11 +158,21 @@ class Screen:
         for form in kind.forms:
             for start in self._starts(kind, form, self.problem.columns[0]):
                 trial = Candidate(kind.id, form, None, start)
-                sums = np.sum([self.products(trial, c) for c in self.problem.columns], axis=0)
-                better = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.problem))
+                better = self._on_those_that_gain(kind, trial)
                 if better is not None and (best is None or better.gain > best.gain):
                     best = better
         return best
+
+    def _on_those_that_gain(self, kind: type[Effect], trial: Candidate) -> Candidate | None:
+        """On all joints; where a joint has values of its own, on those that a linear look finds better off."""
+        each = {c: self.products(trial, c) for c in self.problem.columns}
+        if any(not p.shared for p in kind.own_parameters(trial.form)):
+            each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > dd}
+        if not each:
+            return None
+        sums = np.sum(list(each.values()), axis=0)
+        found = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.problem))
+        return None if found is None else replace(found, columns=tuple(each))
 
     def _starts(self, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         problem = self.problem
@@ -173,6 +194,9 @@ def _scaled(
     if dd <= 1e-12:
         return None
     lead: Parameter = kind.own_parameters(trial.form)[0]
+    off = lead.null
+    if kind.vanishes is not None:
+        lead, off = kind.parameter(kind.vanishes[0]), kind.vanishes[1]
     if not kind.scalable or lead.name in known:
         return (
             Candidate(trial.effect, trial.form, trial.column, trial.start, 2 * rd - dd)
@@ -180,11 +204,11 @@ def _scaled(
             else None
         )
     factor = rd / dd
-    value = lead.null + (trial.start[lead.name] - lead.null) * factor
+    value = off + (trial.start[lead.name] - off) * factor
     low, high = lead.bounds
     if not low <= value <= high:
         value = min(max(value, low), high)
-        factor = (value - lead.null) / (trial.start[lead.name] - lead.null)
+        factor = (value - off) / (trial.start[lead.name] - off)
     gain = factor * (2 * rd - factor * dd)
     if gain <= 0.0 or factor == 0.0:
         return None

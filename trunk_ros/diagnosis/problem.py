@@ -65,6 +65,7 @@ class Problem(ABC):
         self.noise: list[Noise] = []
         self._cache: dict[tuple[int, int, float], Now] = {}
         self.version = 0
+        self._known = [self.views[0].angles]
         self.estimate_noise(Explanation())
 
     @property
@@ -75,6 +76,10 @@ class Problem(ABC):
     def count(self, column: int) -> int:
         """Valid samples of a column."""
         return int(sum(view.span.valid[:, column].sum() for view in self.views))
+
+    def resolution(self, column: int) -> float:
+        """Standard deviation of the encoder's steps, on the side of the target [rad]."""
+        return float(2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0) * abs(self.arm.ratio[column]))
 
     def _view(self, span: Span) -> View:
         angles = span.gearbox * self.arm.ratio
@@ -158,14 +163,20 @@ class WireProblem(Problem):
         """Predicted angles of all joints, as a simulation with this explanation would have them."""
         model = Model(self.arm, explanation.model_effects(len(self.joints)))
         for view in self.views:
-            angles = Chain(model, "wire").angles(view.span.gearbox, view.span.grid, view.span.velocity)
-            if np.max(np.abs(angles - view.angles)) < CLOSE * np.ptp(view.angles):
-                continue
-            self.version += 1
-            view.angles = angles
+            view.angles = Chain(model, "wire").angles(view.span.gearbox, view.span.grid, view.span.velocity)
             view.load = self.arm.load(view.angles)
             view.lever = self.arm.lever(view.angles)
+        self.version = self._version()
         self._cache.clear()
+
+    def _version(self) -> int:
+        """A number for the angles that are seen now, the same for angles that are nearly the same."""
+        angles = self.views[0].angles
+        for number, known in enumerate(self._known):
+            if np.max(np.abs(angles - known)) < CLOSE * np.ptp(angles):
+                return number
+        self._known.append(angles)
+        return len(self._known) - 1
 
 
 class ServoProblem(Problem):
@@ -175,8 +186,10 @@ class ServoProblem(Problem):
 
     def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""
-        steps = 2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0)
-        return Noise(max(noise_of(residuals, masks).std, steps))
+        return Noise(max(noise_of(residuals, masks).std, self.resolution(0)))
+
+    def resolution(self, column: int) -> float:
+        return float(2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0))
 
     def predict(self, index: int, explanation: Explanation, column: int) -> Array:
         view = self.views[index]

@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.effects import effect
-from trunk_ros.effects.wire.unknown import abscissa
+from trunk_ros.effects.curve import abscissa
 
 UNKNOWN = "unknown"
 RIDGE = 1e-3  # of a knot's weight, so that knots without data stay near their neighbours

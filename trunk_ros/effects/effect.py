@@ -88,6 +88,8 @@ class Effect(ABC):
     """The effect grows in proportion to its first parameter's distance from null, so that a linear look
     finds its size.
     """
+    vanishes: ClassVar[tuple[str, float] | None] = None
+    """Parameter and value at which a scalable effect is gone, where that is not the first parameter's null."""
     needs: ClassVar[tuple[str, ...]] = ()
     """``load``: the arm must have masses; ``dead_band``: a nominal dead band; ``several``: more than one
     joint.
@@ -134,6 +136,10 @@ class Effect(ABC):
         for text, words in self.words.items():
             if len(words) != len(joints):
                 raise ModelError(f"effects.{self.id}.{text} has {len(words)} words for {len(joints)} joints")
+
+    def credible(self, now: Now) -> bool:
+        """Whether the motion can show the effect as it was fitted: past that it is a guess at something else."""
+        return True
 
     def starts(self, now: Now, column: int) -> list[dict[str, Any]]:
         """Start values for a fit on one column: every combination of the scanned parameters."""

@@ -64,6 +64,15 @@ class TransmissionRipple(Effect):
             wave = wave + self["harmonic"] * np.sin(2 * turn + self["harmonic_phase"])
         return np.asarray(self["amplitude"] * wave)
 
+    def credible(self, now: Now) -> bool:
+        """A good period and a half has to lie within the motion, or it is no more than a bent curve."""
+        return bool(
+            np.all(
+                self["cycles_per_rev"] * np.ptp(now.gearbox, axis=0) / (2 * np.pi)
+                > (2.0 if self.form == "two_harmonics" else 1.6)
+            )
+        )
+
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         return cls.parameters if form == "two_harmonics" else cls.parameters[:3]

@@ -1,0 +1,46 @@
+"""What an explanation must be worth: squared residuals, with a price on every effect."""
+
+from __future__ import annotations
+
+from trunk_ros.diagnosis.explanation import Explanation, Term
+from trunk_ros.diagnosis.fit import Fit
+from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.unnamed import UNKNOWN
+from trunk_ros.effects import effect
+
+SIGNIFICANT = (
+    60.0  # gain in squared unit-noise residuals below which chance and small misfits are not ruled out
+)
+RELEVANT = 0.02  # share of the noise power that an effect must remove from a joint
+STEPS = 3.0  # times the power of the encoder's steps that an effect must have
+FURTHER = 12.0  # price of each further value of an effect
+LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
+CURVE = 2.5  # price of a curve without a name, in effects
+
+
+def need(problem: Problem, column: int) -> float:
+    """The gain on a column below which nothing is claimed there.
+
+    The encoder's steps are an error of the input that stands still with the joint, so they are no noise to be averaged.
+    """
+    steps = problem.resolution(column) / problem.noise[column].std
+    return max(SIGNIFICANT, problem.count(column) * max(RELEVANT, STEPS * steps**2))
+
+
+def price(problem: Problem, term: Term) -> float:
+    """What a term must gain, over all its joints."""
+    needs = {c: need(problem, c) for c in term.columns if c in problem.columns}
+    if not needs:
+        return 0.0
+    if term.effect == UNKNOWN:
+        return CURVE * sum(needs.values())
+    free = Explanation({term.effect: term}).free(list(term.columns))
+    if effect(term.effect).everywhere:
+        return max(needs.values()) + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)
+    own_values = sum(1 for f in free if f.column is not None)
+    return sum(needs.values()) + FURTHER * max(own_values - len(needs), 0)
+
+
+def score(problem: Problem, state: Fit) -> float:
+    """Squared residuals and prices: every change of an explanation has to lower it."""
+    return state.total + sum(price(problem, term) for term in state.explanation.values())

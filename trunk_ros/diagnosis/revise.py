@@ -1,0 +1,212 @@
+"""Changes to an explanation that are tried after each step: other forms, fewer effects, others in their place."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from trunk_ros.diagnosis.candidates import Screen, extended, given, usable
+from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.fit import Fit, fit
+from trunk_ros.diagnosis.unnamed import UNKNOWN, curve_fit
+from trunk_ros.effects import effect
+from trunk_ros.parameter import Parameter
+
+if TYPE_CHECKING:
+    from trunk_ros.diagnosis.search import Search
+
+CLEARLY = 2.0  # squared unit-noise residuals
+REST = 0.1  # of the noise power: a rest that a curve is tried on
+CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
+REFITTED = 4  # candidates of an exchange that are refitted in full
+
+
+def better(search: Search, now: Fit, trial: Fit | None) -> Fit:
+    """The one with the lower score."""
+    return trial if trial is not None and search.score(trial) < search.score(now) - CLEARLY else now
+
+
+def forms(search: Search, now: Fit) -> Fit:
+    """The best form of each effect."""
+    for name in list(now.explanation):
+        for form in effect(name).forms:
+            if form != now.explanation[name].form:
+                now = better(search, now, _reformed(search, now, name, form))
+    return now
+
+
+def _reformed(search: Search, now: Fit, name: str, form: str) -> Fit | None:
+    """An effect in another form on the joints that it is on."""
+    kind = effect(name)
+    if not kind.own_parameters(form):
+        return None
+    bare = now.explanation.without(name)
+    out = bare
+    columns, shared = now.explanation[name].columns, now.explanation[name].shared
+    screen = Screen(search.problem, bare, columns)
+    for column in columns:
+        candidate = screen.local_form(kind, form, column)
+        if candidate is None:
+            return None
+        out = extended(search.problem, out, replace(candidate, column=None, columns=(column,)))
+    out[name].shared |= {
+        p.name: shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in shared
+    }
+    return search.refit(out)
+
+
+def options(search: Search, now: Fit) -> Fit:
+    """Free what an effect may have besides: a payload, or what the arm's description states."""
+    for name in list(now.explanation):
+        kind = effect(name)
+        for parameter in kind.own_parameters(now.explanation[name].form):
+            if parameter.optional and parameter.shared:
+                now = better(search, now, _toggled(search, now, name, parameter))
+        if now.explanation[name].given & set(given(kind, search.problem)):
+            trial = now.explanation.copy()
+            trial[name].given = frozenset()
+            trial[name].shared.pop("payload", None)
+            now = better(search, now, search.refit(trial))
+    return now
+
+
+def _toggled(search: Search, now: Fit, name: str, parameter: Parameter) -> Fit:
+    trial = now.explanation.copy()
+    if trial[name].shared.pop(parameter.name, None) is None:
+        trial[name].shared[parameter.name] = parameter.typical
+    return search.refit(trial)
+
+
+def members(search: Search, now: Fit) -> Fit:
+    """Which joints an effect is on that acts on all, but on each by values of its own."""
+    for name in list(now.explanation):
+        kind, form = effect(name), now.explanation[name].form
+        if kind.everywhere and any(not p.shared for p in kind.own_parameters(form)):
+            for column in search.problem.columns:
+                now = better(search, now, _joined_or_left(search, now, name, column))
+    return now
+
+
+def _joined_or_left(search: Search, now: Fit, name: str, column: int) -> Fit | None:
+    columns = now.explanation[name].columns
+    if column in columns:
+        left = now.explanation.without(name, column)
+        return search.refit_column(now, left, column) if len(columns) > 1 else None
+    start = Screen(search.problem, now.explanation, [column]).local_form(
+        effect(name), now.explanation[name].form, column
+    )
+    if start is None:
+        return None
+    joined = extended(search.problem, now.explanation, replace(start, column=None, columns=(column,)))
+    return search.refit_column(now, joined, column)
+
+
+def drop(search: Search, now: Fit) -> Fit:
+    """Leave out, one at a time, what is not missed."""
+    while True:
+        trials = [_dropped(search, now, name, column) for name, column in _droppable(now.explanation)]
+        best = min(trials, key=search.score, default=None)
+        if best is None or search.score(best) > search.score(now):
+            return now
+        now = best
+
+
+def _droppable(explanation: Explanation) -> list[tuple[str, int | None]]:
+    return [
+        (t.effect, c)
+        for t in explanation.values()
+        for c in ([None] if effect(t.effect).everywhere else t.columns)
+    ]
+
+
+def _dropped(search: Search, now: Fit, name: str, column: int | None) -> Fit:
+    less = now.explanation.without(name, column)
+    return search.refit(less) if column is None else search.refit_column(now, less, column)
+
+
+def exchange(search: Search, now: Fit) -> Fit:
+    """Replace one or two effects of a joint by one that explains the joint better."""
+    for column in search.problem.columns:
+        key = (column, search.problem.version, now.explanation.key(column))
+        if key in search.settled:
+            continue
+        local = _local(now, column)
+        for gone in [*((a,) for a in local), *combinations(local, 2)]:
+            if all(name in now.explanation and column in now.explanation[name].own for name in gone):
+                now = _exchanged(search, now, column, gone)
+        search.settled.add((column, search.problem.version, now.explanation.key(column)))
+    return now
+
+
+def _exchanged(search: Search, now: Fit, column: int, gone: tuple[str, ...]) -> Fit:
+    bare = now.explanation
+    for name in gone:
+        bare = bare.without(name, column)
+    screen = Screen(search.problem, bare, [column])
+    kinds = [k for k in search.local_kinds() if k.id not in gone and search.open(k.id, column, bare)]
+    for candidate in screen.ranked(kinds, column, REFITTED):
+        trial = search.refit_column(now, extended(search.problem, bare, candidate), column)
+        if search.credible(trial.explanation, column):
+            now = better(search, now, trial)
+    return now
+
+
+def exchange_everywhere(search: Search, now: Fit) -> Fit:
+    """Replace an effect that is on all joints by another that acts on all alike."""
+    for name in list(now.explanation):
+        if name not in now.explanation or not _on_all(search, now.explanation, name):
+            continue
+        bare = now.explanation.without(name)
+        screen = Screen(search.problem, bare)
+        for kind in usable(search.problem):
+            if kind.everywhere and kind.id not in now.explanation:
+                candidate = screen.everywhere(kind)
+                if candidate is not None:
+                    trial = search.refit(extended(search.problem, bare, candidate))
+                    now = better(search, now, drop(search, members(search, options(search, trial))))
+    return now
+
+
+def _on_all(search: Search, explanation: Explanation, name: str) -> bool:
+    return effect(name).everywhere or set(explanation[name].columns) >= set(search.problem.columns)
+
+
+def unname(search: Search, now: Fit) -> Fit | None:
+    """Put a smooth curve in the place of named effects, or of a rest, where that explains a joint better; None if nowhere."""
+    changed = False
+    for column in search.problem.columns:
+        key = ("unname", column, search.problem.version, now.explanation.key(column))
+        if key not in search.settled:
+            search.settled.add(key)
+            trial = _unnamed(search, now, column)
+            changed |= trial is not now
+            now = trial
+    return now if changed else None
+
+
+def _unnamed(search: Search, now: Fit, column: int) -> Fit:
+    local = _local(now, column)
+    rest = now.cost[column] / search.problem.count(column) - 1.0
+    if UNKNOWN in local or (len(local) < 2 and rest < REST):
+        return now
+    alone = now.explanation
+    for name in local:
+        alone = alone.without(name, column)
+    nominal = fit(search.problem, alone, [column]).cost[column]
+    best = now
+    for kept in [(), *((name,) for name in local)]:
+        bare = now.explanation
+        for name in local:
+            bare = bare if name in kept else bare.without(name, column)
+        trial = curve_fit(search.problem, bare, column)
+        if trial is not None:
+            best = better(search, best, Fit(trial.explanation, now.cost | trial.cost, [], trial.jacobian))
+    gained = now.cost[column] - best.cost[column]
+    simpler = len(local) >= 3
+    return best if simpler or gained > CLEARER * (nominal - now.cost[column]) else now
+
+
+def _local(now: Fit, column: int) -> list[str]:
+    """Effects that a joint has of its own."""
+    return [t.effect for t in now.explanation.on(column) if not effect(t.effect).everywhere]
