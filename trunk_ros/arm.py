@@ -121,15 +121,15 @@ class Arm:
         """
         if not self.has_load:
             return np.zeros_like(theta)
-        out = np.empty(theta.shape)
-        moments(np.ascontiguousarray(theta), self._weights, out)
+        out = np.empty(theta.shape, order="F")
+        moments(theta, self._weights, out)
         return out
 
     def lever(self, theta: Array) -> Array:
         """Moment about each joint per kilogram at the tip [N m/kg], (n, joints)."""
-        out = np.zeros(theta.shape)
+        out = np.zeros(theta.shape, order="F")
         if self.has_geometry:
-            moments(np.ascontiguousarray(theta), self.gravity * self.link_length, out)
+            moments(theta, self.gravity * self.link_length, out)
         return out
 
     @cached_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.effect import Now
 
 
@@ -55,15 +55,21 @@ class Look(Now):
 
     def _slope(self) -> Array:
         """(n, joints) rad/s since the sample before; 0 where no time has passed."""
-        if len(self.dt) == 1 and self._before is not None and self.dt[0] > 0.0:
-            return np.asarray((self._path - self._before[1]) / self.dt)
         out = np.empty_like(self._path)
-        np.subtract(self._path[1:], self._path[:-1], out=out[1:])
-        out[0] = self._path[0] - self._before[1] if self._before else 0.0
-        passed = self.dt > 0.0
-        out /= np.where(passed, self.dt, 1.0)[:, None]
-        out[~passed] = 0.0
+        before = self._path[0] if self._before is None else self._before[1]
+        slope(self._path, self.dt, before, out)
         return out
+
+
+@compiled
+def slope(x: Array, dt: Array, before: Array, out: Array) -> None:
+    """Backward difference of ``x`` (n, columns) over ``dt`` (n,); 0 where no time has passed."""
+    steps, columns = x.shape
+    for j in range(columns):
+        last = before[j]
+        for k in range(steps):
+            out[k, j] = (x[k, j] - last) / dt[k] if dt[k] > 0.0 else 0.0
+            last = x[k, j]
 
 
 def steps(stamp: Array, before: float | None) -> Array:

@@ -99,12 +99,11 @@ def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tu
     """``x`` (n, columns) ``delay`` (columns,) s late, none above ``longest``.
 
     State: stamps (m,) before the last sample, on a clock of their own since an effect's time may stand
-    still, and
-    inputs.
+    still, and inputs.
     """
     stamps, past = (np.zeros(0), x[:0]) if state is None else state
     stamps = np.concatenate([stamps, np.cumsum(dt) + (stamps[-1] if len(stamps) else 0.0)])
-    past = np.concatenate([past, x])
+    past = np.ascontiguousarray(np.concatenate([past, x]))
     out = np.empty_like(x)
     delayed(stamps, past, delay, len(stamps) - len(x), out)
     kept = max(int(np.searchsorted(stamps, stamps[-1] - longest)) - 2, 0)
@@ -113,37 +112,55 @@ def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tu
 
 @compiled
 def delayed(stamp: Array, x: Array, delay: Array, skip: int, out: Array) -> None:
-    """``x`` (m, columns) as it was ``delay`` (columns,) s ago, from row ``skip`` on; cubic, using the past
-    alone.
+    """``x`` (m, columns) as it was ``delay`` (columns,) s ago, from row ``skip`` on.
+
+    Cubic (Catmull-Rom), using the past alone; where two delays are the same, so are the weights.
     """
     rows, columns = x.shape
-    for j in range(columns):
-        m = 0
-        for k in range(skip, rows):
-            t = stamp[k] - delay[j]
-            if t <= stamp[0] or rows == 1:
-                out[k - skip, j] = x[0, j]
-                continue
-            if delay[j] <= 0.0:
-                out[k - skip, j] = x[k, j]
-                continue
-            while m + 1 < k and stamp[m + 1] < t:
-                m += 1
-            h = stamp[m + 1] - stamp[m]
-            chord = (x[m + 1, j] - x[m, j]) / h
-            left = chord
-            if m > 0:
-                left = (x[m + 1, j] - x[m - 1, j]) / (stamp[m + 1] - stamp[m - 1])
-            right = chord
-            if m + 2 <= k:
-                right = (x[m + 2, j] - x[m, j]) / (stamp[m + 2] - stamp[m])
-            s = (t - stamp[m]) / h
-            out[k - skip, j] = (
-                (1 + 2 * s) * (1 - s) ** 2 * x[m, j]
-                + s * (1 - s) ** 2 * h * left
-                + s * s * (3 - 2 * s) * x[m + 1, j]
-                + s * s * (s - 1) * h * right
-            )
+    at = np.zeros(columns, dtype=np.int64)
+    weight = np.empty(4)
+    for k in range(skip, rows):
+        for j in range(columns):
+            same = j > 0 and delay[j] == delay[j - 1]
+            if same:
+                at[j] = at[j - 1]
+            else:
+                at[j] = weigh(stamp, k, stamp[k] - delay[j], at[j], weight)
+            m = at[j]
+            y = weight[1] * x[m, j]
+            if weight[1] != 1.0:
+                y += (
+                    weight[0] * x[max(m - 1, 0), j]
+                    + weight[2] * x[m + 1, j]
+                    + weight[3] * x[min(m + 2, k), j]
+                )
+            out[k - skip, j] = y
+
+
+@compiled
+def weigh(stamp: Array, last: int, t: float, start: int, weight: Array) -> int:
+    """Row m, from ``start`` on, before the time ``t``; ``weight`` (4,) becomes that of the rows m - 1 ... m + 2.
+
+    Rows after ``last`` are not known yet. A time that is a row's own gets that row alone.
+    """
+    weight[:] = 0.0
+    weight[1] = 1.0
+    if t <= stamp[0]:
+        return 0
+    if t >= stamp[last]:
+        return last
+    m = start
+    while m + 1 < last and stamp[m + 1] < t:
+        m += 1
+    h = stamp[m + 1] - stamp[m]
+    s = (t - stamp[m]) / h
+    left = s * (1.0 - s) ** 2 * h / (stamp[m + 1] - stamp[max(m - 1, 0)])
+    right = s * s * (s - 1.0) * h / (stamp[min(m + 2, last)] - stamp[m])
+    weight[0] = -left
+    weight[1] = (1.0 + 2.0 * s) * (1.0 - s) ** 2 - right
+    weight[2] = s * s * (3.0 - 2.0 * s) + left
+    weight[3] = right
+    return m
 
 
 def rate(y: Array, dt: Array, state: Array | None) -> tuple[Array, Array]:
