@@ -28,7 +28,7 @@ AGREED = 1e-7  # rad, a hundredth of what an encoder tells
 CALMEST = 0.002  # a pass never counts for less of the one before
 AHEAD = 0.1  # s over which the last sample's trend is trusted
 REMEMBERED = 0.6  # s of past setpoints, longer than any servo delay
-BLOCK = 20_000  # joint-steps that are worked on at once, so that they stay in the processor's cache
+BLOCK = 40_000  # joint-steps that are worked on at once, so that they stay in the processor's cache
 
 Advance = Callable[..., tuple[Array, Array, State]]
 __all__ = ["Chain", "State", "run_servo", "tip_pass", "wire_pass"]

@@ -139,7 +139,7 @@ def delayed(stamp: Array, x: Array, delay: Array, skip: int, out: Array) -> None
 
 @compiled
 def weigh(stamp: Array, last: int, t: float, start: int, weight: Array) -> int:
-    """Row m, from ``start`` on, before the time ``t``; ``weight`` (4,) becomes that of the rows m - 1 ... m + 2.
+    """Row m, from ``start`` on, before the time ``t``; ``weight`` (4,): of the rows m - 1 ... m + 2.
 
     Rows after ``last`` are not known yet. A time that is a row's own gets that row alone.
     """

@@ -1,0 +1,53 @@
+"""The bench finds its sections by itself and writes what it measured."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from test.bench import __main__ as bench
+from test.bench.row import Row
+
+
+@pytest.mark.parametrize("name", bench.sections())
+def test_every_section_says_what_it_measures(name: str) -> None:
+    module = importlib.import_module(f"test.bench.{name}")
+    assert module.__doc__
+    assert callable(module.measure)
+
+
+def test_the_speed_of_the_chain_is_a_section() -> None:
+    assert "chain" in bench.sections()
+
+
+def test_a_target_is_reached_from_one_side() -> None:
+    assert Row("share", 0.8, "1", at_least=0.7).reached
+    assert not Row("time", 120.0, "us", at_most=100).reached
+    assert Row("count", 3.0, "1").reached is None
+
+
+def test_the_figures_are_written_with_their_targets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def measure() -> Iterator[Row]:
+        yield Row("speed", 2.0, "1/s", at_least=1.0)
+
+    section = ModuleType("test.bench.made_up", "Made up.")
+    section.measure = measure  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "test.bench.made_up", section)
+    monkeypatch.setattr(bench, "sections", lambda: ["made_up"])
+    assert bench.main(["--output", str(tmp_path / "bench.json")]) == 0
+    written = json.loads((tmp_path / "bench.json").read_text())
+    assert written["sections"]["made_up"]["rows"] == [
+        {"name": "speed", "value": 2.0, "unit": "1/s", "target": "≥ 1", "reached": True}
+    ]
+
+
+def test_an_unknown_section_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        bench.main(["nothing"])
+    assert "no section nothing: choose from" in capsys.readouterr().err
