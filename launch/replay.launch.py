@@ -15,7 +15,7 @@ ARGUMENTS = {
     "rate": ("1.0", "so many times as fast as recorded"),
     "clock": ("100.0", "rate of /clock [Hz]"),
     "from_time": ("0", "begin there: s since the start, or % of the bag"),
-    "until": ("100%", "end there"),
+    "until": ("100%", "end there: s since the start, or % of the bag"),
     "wire": ("false", "start wire_elasticity, which answers to the replayed gearbox_states"),
     "model": ("trunk", "model of the wire: file, or a name in config/"),
 }

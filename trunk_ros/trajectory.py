@@ -82,6 +82,7 @@ class Trajectory:
         since = np.clip(at, self.time[0], self.time[-1]) - self.time[segment]
         moving = ((at >= self.time[0]) & (at < self.time[-1]))[:, None]
         position, velocity, acceleration = evaluate(self.coefficients[:, segment], since[:, None])
+        position[at >= self.time[-1]] = self.position[-1]
         return position, np.where(moving, velocity, 0.0), np.where(moving, acceleration, 0.0)
 
     @cached_property

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.chain import Chain, State
+from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.nodes.bus import gearbox_limits
 from trunk_ros.trajectory import Array
 
+NUDGE = 1e-4  # rad, tells a new model in which direction a joint came
 FADE = 0.3  # s in which a difference at the start or at a change of model fades out
 
 
@@ -36,9 +38,13 @@ class Compensation:
         self._fade = np.zeros(len(model.arm.joints))
 
     def swap(self, model: Model) -> None:
-        """Change the model; the setpoint goes over to the new one's smoothly."""
+        """Change the model; the setpoint goes over to the new one's smoothly, direction is remembered."""
+        began = self._state is not None
         self._use(model)
         self._fresh = True
+        if began:
+            for angle in (self._held - NUDGE * self._direction, self._held):
+                _, self._state = self.chain.invert(angle[None], np.array([self._time]), self._state)
 
     def joint_angle(self, gearbox: Array) -> Array:
         """Where the model believes the joints stand after a start at ``gearbox``, memory at its centre."""
@@ -48,10 +54,13 @@ class Compensation:
     def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
         """How far a reference with these derivatives (joints,) has to run ahead for the servo to be in time.
 
-        From the servo's equations: setpoint - phi = (v + tau_v dv/dt)/Kp. Holding it for ``dt`` is dt/2 late.
+        From the servo's equations, setpoint - phi = (v + tau_v dv/dt)/Kp, in the middle of the ``dt`` for which
+        a setpoint is held; the loop's own steps are half a step early.
         """
-        gain = position_gain(self.model)
-        return velocity * (1 / gain + dt / 2) + acceleration * self.model.arm.tau_v / gain
+        later = max(dt - STEP, 0.0) / 2
+        travelled = later * (velocity + acceleration * later / 2)
+        tau_v = self.model.arm.tau_v
+        return travelled + (velocity + (later + tau_v) * acceleration) / position_gain(self.model)
 
     def step(self, reference: Array, dt: float) -> Array:
         """The setpoint for ``dt`` s after the last one. ``limited`` tells which joints a limit held back."""

@@ -21,7 +21,8 @@ from trunk_ros.nodes.qos import recorded
 from trunk_ros.nodes.ros import Clock, EventsExecutor, SetBool, Trigger, rclpy
 from trunk_ros.recording.arguments import Parser
 
-SETTLE = 0.2  # s for what is under way between processes
+LAST_PARTNER = 1.0  # s without a new subscriber after which no more are expected
+SETTLE = 0.5  # s after which partners know each other, and have what was sent
 BURST = 50  # messages after which services are looked after, where replay is behind
 DEPTH = 1000
 CLOCK = "/clock"
@@ -64,9 +65,10 @@ class Replay(TrunkNode):
         response.success = True
         return response
 
-    def lonely(self) -> bool:
-        """Whether a topic lacks a subscriber."""
-        return any(outlet.get_subscription_count() == 0 for outlet in self.outlets.values())
+    def partners(self) -> tuple[int, bool]:
+        """Number of subscribers, and whether every topic has one."""
+        counts = [outlet.get_subscription_count() for outlet in self.outlets.values()]
+        return sum(counts), all(counts)
 
     def publish(self, topic: str, data: bytes, at: int) -> None:
         """Publish a message of the time ``at`` [ns], and the clock before it."""
@@ -89,11 +91,17 @@ class Player:
         self.node, self.executor, self.stop = node, executor, stop
 
     def wait_for_partners(self) -> None:
-        """Wait until every topic has a subscriber, or for as long as was asked."""
-        until = time.monotonic() + self.node.given.wait
-        while time.monotonic() < until and not self.stop.asked and self.node.lonely():
+        """Wait until every topic has a subscriber, or no more come, or for as long as was asked."""
+        begun = changed = time.monotonic()
+        found = 0
+        while not self.stop.asked and time.monotonic() - begun < self.node.given.wait:
             self.linger(0.05)
-        self.linger(SETTLE)
+            partners = self.node.partners()
+            if partners[0] != found:
+                found, changed = partners[0], time.monotonic()
+            if partners[1] or (found and time.monotonic() - changed > LAST_PARTNER):
+                break
+        self.linger(min(SETTLE, self.node.given.wait))
 
     def linger(self, seconds: float) -> None:
         """Serve callbacks for a while."""
@@ -151,13 +159,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="HZ",
         help="publish /clock, at 100 Hz by default",
     )
-    add(
-        "--wait",
-        type=float,
-        default=2.0,
-        metavar="S",
-        help="wait so long for topics without a subscriber, 2 s by default",
-    )
+    add("--wait", type=float, default=4.0, metavar="S", help="wait so long for subscribers, 4 s by default")
     add("--loop", action="store_true", help="begin again at the end")
     add("--paused", action="store_true", help="stand still until the service ~/pause says otherwise")
     add(

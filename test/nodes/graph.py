@@ -1,0 +1,155 @@
+"""Real nodes over DDS for tests: processes on a domain of their own, and a peer that speaks to them."""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOMAINS = itertools.count(os.getpid() % 61)
+JOINTS = [f"joint_{number}" for number in range(1, 6)]
+SHARED_MEMORY = Path("/dev/shm")
+
+
+def environment(domain: int) -> dict[str, str]:
+    """The environment of a node; the ament index has to be found without help."""
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    kept = {key: value for key, value in os.environ.items() if key != "AMENT_PREFIX_PATH"}
+    return kept | {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+def new_domain() -> int:
+    """A ROS_DOMAIN_ID that no other test uses at the moment."""
+    return 30 + next(DOMAINS) % 61
+
+
+def trunk(
+    *arguments: Any, domain: int | None = None, timeout: float = 60
+) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end."""
+    command = [sys.executable, "-m", "trunk_ros", *map(str, arguments)]
+    env = environment(new_domain() if domain is None else domain)
+    return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=timeout)
+
+
+@contextmanager
+def running(*arguments: Any, domain: int) -> Iterator[subprocess.Popen[str]]:
+    """A command that goes on beside the test, and is ended with it."""
+    command = [sys.executable, "-m", "trunk_ros", *map(str, arguments)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "stdin": subprocess.PIPE}
+    process = subprocess.Popen(command, cwd=ROOT, env=environment(domain), text=True, **pipes)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+            try:
+                process.communicate(timeout=15)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+
+
+def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[int, str, str]:
+    """Exit code, standard output and error of a process after a signal."""
+    process.send_signal(number)
+    out, error = process.communicate(timeout=20)
+    return process.returncode, out, error
+
+
+class Peer:
+    """A node of the test's own: publishes, listens, and waits."""
+
+    def __init__(self, domain: int):
+        from trunk_ros.nodes.ros import EventsExecutor, rclpy
+
+        environment(domain)
+        self.context = rclpy.Context()
+        self.context.init(domain_id=domain)
+        self.node = rclpy.create_node("test_peer", context=self.context)
+        self.executor = EventsExecutor(context=self.context)
+        self.executor.add_node(self.node)
+
+    def publisher(self, kind: Any, topic: str) -> Any:
+        """A reliable publisher."""
+        return self.node.create_publisher(kind, topic, 100)
+
+    def listen(self, kind: Any, topic: str) -> list[Any]:
+        """A list that grows with the messages of a topic."""
+        heard: list[Any] = []
+        self.node.create_subscription(kind, topic, heard.append, 100)
+        return heard
+
+    def until(self, condition: Callable[[], Any], timeout: float = 20.0) -> None:
+        """Spin until a condition holds; fails the test where it does not in time."""
+        end = time.monotonic() + timeout
+        while not condition():
+            assert time.monotonic() < end, f"waited in vain: {inspect.getsource(condition).strip()}"
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def spin(self, seconds: float) -> None:
+        """Spin for a while."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def now(self) -> Any:
+        """The stamp of this moment."""
+        return self.node.get_clock().now().to_msg()
+
+    def close(self) -> None:
+        """Leave the graph."""
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+
+def clean_shared_memory(before: set[str]) -> None:
+    """Remove Fast DDS segments that killed processes left: new ones that no process has mapped."""
+    new = [path for path in segments() if path.name not in before]
+    mapped = ""
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        with suppress(OSError):
+            mapped += maps.read_text()
+    for path in new:
+        if path.name.removesuffix("_el") not in mapped:
+            path.unlink(missing_ok=True)
+
+
+def segments() -> list[Path]:
+    """Fast DDS' files in shared memory."""
+    return [*SHARED_MEMORY.glob("fastrtps_*"), *SHARED_MEMORY.glob("sem.fastrtps_*")]
+
+
+def words(statuses: list[Any], node: str) -> str:
+    """All that a node has said on diagnostics."""
+    said = [status for array in statuses for status in array.status if status.name.lstrip("/") == node]
+    return " | ".join(status.message for status in said)
+
+
+def bag_messages(path: Path) -> dict[str, list[bytes]]:
+    """Messages of a bag per topic, as rosbags reads them."""
+    from rosbags.rosbag2 import Reader
+
+    found: dict[str, list[bytes]] = {}
+    with Reader(path) as reader:
+        for connection in reader.connections:
+            found.setdefault(connection.topic, [])
+        for connection, _, data in reader.messages():
+            found[connection.topic].append(bytes(data))
+    return found
+
+
+needs_ros = pytest.mark.skipif(
+    __import__("importlib.util").util.find_spec("rclpy") is None, reason="ROS 2 is not installed here"
+)

@@ -1,0 +1,99 @@
+"""The model run backward and tamed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from trunk_ros.chain import Chain
+from trunk_ros.model import load_model
+from trunk_ros.nodes.bus import gearbox_limits
+from trunk_ros.nodes.compensation import Compensation
+
+NOMINAL = load_model("trunk")
+LOOSE = replace(NOMINAL, effects={"backlash": {"half_width": np.full(5, 2e-3)}})
+STEP = 0.01
+REVERSAL = 5e-5
+
+
+def drive(compensation, references):
+    return np.array([compensation.step(reference, STEP) for reference in references])
+
+
+def sweep(size, seconds=4.0):
+    return size * np.sin(np.arange(0, seconds, STEP))[:, None] * np.ones(5)
+
+
+@pytest.mark.parametrize("model", [NOMINAL, LOOSE])
+def test_what_goes_through_the_wire_comes_out_as_the_reference(model):
+    references = sweep(0.2)
+    setpoints = drive(Compensation(model, REVERSAL), references)
+    theta, _ = Chain(model, "wire").run(setpoints, np.arange(len(setpoints)) * STEP)
+    np.testing.assert_allclose(theta[50:], references[50:], atol=REVERSAL)
+
+
+def test_the_first_setpoint_is_where_the_motors_stand():
+    position = np.full(5, 0.123)
+    compensation = Compensation(LOOSE, REVERSAL, position)
+    np.testing.assert_array_equal(compensation.step(compensation.joint_angle(position), 0.0), position)
+
+
+def test_a_swapped_model_does_not_make_it_jump():
+    compensation = Compensation(NOMINAL, REVERSAL)
+    before = drive(compensation, sweep(0.2, 2.0))[-1]
+    compensation.swap(LOOSE)
+    resting = np.full(5, 0.2 * np.sin(2.0 - STEP))
+    after = drive(compensation, np.tile(resting, (300, 1)))
+    assert np.abs(after[0] - before).max() < 2e-4
+    assert np.abs(np.diff(after, axis=0)).max() < 3e-4
+    fresh = drive(Compensation(LOOSE, REVERSAL), sweep(0.2, 2.0))[-1]
+    assert np.abs(after[-1] - fresh).max() < 2 * 2e-3 / 0.625
+
+
+def test_noise_below_the_reversal_does_not_make_it_chatter():
+    rng = np.random.default_rng(1)
+    references = 0.1 + 2e-5 * rng.uniform(-1, 1, (400, 5))
+    setpoints = drive(Compensation(LOOSE, REVERSAL), references)
+    assert np.ptp(setpoints[5:], axis=0).max() < 2 * REVERSAL / 0.625
+    careless = drive(Compensation(LOOSE, 0.0), references)
+    assert np.ptp(careless[5:], axis=0).max() > 2e-3 / 0.625
+
+
+def test_a_jump_of_the_reference_goes_out_at_the_servos_top_speed():
+    references = np.vstack([np.zeros((5, 5)), np.full((50, 5), 0.3)])
+    speed = np.diff(drive(Compensation(LOOSE, REVERSAL), references), axis=0) / STEP
+    assert np.abs(speed).max() <= NOMINAL.arm.v_max * (1 + 1e-9)
+    assert np.abs(speed).max() > 0.99 * NOMINAL.arm.v_max
+
+
+def test_a_slower_servo_that_was_found_is_respected():
+    slow = replace(NOMINAL, effects={"velocity_saturation": {"v_max": 0.5}})
+    references = np.vstack([np.zeros((5, 5)), np.full((50, 5), 0.3)])
+    assert np.abs(np.diff(drive(Compensation(slow, REVERSAL), references), axis=0)).max() <= 0.5 * STEP * (
+        1 + 1e-9
+    )
+
+
+def test_it_never_leaves_the_limits_and_says_which_joint_is_held_back():
+    lower, upper = gearbox_limits(NOMINAL.arm)
+    compensation = Compensation(LOOSE, REVERSAL)
+    setpoints = drive(compensation, sweep(3.0))
+    assert (setpoints <= upper).all()
+    assert (setpoints >= lower).all()
+    assert compensation.limited.all()
+
+
+def test_running_ahead_makes_up_for_the_servos_lag():
+    at = np.arange(0, 6, STEP)
+    reference = 0.15 * np.sin(2 * at)[:, None] * np.ones(5)
+    speed, acceleration = 0.3 * np.cos(2 * at)[:, None] * np.ones(5), -4 * reference
+
+    def error(ahead):
+        compensation = Compensation(NOMINAL, REVERSAL)
+        lead = compensation.ahead(speed, acceleration, STEP) if ahead else 0.0
+        phi, _ = Chain(NOMINAL, "servo").run(drive(compensation, reference + lead), at)
+        theta, _ = Chain(NOMINAL, "wire").run(phi, at)
+        return np.sqrt(np.mean((theta - reference)[100:] ** 2))
+
+    assert error(ahead=False) > 1e-2
+    assert error(ahead=True) < 5e-4

@@ -1,0 +1,148 @@
+"""compensator over DDS: trajectories, foreign references, models that change while it runs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.nodes.graph import JOINTS, needs_ros, running, trunk, words
+from trunk_ros.model import load_model, save_model
+
+pytestmark = needs_ros
+
+
+@pytest.fixture
+def graph(peer):
+    """The test's ends of the compensator's topics."""
+    from trunk_ros.nodes.ros import DiagnosticArray, JointState, JointTrajectory
+
+    class Ends:
+        reference = peer.publisher(JointState, "trunk/reference")
+        trajectory = peer.publisher(JointTrajectory, "trunk/joint_trajectory")
+        references = peer.listen(JointState, "trunk/reference")
+        setpoints = peer.listen(JointState, "trunk/setpoints")
+        said = peer.listen(DiagnosticArray, "diagnostics")
+
+        @staticmethod
+        def ask(positions, joints=JOINTS):
+            message = JointState(name=list(joints), position=[float(angle) for angle in positions])
+            message.header.stamp = peer.now()
+            Ends.reference.publish(message)
+
+        @staticmethod
+        def ready():
+            return Ends.reference.get_subscription_count() > 1 and Ends.trajectory.get_subscription_count()
+
+    return Ends
+
+
+def test_a_foreign_reference_comes_out_as_the_model_run_backward(domain, peer, graph):
+    with running("compensator", domain=domain):
+        peer.until(graph.ready)
+        for angle in (0.0, 0.01, 0.02, 0.03):
+            graph.ask([angle] * 5)
+            peer.spin(0.1)
+        peer.until(lambda: len(graph.setpoints) > 20)
+        arm = load_model("trunk").arm
+        wanted = (0.03 + arm.dead_band) / arm.ratio
+        np.testing.assert_allclose(graph.setpoints[-1].position, wanted, atol=1e-9)
+        graph.ask([0.02], joints=["joint_4"])
+        peer.spin(0.3)
+        wanted[3] = (0.02 - arm.dead_band[3]) / arm.ratio[3]
+        np.testing.assert_allclose(graph.setpoints[-1].position, wanted, atol=1e-9)
+
+
+def test_trajectories_are_followed_stopped_and_refused_as_joint_trajectory_controller_does(
+    domain, peer, graph
+):
+    from trunk_ros.nodes.messages import trajectory_message
+    from trunk_ros.nodes.ros import JointTrajectory
+    from trunk_ros.trajectory import Trajectory
+
+    def send(angle, time, joints=("joint_2",)):
+        points = np.full((1, len(joints)), angle)
+        graph.trajectory.publish(trajectory_message(Trajectory(joints, np.array([time]), points)))
+
+    with running("servo_driver", domain=domain), running("compensator", domain=domain):
+        peer.until(lambda: graph.ready() and graph.trajectory.get_subscription_count())
+        send(0.2, 0.5)
+        peer.until(lambda: graph.references and graph.references[-1].position[1] == 0.2)
+        assert graph.references[-1].position[0] == 0.0
+        send(0.9, 0.5)
+        peer.until(lambda: "trajectory refused: joint_2 would reach" in words(graph.said, "compensator"))
+        assert graph.references[-1].position[1] == 0.2
+        send(-0.2, 4.0)
+        peer.until(lambda: graph.references[-1].position[1] < 0.15)
+        graph.trajectory.publish(JointTrajectory())
+        peer.spin(0.3)
+        stopped = graph.references[-1].position[1]
+        peer.spin(0.3)
+        assert graph.references[-1].position[1] == stopped > 0.0
+    speed = np.diff([message.position[1] for message in graph.setpoints]) / 0.01
+    assert np.abs(speed).max() < 1.5 * 2  # stamps jitter
+
+
+def test_a_model_is_swapped_without_a_jump_and_another_arms_is_refused(domain, peer, graph, tmp_path):
+    from rcl_interfaces.msg import Parameter as ParameterMessage
+    from rcl_interfaces.msg import ParameterType, ParameterValue
+    from rcl_interfaces.srv import SetParameters
+
+    loose, other = tmp_path / "loose.yaml", tmp_path / "other.yaml"
+    model = load_model("trunk")
+    save_model(replace(model, effects={"backlash": {"half_width": np.full(5, 5e-3)}}), loose)
+    save_model(replace(model, arm=replace(model.arm, upper=np.full(5, 0.2))), other)
+    service = peer.node.create_client(SetParameters, "compensator/set_parameters")
+
+    def load(path):
+        value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=str(path))
+        done = service.call_async(
+            SetParameters.Request(parameters=[ParameterMessage(name="model", value=value)])
+        )
+        peer.until(done.done)
+        return done.result().results[0]
+
+    with running("compensator", domain=domain):
+        peer.until(lambda: graph.ready() and service.service_is_ready())
+        for angle in np.linspace(0, 0.1, 10):
+            graph.ask([angle] * 5)
+            peer.spin(0.02)
+        peer.until(lambda: len(graph.setpoints) > 10)
+        before = np.asarray(graph.setpoints[-1].position)
+        refused = load(other)
+        assert not refused.successful
+        assert "upper is not that of the running arm" in refused.reason
+        assert load(loose).successful
+        graph.ask([0.101] * 5)
+        peer.spin(2.0)
+        arm = model.arm
+        wanted = (0.101 + arm.dead_band + 5e-3) / arm.ratio
+        np.testing.assert_allclose(graph.setpoints[-1].position, wanted, atol=1e-4)
+        path = np.array([message.position for message in graph.setpoints])
+        since = np.argmax((path == before).all(axis=1))
+        assert np.abs(np.diff(path[since:], axis=0)).max() < 3e-3
+
+
+def test_a_params_file_is_the_complete_model(domain, peer, graph, tmp_path):
+    found = replace(load_model("trunk"), effects={"backlash": {"half_width": np.full(5, 5e-3)}})
+    save_model(found, tmp_path / "model.yaml")
+    arguments = ("--ros-args", "--params-file", tmp_path / "model.yaml")
+    with running("compensator", *arguments, domain=domain):
+        peer.until(lambda: graph.said)
+        values = {item.key: item.value for item in graph.said[-1].status[0].values}
+        assert values["model"] == found.hash()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--nonsense"], "unknown argument '--nonsense'"),
+        (["--ros-args", "--nonsense"], "bad ROS arguments"),
+        (["--ros-args", "-p", "model:=nowhere"], "nowhere"),
+        (["--ros-args", "-p", "rate:=0.0"], "rate"),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_line(arguments, told):
+    done = trunk("compensator", *arguments)
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert len(done.stderr.splitlines()) == 1, done.stderr

@@ -1,0 +1,70 @@
+"""servo_driver over DDS: what it refuses, and that it holds."""
+
+import numpy as np
+import pytest
+
+from test.nodes.graph import JOINTS, needs_ros, running, words
+
+pytestmark = needs_ros
+
+
+@pytest.fixture
+def driver(domain, peer):
+    """A running driver, what it publishes, and a way to ask it for angles."""
+    from trunk_ros.nodes.ros import DiagnosticArray, JointState
+
+    out = peer.publisher(JointState, "trunk/setpoints")
+    states, said = (
+        peer.listen(JointState, "trunk/gearbox_states"),
+        peer.listen(DiagnosticArray, "diagnostics"),
+    )
+
+    def ask(position, joints=JOINTS):
+        message = JointState(name=list(joints), position=[float(angle) for angle in position])
+        message.header.stamp = peer.now()
+        out.publish(message)
+
+    with running("servo_driver", domain=domain):
+        peer.until(lambda: states and out.get_subscription_count())
+        yield peer, ask, states, said
+
+
+def settled(peer, states, seconds=0.6):
+    peer.spin(seconds)
+    return dict(zip(states[-1].name, states[-1].position, strict=True))
+
+
+def test_it_goes_where_it_is_asked_and_refuses_what_is_unsafe(driver):
+    peer, ask, states, said = driver
+    ask([0.1, 0.2, -0.1, 0.0, 0.05])
+    first = settled(peer, states)
+    np.testing.assert_allclose(list(first.values()), [0.1, 0.2, -0.1, 0.0, 0.05], atol=1e-4)
+
+    ask([0.1, 0.7, -0.1, 0.0, 0.05])
+    ask([0.1, float("nan"), -0.1, 0.0, 0.05])
+    ask([0.1, 0.2], joints=["joint_1", "joint_1"])
+    ask([0.4], joints=["elbow"])
+    assert settled(peer, states) == pytest.approx(first, abs=1e-4)
+    peer.until(lambda: "elbow" in words(said, "servo_driver"))
+    told = words(said, "servo_driver")
+    assert "joint_2 at 0.7000 rad is outside -0.6430 ... 0.6430; holding the last safe one" in told
+    assert "joint_2 is not a number" in told
+    assert "joint_1, joint_1" in told
+
+    ask([-0.05, 0.3], joints=["joint_5", "joint_1"])
+    after = settled(peer, states)
+    assert after == pytest.approx(first | {"joint_5": -0.05, "joint_1": 0.3}, abs=1e-4)
+    peer.until(lambda: "joint joint_2 missing" in words(said, "servo_driver"))
+
+
+def test_it_holds_and_says_so_when_setpoints_dry_up(driver):
+    peer, ask, states, said = driver
+    for step in range(20):
+        ask([0.01 * step] * 5)
+        peer.spin(0.01)
+    held = settled(peer, states, 1.0)
+    assert held == pytest.approx(dict.fromkeys(JOINTS, 0.19), abs=1e-4)
+    peer.until(lambda: "no trunk/setpoints for" in words(said, "servo_driver"))
+    values = {item.key: item.value for item in said[-1].status[0].values}
+    assert float(values["rate [Hz]"]) == pytest.approx(100, rel=0.2)
+    assert len(values["model"]) == 12

@@ -1,0 +1,44 @@
+"""The arm as URDF."""
+
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from trunk_ros.model import load_model
+from trunk_ros.urdf import main, urdf
+
+ARM = load_model("trunk").arm
+
+
+def tip(robot, angles):
+    """Forward kinematics from the text alone: rotations about x, translations along z."""
+    children = {joint.find("parent").get("link"): joint for joint in robot.findall("joint")}
+    link, y, z, heading = "base_link", 0.0, 0.0, 0.0
+    while link in children:
+        joint = children[link]
+        height = float(joint.find("origin").get("xyz").split()[2])
+        y, z = y - height * np.sin(heading), z + height * np.cos(heading)
+        heading += angles.get(joint.get("name"), 0.0)
+        link = joint.find("child").get("link")
+    assert link == "tip"
+    return [y, z, heading]
+
+
+def test_its_chain_ends_where_the_arm_does():
+    theta = np.array([0.1, -0.3, 0.2, 0.35, -0.05])
+    robot = ElementTree.fromstring(urdf(ARM))
+    found = tip(robot, dict(zip(ARM.joints, theta, strict=True)))
+    np.testing.assert_allclose(found, ARM.forward_kinematics(theta[None])[0], atol=1e-9)
+
+
+def test_limits_are_those_of_the_arm():
+    joint = ElementTree.fromstring(urdf(ARM)).find("joint[@name='joint_3']")
+    assert float(joint.find("limit").get("upper")) == pytest.approx(ARM.upper[2])
+    assert float(joint.find("limit").get("velocity")) == pytest.approx(1.5 * 0.625)
+    assert joint.find("axis").get("xyz") == "1 0 0"
+
+
+def test_an_unknown_model_is_refused_in_one_line(capsys):
+    assert main(["nowhere"]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
