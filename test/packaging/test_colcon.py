@@ -5,20 +5,17 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
-import rclpy
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
-from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
 
+from test.nodes.graph import Peer, new_domain
 from test.packaging.imports import ROOT
 from trunk_ros.__main__ import COMMANDS
 
 pytestmark = pytest.mark.timeout(180)
-DOMAIN = 1 + os.getpid() % 100
 
 
 @pytest.fixture(scope="module", params=[[], ["--symlink-install"]], ids=["copied", "symlinked"])
@@ -65,36 +62,26 @@ def test_an_installed_tool_runs_from_the_workspace(workspace, executables, sourc
     assert [place for place in places if Path(place).is_relative_to(ROOT)] == []
 
 
-def first_message(topic, seconds):
-    """The first JointState that arrives on a topic of our own domain; None where none does."""
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=DOMAIN)
-    node = rclpy.create_node("listener", context=context)
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    heard = []
-    node.create_subscription(JointState, topic, heard.append, 10)
-    until = time.monotonic() + seconds
-    while not heard and time.monotonic() < until:
-        executor.spin_once(timeout_sec=0.1)
-    node.destroy_node()
-    context.try_shutdown()
-    return heard[0] if heard else None
+@pytest.fixture
+def peer():
+    peer = Peer(new_domain())
+    yield peer
+    peer.close()
 
 
 @pytest.fixture
-def driver(workspace, executables, sourced, bare):
-    env = bare | {"ROS_DOMAIN_ID": str(DOMAIN), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+def driver(workspace, executables, sourced, bare, peer):
+    domain = {"ROS_DOMAIN_ID": str(peer.context.get_domain_id()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     command = sourced(executables / "servo_driver")
-    with subprocess.Popen(command, cwd=workspace, env=env, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, cwd=workspace, env=bare | domain, stderr=subprocess.PIPE, text=True) as process:
         yield process
         process.kill()  # in case the test failed before it ended
 
 
-def test_an_installed_node_publishes_and_ends_well_on_sigint(driver):
-    heard = first_message("trunk/gearbox_states", seconds=60)
+def test_an_installed_node_publishes_and_ends_well_on_sigint(driver, peer):
+    heard = peer.listen(JointState, "trunk/gearbox_states")
+    peer.until(lambda: heard, timeout=60)
     driver.send_signal(signal.SIGINT)
     said = driver.communicate(timeout=30)[1]
-    assert heard is not None, said
-    assert list(heard.name) == [f"joint_{i}" for i in range(1, 6)]
+    assert list(heard[0].name) == [f"joint_{i}" for i in range(1, 6)]
     assert driver.returncode == 0, said
