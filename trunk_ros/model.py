@@ -68,6 +68,20 @@ class Model:
             self.arm.index(joint)
         return self
 
+    def only(self, joints: tuple[str, ...]) -> Model:
+        """The model of some of the arm's joints, in their order. Raises ModelError for a joint that it lacks."""
+        if joints == self.arm.joints:
+            return self
+        columns = [self.arm.index(joint) for joint in joints]
+
+        def cut(value: Any) -> Any:
+            if isinstance(value, list):
+                return [value[c] for c in columns]
+            return value[columns] if isinstance(value, np.ndarray) else value
+
+        effects = {name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()}
+        return replace(self, arm=self.loaded_arm().only(joints), effects=effects)
+
     def bound(self, stage: str) -> list[Effect]:
         """The effects of a stage as blocks over all joints, in physical order."""
         return [
@@ -77,8 +91,9 @@ class Model:
         ]
 
     def in_order(self) -> list[tuple[str, Values]]:
-        """The effects that the model has, in the registry's order."""
-        return [(name, self.effects[name]) for name in registry() if name in self.effects]
+        """The effects that the model has, in physical order. Raises ModelError for one that there is not."""
+        order = list(registry())
+        return sorted(self.effects.items(), key=lambda item: order.index(effect(item[0]).id))
 
     def parameters(self) -> dict[str, Any]:
         """Flat ROS parameters, effects at their null left out."""

@@ -51,19 +51,10 @@ def stamps(seconds: float, rate: float) -> Array:
 
 def usual(name: str, parameter: Parameter, joint: int) -> float:
     """A usual value of a parameter, a little another for each joint."""
-    special = {
-        "onset": 8.0,
-        "low": -0.3,
-        "high": 0.3,
-        "payload": 0.02,
-        "threshold": 0.02,
-        "moment": 0.1,
-        "v_max": 0.3,
-    }
+    special = {"onset": 8.0, "low": -0.3, "high": 0.3, "payload": 0.02, "threshold": 0.02, "moment": 0.1}
+    special |= {"v_max": 0.3, "upper": 0.18, "lower": -0.18}
     if parameter.name in special:
         return special[parameter.name]
-    if name == "hard_stop":
-        return 0.18 if parameter.name == "upper" else -0.18
     if parameter.name.startswith("value_"):
         return parameter.typical * float(np.sin(0.3 * int(parameter.name[-2:])))
     return float(np.clip(parameter.typical * (1.0 + 0.05 * joint), *parameter.bounds))

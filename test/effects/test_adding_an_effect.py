@@ -1,0 +1,126 @@
+"""The example of docs/adding-an-effect.md, in a folder of the user's own: one new file and nothing else."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent.parent
+PAGE = ROOT / "docs" / "adding-an-effect.md"
+START = """
+import numpy as np
+from trunk_ros.chain import Chain
+from trunk_ros.effects import registry
+from trunk_ros.model import Model, declared_parameters, load_model, save_model
+
+model = Model(load_model("trunk").arm, {"winding_growth": {"growth": np.linspace(0.001, 0.005, 5)}})
+chain, stamp = Chain(model, "wire"), np.arange(500) * 0.01
+wanted = 0.2 * np.sin(stamp[:, None] * [1.0, 1.1, 1.2, 1.3, 1.4])
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with the example as the page prints it."""
+    code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert code
+    (tmp_path / "winding_growth.py").write_text(code[1], encoding="utf-8")
+    return tmp_path
+
+
+def python(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run Python with the folder's effects."""
+    environment = os.environ | {"TRUNK_ROS_EFFECTS": str(folder)}
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=ROOT, env=environment, capture_output=True, text=True
+    )
+
+
+def works(folder: Path, code: str) -> None:
+    """Run code after the common start; whatever it asserts holds."""
+    done = python(folder, "-c", START + code)
+    assert done.returncode == 0, done.stderr
+
+
+def test_it_is_simulated(folder: Path) -> None:
+    works(
+        folder,
+        "plain = Chain(Model(model.arm), 'wire').run(wanted, stamp)[0]\n"
+        "bent = chain.run(wanted, stamp)[0] - plain\n"
+        "growth = model.effects['winding_growth']['growth']\n"
+        "assert np.abs(bent - growth * wanted**2).max() < 1e-5",
+    )
+
+
+def test_it_is_compensated(folder: Path) -> None:
+    works(folder, "assert np.abs(chain.run(chain.invert(wanted, stamp)[0], stamp)[0] - wanted).max() < 1e-6")
+
+
+def test_the_nodes_declare_its_parameters(folder: Path) -> None:
+    works(
+        folder,
+        "d, = [d for d in declared_parameters() if d.name == 'effects.winding_growth.growth']\n"
+        "assert (d.default, d.unit, d.bounds) == ([0.0], '1/rad', (-0.1, 0.1))",
+    )
+
+
+def test_a_model_file_keeps_it(folder: Path) -> None:
+    file = folder / "model.yaml"
+    works(
+        folder,
+        f"from pathlib import Path\nsave_model(model, Path({str(file)!r}))\n"
+        f"assert load_model({str(file)!r}).parameters() == model.parameters()",
+    )
+
+
+def test_it_is_held_to_what_every_effect_promises(folder: Path) -> None:
+    tests = ["test/effects/test_conformance.py", "test/effects/test_recovery.py"]
+    done = python(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests, "-k", "winding_growth")
+    assert done.returncode == 0, done.stdout
+    assert re.search(r"\b1[0-9] passed", done.stdout)
+
+
+def test_without_the_folder_it_is_unknown(folder: Path) -> None:
+    empty = folder / "empty"
+    empty.mkdir()
+    done = python(empty, "-c", START + "chain")
+    assert "unknown effect 'winding_growth'" in done.stderr
+
+
+SAY = """
+from trunk_ros.effects import registry
+try:
+    registry()
+except Exception as error:
+    print(type(error).__name__, error)
+"""
+SAME = """
+from trunk_ros.effects import Effect
+class Backlash(Effect):
+    id = "backlash"
+    stage, place = "wire", 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("file", "message"),
+    [
+        ("def broken(:", "cannot load an effect from .*SyntaxError"),
+        ("import nothing_of_the_kind", "cannot load an effect from .*ModuleNotFoundError"),
+        (SAME, "defines the effect 'backlash', which exists"),
+    ],
+)
+def test_a_file_that_is_no_effect_is_refused_in_one_line(file: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(file)
+    assert re.fullmatch(f"ModelError .*{message}.*\n", python(tmp_path, "-c", SAY).stdout)
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    said = python(gone, "-c", SAY).stdout
+    assert said == f"ModelError TRUNK_ROS_EFFECTS names {gone}, which is not a folder\n"
