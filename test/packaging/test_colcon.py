@@ -71,9 +71,10 @@ def peer():
 
 @pytest.fixture
 def driver(workspace, executables, sourced, bare, peer):
-    domain = {"ROS_DOMAIN_ID": str(peer.context.get_domain_id()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    domain = str(peer.context.get_domain_id())
+    env = bare | {"ROS_DOMAIN_ID": domain, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     command = sourced(executables / "servo_driver")
-    with subprocess.Popen(command, cwd=workspace, env=bare | domain, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, cwd=workspace, env=env, stderr=subprocess.PIPE, text=True) as process:
         yield process
         process.kill()  # in case the test failed before it ended
 
