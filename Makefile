@@ -14,7 +14,7 @@ export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export FULL TRUNK_PYTHON
 
-.PHONY: setup demo test pytest lint bench proof lock clean
+.PHONY: setup demo test pytest lint bench proof docs lock clean
 
 setup: $(STAMP)
 
@@ -38,6 +38,10 @@ pytest: setup
 
 bench: setup
 	$(PYTHON) -m test.bench --output bench.json
+
+# effects.md and its pictures, from the effects themselves.
+docs: setup
+	$(PYTHON) docs/make_effects.py
 
 proof: setup
 	$(PYTHON) -m test.concealed.proof
