@@ -176,7 +176,7 @@ def test_the_chain_and_one_pass_over_its_columns_agree() -> None:
     for column in range(3):
         cut = slice(column, column + 1)
         now = Now(
-            stamp, dt, x[:, cut], speed[:, cut], model.arm.load(angles)[:, cut], angles,
+            stamp, dt, x[:, cut], speed[:, cut], model.arm.load(angles)[:, cut], angles, x * model.arm.ratio,
             model.arm.joints, model.arm.ratio[cut],
         )  # fmt: skip
         effects = [
@@ -218,4 +218,4 @@ def test_a_model_without_links_has_no_tip() -> None:
 
 def test_tip_and_chain_agree_on_an_arm_without_effects() -> None:
     arm, theta = arm_of(4), motion(stamps(1, 50), 4)
-    assert tip_pass(arm, [], theta, Now(*[np.zeros(0)] * 6, arm.joints, arm.ratio)).shape == (51, 3)
+    assert tip_pass(arm, [], theta, Now(*[np.zeros(0)] * 7, arm.joints, arm.ratio)).shape == (51, 3)

@@ -36,7 +36,7 @@ class Look(Now):
         """Look at a better estimate (n, joints) of both."""
         self._seen = {"gearbox": gearbox, "angles": angles}
         self.asked: set[str] = set()
-        for name in ("gearbox", "angles", "load"):
+        for name in ("gearbox", "angles", "wires", "load"):
             self.__dict__.pop(name, None)
 
     def __getattr__(self, name: str) -> Array:
@@ -44,6 +44,8 @@ class Look(Now):
         if name in ("gearbox", "angles"):
             self.asked.add(name)
             value = self._seen[name]
+        elif name == "wires":
+            value = self.gearbox * self.ratio
         elif name == "load":
             value = self._arm.load(self.angles)
         elif name == "speed":

@@ -85,11 +85,17 @@ def common_joints(recording: Recording, model: Model, *series: JointSeries) -> t
     return joints
 
 
-def joint_grid(driving: Array, measured: Array, fine: bool = True) -> tuple[Array, np.ndarray, np.ndarray]:
-    """(grid, rows, kept): a grid over both stamps, the grid's rows at the measured stamps that are ``kept``."""
+def joint_grid(
+    driving: Array, measured: Array, fine: bool = True, beyond: bool = False
+) -> tuple[Array, np.ndarray, np.ndarray]:
+    """(grid, rows, kept): a grid over both stamps, the grid's rows at the measured stamps that are ``kept``.
+
+    ``beyond``: keep stamps outside the driving ones as well.
+    """
     kept = (measured >= driving[0] - SAME) & (measured <= driving[-1] + SAME)
     if not kept.any():
         raise RecordingError("the topics do not overlap in time: check that their stamps come from one clock")
+    kept |= beyond
     both = np.union1d(driving, measured[kept])
     grid = both[np.concatenate([[True], np.diff(both) > SAME])]
     step = float(np.median(np.diff(grid))) if len(grid) > 1 else FINE

@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.parameter import Parameter
 
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
+DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
 UNNAMED = ("unknown", "unknown_servo")
 
 
@@ -32,13 +34,21 @@ class Candidate:
 
 
 def usable(problem: Problem) -> list[type[Effect]]:
-    """The named effects of the stage that this arm can have."""
+    """The named effects of the stage that this arm can have and this recording can show."""
     arm = problem.arm
-    has = {"load": arm.has_load, "dead_band": bool(np.any(arm.dead_band > 0)), "several": len(arm.joints) > 1}
+    has = {
+        "load": arm.has_load,
+        "dead_band": bool(np.any(arm.dead_band > 0)),
+        "several": len(arm.joints) > 1,
+    }
+    unseen = DYNAMIC if problem.step > SLOW else ()
     return [
         kind
         for name, kind in registry().items()
-        if kind.stage == problem.stage and name not in UNNAMED and all(has[need] for need in kind.needs)
+        if kind.stage == problem.stage
+        and name not in UNNAMED
+        and kind.regime not in unseen
+        and all(has[need] for need in kind.needs)
     ]
 
 
@@ -150,7 +160,9 @@ class Screen:
 
     def _forms(self, kind: type[Effect]) -> tuple[str, ...]:
         """The forms to try: that of the effect on other joints, if it is there."""
-        return (self.explanation[kind.id].form,) if kind.id in self.explanation else kind.forms
+        if kind.id in self.explanation:
+            return (self.explanation[kind.id].form,)
+        return tuple(form for form in kind.forms if form not in kind.refined)
 
     def everywhere(self, kind: type[Effect]) -> Candidate | None:
         """The most promising start of an effect that acts on all joints alike."""

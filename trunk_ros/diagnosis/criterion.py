@@ -13,6 +13,9 @@ SIGNIFICANT = (
 )
 RELEVANT = 0.02  # share of the noise power that an effect must remove from a joint
 STEPS = 3.0  # times the power of the encoder's steps that an effect must have
+SHARE = (
+    0.05  # of what is left above the noise that an effect must explain, so that a misfit is not cut in slices
+)
 FURTHER = 12.0  # price of each further value of an effect
 LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
 CURVE = 2.5  # price of a curve without a name, in effects
@@ -24,7 +27,8 @@ def need(problem: Problem, column: int) -> float:
     The encoder's steps are an error of the input that stands still with the joint, so they are no noise to be averaged.
     """
     steps = problem.resolution(column) / problem.noise[column].std
-    return max(SIGNIFICANT, problem.count(column) * max(RELEVANT, STEPS * steps**2))
+    least = problem.count(column) * max(RELEVANT, STEPS * steps**2)
+    return max(SIGNIFICANT, least, SHARE * problem.unexplained.get(column, 0.0))
 
 
 def price(problem: Problem, term: Term) -> float:

@@ -29,6 +29,7 @@ class View:
     angles: Array
     load: Array
     lever: Array
+    wires: Array
     follows: np.ndarray
 
     def now(self, arm: Arm, column: int, payload: float) -> Now:
@@ -46,6 +47,7 @@ class View:
             cut(self.span.velocity) * ratio,
             load,
             self.angles,
+            self.wires,
             self.span.joints,
             ratio,
         )
@@ -55,6 +57,8 @@ class Problem(ABC):
     """What a stage must offer to be diagnosed: predictions of one column, and weights from its noise."""
 
     stage: str
+    rest = 0.1
+    """Share of the noise power above which a residual is more than noise."""
 
     def __init__(self, spans: list[Span], model: Model):
         """``model``: the nominal one, with the effects it already has."""
@@ -65,8 +69,15 @@ class Problem(ABC):
         self.noise: list[Noise] = []
         self._cache: dict[tuple[int, int, float], Now] = {}
         self.version = 0
+        self.unexplained: dict[int, float] = {}
+        """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
         self._known = [self.views[0].angles]
         self.estimate_noise(Explanation())
+
+    @property
+    def step(self) -> float:
+        """Usual time between two samples of the target [s]."""
+        return float(np.median(np.diff(self.views[0].span.stamp)))
 
     @property
     def columns(self) -> list[int]:
@@ -87,7 +98,7 @@ class Problem(ABC):
         follows[1:] = span.valid[1:] & span.valid[:-1]
         dt = np.diff(span.grid, prepend=span.grid[:1])
         unloaded = self.arm
-        return View(span, dt, angles, unloaded.load(angles), unloaded.lever(angles), follows)
+        return View(span, dt, angles, unloaded.load(angles), unloaded.lever(angles), angles, follows)
 
     def now(self, index: int, column: int, payload: float) -> Now:
         """The surroundings of a column in a span, kept between calls."""
@@ -97,6 +108,10 @@ class Problem(ABC):
                 self._cache.clear()
             self._cache[key] = self.views[index].now(self.arm, column, payload)
         return self._cache[key]
+
+    def forget(self) -> None:
+        """Surroundings have changed."""
+        self._cache.clear()
 
     @abstractmethod
     def predict(self, index: int, explanation: Explanation, column: int) -> Array:
@@ -183,6 +198,7 @@ class ServoProblem(Problem):
     """Setpoint to gearbox angle."""
 
     stage = "servo"
+    rest = 0.5  # the encoder's steps are no noise of a steady size
 
     def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""

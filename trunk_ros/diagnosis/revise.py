@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 CLEARLY = 2.0  # squared unit-noise residuals
-REST = 0.1  # of the noise power: a rest that a curve is tried on
 CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
 REFITTED = 4  # candidates of an exchange that are refitted in full
 
@@ -32,7 +31,11 @@ def forms(search: Search, now: Fit) -> Fit:
     for name in list(now.explanation):
         for form in effect(name).forms:
             if form != now.explanation[name].form:
-                now = better(search, now, _reformed(search, now, name, form))
+                trial = _reformed(search, now, name, form)
+                if trial and all(
+                    search.credible(trial.explanation, c) for c in trial.explanation[name].columns
+                ):
+                    now = better(search, now, trial)
     return now
 
 
@@ -188,7 +191,7 @@ def unname(search: Search, now: Fit) -> Fit | None:
 def _unnamed(search: Search, now: Fit, column: int) -> Fit:
     local = _local(now, column)
     rest = now.cost[column] / search.problem.count(column) - 1.0
-    if UNKNOWN in local or (len(local) < 2 and rest < REST):
+    if UNKNOWN in local or (len(local) < 2 and rest < search.problem.rest):
         return now
     alone = now.explanation
     for name in local:

@@ -40,6 +40,7 @@ class Search:
     def run(self, start: Explanation | None = None) -> Fit:
         """The explanation that no single change improves by what is needed."""
         now = self.refit(start or Explanation())
+        self.weigh(now)
         for _ in range(ROUNDS):
             grown = self.grow(now) or revise.unname(self, now)
             if grown is None:
@@ -72,6 +73,10 @@ class Search:
         trial = fit(self.problem, explanation, [column])
         return Fit(trial.explanation, now.cost | trial.cost, [], np.zeros((0, 0)))
 
+    def weigh(self, now: Fit) -> None:
+        """Note what an explanation leaves, which further effects are measured by."""
+        self.problem.unexplained = {c: max(cost - self.problem.count(c), 0.0) for c, cost in now.cost.items()}
+
     def score(self, state: Fit) -> float:
         """Squared residuals and prices."""
         return score(self.problem, state)
@@ -81,6 +86,7 @@ class Search:
         self.problem.look_again(now.explanation)
         self.problem.estimate_noise(now.explanation)
         now = self.refit(now.explanation)
+        self.weigh(now)
         for change in (
             revise.forms,
             revise.members,
@@ -92,6 +98,7 @@ class Search:
         ):
             now = change(self, now)
             self.problem.look_again(now.explanation)
+        self.weigh(now)
         return now
 
     def grow(self, now: Fit) -> Fit | None:

@@ -36,6 +36,8 @@ class Now:
     """(n, columns) N m, weight's moment, positive where it increases the angle."""
     angles: Array
     """(n, all joints) rad."""
+    wires: Array
+    """(n, all joints) rad, ratio times gearbox angle."""
     joints: tuple[str, ...]
     ratio: Array
     """(columns,) joint angle per gearbox angle."""
@@ -81,6 +83,8 @@ class Effect(ABC):
     texts: ClassVar[tuple[str, ...]] = ()
     """Names of parameters that are words, one per joint."""
     forms: ClassVar[tuple[str, ...]] = ("",)
+    refined: ClassVar[tuple[str, ...]] = ()
+    """Forms with more to them, which are looked at once another form has been found."""
     compensable: ClassVar[bool] = True
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""

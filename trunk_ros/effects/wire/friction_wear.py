@@ -16,6 +16,7 @@ class FrictionWear(Effect):
         "Archard (1953), J. Appl. Phys. 24(8): wear in proportion to the sliding path; here per unit of time."
     )
     forms = ("straight", "running_in")
+    refined = ("running_in",)
     parameters = (
         Parameter("rate", "rad/s", (0.0, 0.01), "growth of the half-width at the start", typical=1e-5),
         Parameter(
@@ -30,6 +31,11 @@ class FrictionWear(Effect):
         if self.form == "running_in":
             t = -self["time_constant"] * np.expm1(-t / self["time_constant"])
         core.width = core.width + self["rate"] * t
+
+    def credible(self, now: Now) -> bool:
+        """It settles neither at once nor after the recording: or it is another effect, or straight."""
+        share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
+        return bool(self.form == "straight" or np.all((share > 0.08) & (share < 3.0)))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

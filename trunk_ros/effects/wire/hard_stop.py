@@ -37,9 +37,10 @@ class HardStop(Effect):
         return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
 
     def credible(self, now: Now) -> bool:
-        bound = self[self.form]
+        """Met within the motion, and for the smaller part of it: or it is no more than another ratio."""
         u = now.gearbox * now.ratio
-        return bool(np.all((bound > u.min()) & (bound < u.max())))
+        met = u > self["upper"] if self.form == "upper" else u < self["lower"]
+        return bool(0.0 < met.mean() < 0.5)
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

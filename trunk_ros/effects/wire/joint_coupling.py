@@ -7,6 +7,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
@@ -21,27 +22,46 @@ def _gain(k: int) -> Parameter:
 
 
 class JointCoupling(Effect):
-    """u += gain theta_source, for up to three sources a joint."""
+    """u += gain theta_source, for up to three sources a joint.
+
+    drag: wires that touch. u += gain s + drag (s - play(s, reach)) with s = r phi of the source's wire: it takes this
+    joint's wire along by friction, as far as ``reach``, and then slides on it.
+    """
 
     id = "joint_coupling"
     stage, place, regime = "wire", 30, "posture"
     signature = "The residual follows another joint's angle, whether this joint moves or not."
-    source = "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones."
-    parameters = tuple(_gain(k) for k in range(1, SOURCES + 1))
+    source = (
+        "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones; "
+        "drag: presliding friction between two wires, Dahl (1968) in its play form."
+    )
+    forms = ("angle", "drag")
+    refined = ("drag",)
+    parameters = (
+        *(_gain(k) for k in range(1, SOURCES + 1)),
+        Parameter("drag", "1", (-5.0, 5.0), "share of the first source's motion taken along", typical=0.1),
+        Parameter(
+            "reach", "rad", (1e-5, 5.0), "half the motion after which the source's wire slides", typical=0.1, null=0.1,
+            scale="log", scan=(0.02, 0.2),
+        ),
+    )  # fmt: skip
     texts = ("source", *(f"source_{k}" for k in range(2, SOURCES + 1)))
     needs = ("several",)
     confused_with = (
         ("load_elasticity", "hold this joint and turn others so that the arm's reach stays the same"),
     )
 
-    _gains: Array | None = None
-    """(all joints, columns) joint angle per angle of each source."""
-
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return x + self._pull(now), None
+        pull, state = self._pull(now, state)
+        return x + pull, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y - self._pull(now), None
+        pull, state = self._pull(now, state)
+        return y - pull, state
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        return cls.parameters if form == "drag" else cls.parameters[:SOURCES]
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
@@ -57,7 +77,7 @@ class JointCoupling(Effect):
 
     def pairs(self) -> list[tuple[str, str]]:
         """Names of each gain and the source that belongs to it."""
-        return [(p.name, text) for p, text in zip(self.parameters, self.texts, strict=True)]
+        return [(p.name, text) for p, text in zip(self.parameters[:SOURCES], self.texts, strict=True)]
 
     @cached_property
     def _links(self) -> list[tuple[int, str, float]]:
@@ -69,10 +89,21 @@ class JointCoupling(Effect):
             if source and self[gain][column] != 0.0
         ]
 
-    def _pull(self, now: Now) -> Array:
+    _gains: Array | None = None
+    """(all joints, columns) joint angle per angle of each source."""
+
+    def _pull(self, now: Now, state: Any) -> tuple[Array, Any]:
         """(n, columns) rad that the sources add."""
         if self._gains is None:
             self._gains = np.zeros((len(now.joints), len(now.ratio)))
             for column, source, gain in self._links:
                 self._gains[now.joints.index(source), column] += gain
-        return np.asarray(now.angles @ self._gains)
+        if self.form == "angle":
+            return np.asarray(now.angles @ self._gains), None
+        dragging = [source or "" for source in self.words.get("source", ("",) * len(now.ratio))]
+        moved = np.zeros((len(now.stamp), len(now.ratio)))
+        for column, source in enumerate(dragging):
+            if source:
+                moved[:, column] = now.wires[:, now.joints.index(source)]
+        stuck, state = SharpPlay().run(moved, self["reach"][None], state)
+        return np.asarray(now.wires @ self._gains + self["drag"] * (moved - stuck)), state

@@ -17,6 +17,7 @@ class LoadDependentFriction(Effect):
         "friction in proportion to the tension."
     )
     forms = ("sharp", "rounded")
+    refined = ("rounded",)
     parameters = (
         Parameter("gain", "rad/(N*m)", (0.0, 5.0), "half-width per moment of load", typical=3e-3),
         Parameter(

@@ -49,6 +49,11 @@ class ThermalDrift(Effect):
         t = now.stamp[:, None]
         return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"]) + self["rate"] * t)
 
+    def credible(self, now: Now) -> bool:
+        """It is not over at once: or it is an offset."""
+        share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
+        return bool(self.form == "straight" or np.all(share > 0.03))
+
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         return cls.parameters[2:] if form == "straight" else cls.parameters[:2]

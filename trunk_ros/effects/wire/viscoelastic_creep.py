@@ -22,6 +22,7 @@ class ViscoelasticCreep(Effect):
         "Standard linear solid (Zener), one or two Maxwell branches: Palli et al. (2012), Mechatronics 22(6)."
     )
     forms = ("one_mode", "two_modes")
+    refined = ("two_modes",)
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
         Parameter(

@@ -1,0 +1,199 @@
+"""From recordings to a diagnosis: align, search each stage, judge, say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from trunk_ros.diagnosis.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmProblem, tip_data
+from trunk_ros.diagnosis.evidence import evidence, spreads
+from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.findings import arm_findings, findings, left_over
+from trunk_ros.diagnosis.heldout import held_out
+from trunk_ros.diagnosis.problem import Problem, ServoProblem, WireProblem
+from trunk_ros.diagnosis.quality import quality_of_recording
+from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots, Unexplained
+from trunk_ros.diagnosis.search import Search
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import Model, Values, load_model
+from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.recording import Recording
+
+Progress = Callable[[str], None]
+
+
+def diagnose(
+    recordings: Sequence[Recording | str | Path],
+    model: Model | str | Path = "trunk",
+    against: Recording | str | Path | None = None,
+    from_time: str | None = None,
+    until: str | None = None,
+    progress: Progress = lambda _: None,
+) -> Diagnosis:
+    """Compare recordings of one arm with a model, and find what the model leaves out.
+
+    ``against``: another simulator's recording of the same motion, whose prediction takes the place of the model's.
+    Raises RecordingError or ModelError in one line.
+    """
+    read = [r if isinstance(r, Recording) else read_recording(r, from_time, until) for r in recordings]
+    nominal = model if isinstance(model, Model) else load_model(model)
+    other = (
+        None if against is None else against if isinstance(against, Recording) else read_recording(against)
+    )
+    read = [_completed(r, other) for r in read]
+    return Diagnoser(read, nominal, other, progress).run()
+
+
+class Diagnoser:
+    """One diagnosis in the making."""
+
+    def __init__(
+        self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
+    ):
+        self.recordings, self.against, self.say = recordings, against, progress
+        spans = [wire_span(r, model) for r in recordings]
+        joints = spans[0].joints
+        if any(s.joints != joints for s in spans):
+            raise RecordingError("the recordings have different joints: they are not of one arm")
+        self.model = model.for_joints(joints)
+        self.spans = spans if against is None else [shifted(s, self.model, against) for s in spans]
+        self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
+        self.effects: dict[str, Values] = {}
+
+    def run(self) -> Diagnosis:
+        """All stages."""
+        self.servo()
+        self.wire()
+        self.tip()
+        longest = max(r.duration for r in self.recordings)
+        kept = {**self.model.effects, **self.effects}
+        self.result.model = replace(self.model, effects=kept, duration=longest)
+        self.result.quality = {r.name: quality_of_recording(r) for r in self.recordings}
+        return self.result
+
+    def servo(self) -> None:
+        """Setpoint to gearbox, where setpoints were recorded and nothing else stands for the simulation."""
+        spans = (
+            [servo_span(r, self.model) for r in self.recordings if "setpoints" in r.series]
+            if self.against is None
+            else []
+        )
+        spans = [s for s in spans if s.joints == self.spans[0].joints]
+        if not spans:
+            self.result.stages["servo"] = {"compared": False, "joints": {}}
+            return
+        self.say("servo")
+        self._stage(ServoProblem(spans, self.model))
+
+    def wire(self) -> None:
+        """Gearbox to joint."""
+        self.say("wire")
+        self._stage(WireProblem(self.spans, self.model))
+
+    def _stage(self, problem: Problem) -> None:
+        search = Search(problem, lambda text: self.say(f"{problem.stage}: {text}"))
+        state = search.run()
+        found = evidence(search, state)
+        std = spreads(search, state)
+        errors = held_out(search, state.explanation)
+        self.effects |= state.explanation.model_effects(len(problem.joints))
+        self.result.stages[problem.stage] = {
+            "compared": True,
+            "joints": {
+                problem.joints[c]: {
+                    "unit": self.recordings[0].units.get(problem.joints[c], "rad"),
+                    "rmse_before": e.before,
+                    "rmse_after": e.after,
+                    "noise_floor": e.noise_floor,
+                    "rmse_before_std": e.before_std,
+                    "rmse_after_std": e.after_std,
+                }
+                for c, e in errors.items()
+            },
+            "silent": [problem.joints[c] for c in range(len(problem.joints)) if c not in problem.columns],
+        }
+        self.result.findings += findings(problem, state.explanation, found, std)
+        self.result.unexplained += left_over(problem, state.explanation)
+        self._plot(problem, state.explanation)
+
+    def _plot(self, problem: Problem, explanation: Explanation) -> None:
+        assert self.result.plots is not None
+        for c in problem.columns:
+            span: Span = problem.views[0].span
+            self.result.plots.signals[problem.stage, problem.joints[c]] = {
+                "stamp": span.stamp,
+                "measured": span.target[:, c],
+                "valid": span.valid[:, c],
+                "before": problem.predict(0, Explanation(), c),
+                "after": problem.predict(0, explanation, c),
+                "gearbox": span.gearbox[span.rows, c],
+                "velocity": span.velocity[span.rows, c],
+                "noise": problem.noise[c].std,
+            }
+
+    def tip(self) -> None:
+        """Joint to tip."""
+        data = [d for d in (tip_data(r, self.model) for r in self.recordings) if d is not None]
+        if not data or self.against is not None:
+            self.result.stages["arm"] = {"compared": False, "tip": {}}
+            return
+        self.say("arm")
+        problem = ArmProblem(data)
+        done = problem.run()
+        before, after = np.concatenate(problem.residual({})), problem.held_out(list(done.values))
+        self.result.stages["arm"] = {
+            "compared": True,
+            "tip": {
+                s: {
+                    "unit": UNITS[s],
+                    "rmse_before": _rms(before[:, k]),
+                    "rmse_after": _rms(after[:, k]),
+                    "noise_floor": problem.noise[k],
+                }
+                for k, s in enumerate(SIGNALS)
+            },
+        }
+        arm, values = arm_findings(problem, done)
+        self.result.findings += arm
+        self.effects |= values
+        power = (after / problem.noise) ** 2
+        if float(power.mean()) > 1.3:
+            misfit = float(((before / problem.noise) ** 2).mean())
+            share = float(np.clip((power.mean() - 1.0) / max(misfit, power.mean()), 0.0, 1.0))
+            self.result.unexplained.append(
+                Unexplained("arm", [], "always", share, [], "The tip is not where the joints put it.")
+            )
+
+
+def shifted(span: Span, model: Model, against: Recording) -> Span:
+    """Targets as if the model's own prediction were the other simulator's: its difference is taken off."""
+    said = against.require("joint_states").select(span.joints)
+    problem = WireProblem([span], model)
+    target, valid = span.target.copy(), span.valid.copy()
+    inside = (span.stamp >= said.stamp[0]) & (span.stamp <= said.stamp[-1])
+    for c in range(len(span.joints)):
+        known = np.isfinite(said.position[:, c])
+        there = np.interp(span.stamp, said.stamp[known], said.position[known, c])
+        target[:, c] += problem.predict(0, Explanation(), c) - there
+        valid[:, c] &= inside
+    return replace(span, target=target, valid=valid)
+
+
+def _completed(recording: Recording, other: Recording | None) -> Recording:
+    """A recording without gearbox angles takes them from the other simulator's."""
+    if other is None or "gearbox_states" in recording.series or "gearbox_states" not in other.series:
+        return recording
+    note = f"gearbox angles were not recorded: those of {other.name} are used"
+    series = {**recording.series, "gearbox_states": other.series["gearbox_states"]}
+    return replace(recording, series=series, notes=(*recording.notes, note))
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+__all__ = ["Diagnosis", "Finding", "diagnose"]

@@ -1,0 +1,146 @@
+"""How sure a finding is: spread of its values, what it gains, and the rivals that explain the data as well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from trunk_ros.diagnosis.candidates import Screen, extended, usable
+from trunk_ros.diagnosis.criterion import need
+from trunk_ros.diagnosis.explanation import Explanation, Free, bounds
+from trunk_ros.diagnosis.fit import Fit, Residuals
+from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.unnamed import UNKNOWN
+from trunk_ros.effects import effect
+
+RIVALS = 3
+SCATTER = 1.5  # of the stated spreads: steps of the encoder and of time are not in the noise
+
+
+@dataclass
+class Evidence:
+    """What speaks for one effect."""
+
+    gain: dict[int, float]
+    """Squared unit-noise residual that it removes, by column."""
+    strength: float
+    """Root mean square of the effect over the sensor noise, over its joints."""
+    rivals: dict[str, float] = field(default_factory=dict)
+    """Loss if another effect stood in its place, refitted to the same data."""
+    equivalents: list[str] = field(default_factory=list)
+    confidence: float = 0.0
+
+
+def spreads(search: Search, state: Fit) -> dict[tuple[str, str, int | None], float]:
+    """Standard deviation of each fitted value, in its own unit, by (effect, parameter, column)."""
+    out: dict[tuple[str, str, int | None], float] = {}
+    for group in groups(search, state.explanation):
+        residuals = Residuals(search.problem, state.explanation, group)
+        if residuals.free:
+            x = np.clip(state.explanation.get(residuals.free), *bounds(residuals.free))
+            rest = np.concatenate(residuals.parts(x))
+            out |= _deviations(residuals, residuals.jacobian(x), state.explanation, float(np.mean(rest**2)))
+    return out
+
+
+def groups(search: Search, explanation: Explanation) -> list[list[int]]:
+    """Columns that have to be fitted together."""
+    columns = search.problem.columns
+    shared = {c for t in explanation.values() if set(t.shared) - t.given for c in t.columns}
+    together = sorted(shared & set(columns))
+    return ([together] if together else []) + [[c] for c in columns if c not in shared]
+
+
+def _deviations(
+    residuals: Residuals, jacobian: np.ndarray, explanation: Explanation, power: float
+) -> dict[tuple[str, str, int | None], float]:
+    size = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-12)
+    inverse = np.linalg.pinv((jacobian / size).T @ (jacobian / size), rcond=1e-10)
+    std = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size
+    return {
+        (f.effect, f.parameter.name, f.column): _natural(f, explanation, float(s))
+        for f, s in zip(residuals.free, std, strict=True)
+    }
+
+
+def _natural(f: Free, explanation: Explanation, std: float) -> float:
+    """From the fitted scale to the parameter's own unit."""
+    if f.parameter.scale == "linear":
+        return std
+    term = explanation[f.effect]
+    value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
+    return value * std
+
+
+def evidence(search: Search, state: Fit) -> dict[str, Evidence]:
+    """Evidence for each effect of an explanation."""
+    return {name: _evidence(search, state, name) for name in state.explanation}
+
+
+def _evidence(search: Search, state: Fit, name: str) -> Evidence:
+    problem = search.problem
+    bare = search.refit(state.explanation.without(name))
+    columns = state.explanation[name].columns
+    gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
+    out = Evidence(gain, strength(search, state.explanation, name))
+    if name != UNKNOWN:
+        out.rivals = _rivals(search, state, name, bare)
+        limit = sum(need(problem, c) for c in gain)
+        near = sorted((loss, rival) for rival, loss in out.rivals.items() if loss < limit)
+        out.equivalents = [rival for _, rival in near][:RIVALS]
+    out.confidence = confidence(search, out)
+    problem.look_again(state.explanation)
+    return out
+
+
+def strength(search: Search, explanation: Explanation, name: str) -> float:
+    """Root mean square of what an effect does on its joints, over the noise."""
+    problem, power = search.problem, []
+    less = explanation.without(name)
+    for c in explanation[name].columns:
+        with_it, without_it = problem.predictions(explanation, c), problem.predictions(less, c)
+        power.append(
+            np.mean(np.concatenate([a - b for a, b in zip(with_it, without_it, strict=True)]) ** 2)
+            / problem.noise[c].std ** 2
+        )
+    return float(np.sqrt(np.mean(power))) if power else 0.0
+
+
+def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, float]:
+    """Loss of each promising effect in the place of one, on the same joints."""
+    problem, columns = (
+        search.problem,
+        [c for c in state.explanation[name].columns if c in search.problem.columns],
+    )
+    others = [k for k in usable(problem) if k.id not in state.explanation]
+    screen = Screen(problem, bare.explanation, columns)
+    losses: dict[str, float] = {}
+    local = [k for k in others if not k.everywhere]
+    promising = {c: screen.ranked(local, c, RIVALS) for c in columns}
+    for kind in {effect(candidate.effect) for found in promising.values() for candidate in found}:
+        loss = 0.0
+        for c in columns:
+            trials = [x for x in promising[c] if x.effect == kind.id] or screen.forms(kind, c)[:1]
+            costs = [
+                search.refit_column(bare, extended(problem, bare.explanation, x), c).cost[c] for x in trials
+            ]
+            loss += min(costs, default=bare.cost[c]) - state.cost[c]
+        losses[kind.id] = float(loss)
+    if effect(name).everywhere or len(columns) == len(problem.columns):
+        for kind in (k for k in others if k.everywhere):
+            candidate = Screen(problem, bare.explanation).everywhere(kind)
+            if candidate is not None:
+                trial = search.refit(extended(problem, bare.explanation, candidate))
+                losses[kind.id] = float(trial.total - state.total)
+    return losses
+
+
+def confidence(search: Search, found: Evidence) -> float:
+    """Probability that the name is right, from its gain and its margin before the best rival."""
+    limit = sum(need(search.problem, c) for c in found.gain) or 1.0
+    margin = min(found.rivals.values(), default=5 * limit) / limit
+    surplus = sum(found.gain.values()) / limit
+    sure = 1.0 - np.exp(-0.5 * max(surplus, 0.0) - 0.3)
+    ahead = 1.0 / (1.0 + np.exp(-2.0 * (margin + 0.6)))
+    return float(np.clip(sure * ahead, 0.02, 0.99))

@@ -1,0 +1,222 @@
+"""Explanations in the words of ``diagnosis.json``."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.arm_stage import ArmFit, ArmProblem
+from trunk_ros.diagnosis.evidence import Evidence
+from trunk_ros.diagnosis.explanation import Explanation, Term
+from trunk_ros.diagnosis.leftover import depends_on, rests
+from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.result import Finding, Unexplained
+from trunk_ros.diagnosis.unnamed import knot_names
+from trunk_ros.effects import Effect, effect
+from trunk_ros.model import Values
+
+UNNAMED = ("unknown", "unknown_servo")
+VARIES_WITH = {
+    "always": [], "posture": ["position"], "reversal": ["direction"], "hold": ["time"], "low_speed": ["speed"],
+    "high_speed": ["speed"], "time": ["time"],
+}  # fmt: skip
+REGIME_OF = {
+    "position": "posture",
+    "load": "posture",
+    "speed": "high_speed",
+    "time": "time",
+    "direction": "reversal",
+}
+ARM = "arm"
+
+Spreads = dict[tuple[str, str, int | None], float]
+
+
+def findings(
+    problem: Problem, explanation: Explanation, found: dict[str, Evidence], std: Spreads
+) -> list[Finding]:
+    """One finding per effect, with all its joints."""
+    out = []
+    for name in explanation:
+        for term in _by_variable(explanation[name]) if name in UNNAMED else [explanation[name]]:
+            out.append(_finding(problem, term, found[name], std))
+    return sorted(out, key=lambda f: -f.evidence["strength"])
+
+
+def _by_variable(term: Term) -> list[Term]:
+    """A curve over time and one over position are two findings."""
+    words: dict[str, list[int]] = {}
+    for column in term.columns:
+        words.setdefault(term.words[column]["on"], []).append(column)
+    return [
+        Term(
+            term.effect,
+            term.form,
+            {},
+            {c: term.own[c] for c in columns},
+            {c: term.words[c] for c in columns},
+            term.given,
+        )
+        for columns in words.values()
+    ]
+
+
+def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Finding:
+    kind = effect(term.effect)
+    joints = [problem.joints[c] for c in term.columns]
+    unnamed = term.effect in UNNAMED
+    variable = term.words[term.columns[0]]["on"] if unnamed else ""
+    varies = [variable] if unnamed else _varies_with(kind, term)
+    parameters = {} if unnamed else _parameters(problem, kind, term, std)
+    return Finding(
+        effect="unknown" if unnamed else term.effect,
+        stage=kind.stage,
+        joints=joints,
+        regime=REGIME_OF.get(variable, "posture") if unnamed else kind.regime,
+        confidence=round(found.confidence, 3),
+        equivalents=found.equivalents,
+        parameters=parameters,
+        depends_on=varies,
+        statement=_statement(kind, joints, parameters, variable),
+        evidence={
+            "strength": found.strength,
+            "gain": {problem.joints[c]: g for c, g in found.gain.items()},
+            "rivals": found.rivals,
+            "form": term.form,
+            "signature": kind.signature,
+        },
+        curve=_curve(problem, term, variable) if unnamed else {},
+    )
+
+
+def _varies_with(kind: type[Effect], term: Term) -> list[str]:
+    sources = sorted({w for words in term.words.values() for w in words.values() if w})
+    load = ["load"] if "load" in kind.needs else []
+    return sources or load or list(VARIES_WITH[kind.regime])
+
+
+def _parameters(
+    problem: Problem, kind: type[Effect], term: Term, std: Spreads
+) -> dict[str, dict[str, dict[str, Any]]]:
+    out: dict[str, dict[str, dict[str, Any]]] = {}
+    for p in kind.own_parameters(term.form):
+        if p.name in term.shared:
+            out.setdefault(ARM, {})[p.name] = _value(
+                term.shared[p.name], std.get((term.effect, p.name, None)), p.unit
+            )
+        for c in term.columns:
+            if p.name in term.own[c]:
+                value = _value(term.own[c][p.name], std.get((term.effect, p.name, c)), p.unit)
+                out.setdefault(problem.joints[c], {})[p.name] = value
+    for c, words in term.words.items():
+        for text, word in words.items():
+            out[problem.joints[c]][text] = {"value": word, "std": None, "unit": ""}
+    return out
+
+
+def _value(value: float, std: float | None, unit: str) -> dict[str, Any]:
+    return {"value": value, "std": std, "unit": unit}
+
+
+def title(kind: type[Effect]) -> str:
+    """What an effect is, in the first line of its file."""
+    text = sys.modules[kind.__module__].__doc__ or kind.id
+    return text.strip().split("\n")[0].rstrip(".")
+
+
+def _statement(
+    kind: type[Effect], joints: list[str], parameters: dict[str, dict[str, dict[str, Any]]], variable: str
+) -> str:
+    where = ", ".join(joints) if joints else "the arm"
+    if variable:
+        return f"{where}: physics that no name fits, which depends on {variable}; a smooth curve stands in for it."
+    values = []
+    for owner, named in parameters.items():
+        for name, v in named.items():
+            if isinstance(v["value"], str):
+                values.append(f"{owner} {name} {v['value']}")
+            else:
+                spread = "" if v["std"] is None else f" ± {v['std']:.2g}"
+                values.append(
+                    f"{owner} {name} = {v['value']:.4g}{spread} {v['unit']}".rstrip(" 1")
+                    if v["unit"] == "1"
+                    else f"{owner} {name} = {v['value']:.4g}{spread} {v['unit']}"
+                )
+    return f"{where}: {title(kind)[0].lower()}{title(kind)[1:]}" + (
+        f" ({'; '.join(values)})." if values else "."
+    )
+
+
+def _curve(problem: Problem, term: Term, variable: str) -> dict[str, Any]:
+    names = knot_names()
+    curves = {}
+    for c in term.columns:
+        own = term.own[c]
+        x = np.linspace(own["low"], own["high"], len(names))
+        curves[problem.joints[c]] = {"x": x, "y": np.array([own[n] for n in names])}
+    unit = {"time": "s", "speed": "rad/s", "load": "N*m"}.get(variable, "rad")
+    return {"on": variable, "x_unit": unit, "y_unit": "rad", "joints": curves}
+
+
+def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
+    """What is above the noise after all findings, joints that vary with the same thing together."""
+    out: dict[tuple[str, ...], Unexplained] = {}
+    for column, power in rests(problem, explanation).items():
+        varies = depends_on(problem, explanation, column)
+        before = float(np.mean(problem.whitened(Explanation(), column) ** 2))
+        share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
+        joint = problem.joints[column]
+        if tuple(varies) in out:
+            rest = out[tuple(varies)]
+            rest.joints.append(joint)
+            rest.share = max(rest.share, share)
+        else:
+            regime = REGIME_OF.get(varies[0], "posture") if varies else "always"
+            out[tuple(varies)] = Unexplained(problem.stage, [joint], regime, share, varies, "")
+    for rest in out.values():
+        on = f", and varies with {' and '.join(rest.depends_on)}" if rest.depends_on else ""
+        rest.statement = f"{', '.join(rest.joints)}: {rest.share:.1%} of the misfit is left{on}."
+    return list(out.values())
+
+
+def arm_findings(problem: ArmProblem, done: ArmFit) -> tuple[list[Finding], dict[str, Values]]:
+    """Findings of the arm stage, and their values for the model."""
+    out, values = [], {}
+    joints = problem.arm.joints
+    for name in dict.fromkeys(name for name, _ in done.values):
+        kind, p = effect(name), effect(name).parameters[0]
+        mine = {c: v for (n, c), v in done.values.items() if n == name}
+        named = [joints[c] for c in mine if c >= 0]
+        parameters = {
+            (joints[c] if c >= 0 else ARM): {p.name: _value(v, done.std[name, c], p.unit)}
+            for c, v in sorted(mine.items())
+        }
+        column: Array = np.zeros(len(joints))
+        for c, v in mine.items():
+            column[c] = v
+        values[name] = {p.name: mine[-1] if -1 in mine else column}
+        gain = sum(done.gain[name, c] for c in mine)
+        out.append(
+            Finding(
+                name,
+                "arm",
+                sorted(named),
+                kind.regime,
+                0.97,
+                [],
+                parameters,
+                [],
+                _statement(kind, sorted(named), parameters, ""),
+                {
+                    "strength": float(np.sqrt(gain / (3 * problem.count))),
+                    "gain": {ARM: gain},
+                    "rivals": {},
+                    "form": "",
+                    "signature": kind.signature,
+                },
+            )
+        )
+    return out, values

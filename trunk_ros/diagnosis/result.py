@@ -1,0 +1,108 @@
+"""What a diagnosis says, to people and to programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from trunk_ros.model import Model, save_model
+
+SCHEMA = "trunk_ros/diagnosis/1"
+
+
+@dataclass
+class Finding:
+    """One effect that the recordings show and the simulation leaves out; see docs for the JSON."""
+
+    effect: str
+    stage: str
+    joints: list[str]
+    regime: str
+    confidence: float
+    equivalents: list[str]
+    parameters: dict[str, dict[str, dict[str, Any]]]
+    depends_on: list[str]
+    statement: str
+    evidence: dict[str, Any]
+    curve: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass
+class Unexplained:
+    """What is left after all findings; ``share`` of the misfit's power before."""
+
+    stage: str
+    joints: list[str]
+    regime: str
+    share: float
+    depends_on: list[str]
+    statement: str
+
+
+@dataclass
+class Diagnosis:
+    """The whole answer. ``stages`` is as in the JSON; ``model`` the nominal model with what was found."""
+
+    stages: dict[str, dict[str, Any]]
+    findings: list[Finding]
+    unexplained: list[Unexplained]
+    experiments: list[dict[str, Any]]
+    model: Model
+    quality: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, Any] = field(default_factory=dict)
+    plots: Plots | None = None
+
+    @property
+    def verdict(self) -> str:
+        """``no_mismatch``, ``explained``, ``partly_explained`` or ``unexplained``."""
+        named = [f for f in self.findings if f.effect != "unknown"]
+        rest = bool(self.unexplained) or len(named) < len(self.findings)
+        if not self.findings and not self.unexplained:
+            return "no_mismatch"
+        if not rest:
+            return "explained"
+        return "partly_explained" if named else "unexplained"
+
+    def to_json(self) -> dict[str, Any]:
+        """The dictionary that ``diagnosis.json`` holds."""
+        content = {
+            "schema": SCHEMA,
+            "verdict": self.verdict,
+            "stages": self.stages,
+            "findings": [asdict(f) for f in self.findings],
+            "unexplained": [asdict(u) for u in self.unexplained],
+            "experiments": self.experiments,
+            "quality": self.quality,
+            "provenance": self.provenance,
+        }
+        plain = _plain(content)
+        assert isinstance(plain, dict)
+        return plain
+
+    def save(self, folder: Path) -> None:
+        """Write ``diagnosis.json`` and ``model.yaml`` into a folder."""
+        (folder / "diagnosis.json").write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n")
+        save_model(self.model, folder / "model.yaml")
+
+
+@dataclass
+class Plots:
+    """Arrays that the report draws: per stage and signal, stamps, measured, predicted before and after, what counts."""
+
+    signals: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
+
+
+def _plain(value: Any) -> Any:
+    """Numbers of numpy as numbers of JSON; what is not finite as null."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,74 @@
+"""``simulate``: run a model over a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from trunk_ros import __version__
+from trunk_ros.recording.arguments import Parser
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import common_joints, fill, joint_grid, resample
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.output import prepare_output
+from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.recording.write import write_recording
+
+SOURCES = ("gearbox_states", "setpoints")
+
+
+def simulate(recording: Recording, model: Model, source: str = "gearbox_states") -> Recording:
+    """What a model predicts for a recording's gearbox angles or setpoints; recorded joint angles are never read.
+
+    Stamps are those of the recorded ``joint_states``, else of the source. Raises RecordingError where the source is missing.
+    """
+    given = recording.require(source)
+    joints = common_joints(recording, model, given)
+    given, model = given.select(joints), model.for_joints(joints)
+    measured = recording.series.get("joint_states")
+    shown_at = given.stamp if measured is None else measured.stamp
+    series: dict[str, JointSeries] = {}
+    if source == "setpoints":
+        given = _gearbox(recording, given, model)
+        series["gearbox_states"] = given
+    series["joint_states"] = _joints(given, shown_at, model)
+    return Recording(
+        name=recording.name, start_ns=recording.start_ns, duration=recording.duration, series=series, tip=None, notes=(), units=recording.units
+    )
+
+
+def _joints(gearbox: JointSeries, shown_at: Array, model: Model) -> JointSeries:
+    grid, rows, kept = joint_grid(gearbox.stamp, shown_at, beyond=True)
+    phi, velocity = resample(gearbox, grid)
+    theta, _ = Chain(model.only(gearbox.joints), "wire").run(phi, grid, velocity=velocity)
+    return JointSeries(shown_at[kept], gearbox.joints, theta[rows])
+
+
+def _gearbox(recording: Recording, setpoints: JointSeries, model: Model) -> JointSeries:
+    wanted = recording.series.get("gearbox_states", setpoints).stamp
+    grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
+    held = fill(setpoints.position)[np.clip(np.searchsorted(setpoints.stamp, grid + 1e-6, side="right") - 1, 0, None)]
+    phi, _ = Chain(model.only(setpoints.joints), "servo").run(held, grid)
+    return JointSeries(wanted[kept], setpoints.joints, phi[rows])
+
+
+def main(argv: list[str]) -> int:
+    """The command."""
+    parser = Parser("simulate", description="Run a model over a recording: the bag OUT_BAG holds the predicted joint_states.")
+    parser.add_argument("bag", metavar="BAG")
+    parser.add_argument("--model", required=True, metavar="MODEL.yaml", help="a file, or trunk or direct")
+    parser.add_argument("--output", required=True, metavar="OUT_BAG")
+    parser.add_argument("--from", dest="source", choices=SOURCES, default="gearbox_states")
+    parser.add_argument("--overwrite", action="store_true")
+    arguments = parser.parse_args(argv)
+    prepare_output(arguments.output, arguments.overwrite)
+    model = load_model(arguments.model)
+    predicted = simulate(read_recording(arguments.bag), model, arguments.source)
+    custom = {"trunk_ros": __version__, "model": model.hash(), "from": arguments.source}
+    write_recording(Path(arguments.output), predicted, overwrite=arguments.overwrite, custom=custom)
+    said = predicted.series["joint_states"]
+    print(f"{arguments.output}: {len(said.stamp)} predictions of {', '.join(said.joints)}")
+    return 0
