@@ -101,8 +101,8 @@ class Peer:
     def spin(self, seconds: float) -> None:
         """Spin for a while."""
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            self.executor.spin_once(timeout_sec=0.02)
+        while (left := end - time.monotonic()) > 0:
+            self.executor.spin_once(timeout_sec=min(left, 0.02))
 
     def now(self) -> Any:
         """The stamp of this moment."""

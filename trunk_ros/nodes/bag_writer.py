@@ -83,7 +83,7 @@ class BagWriter:
         self.folder = Path(folder).absolute()
         self.options = options
         self.failure = ""
-        self.queued_bytes = 0
+        self._put_bytes = self._taken_bytes = 0  # each written by one thread alone
         self._channels: list[Channel] = []
         self._queue: deque[Entry] = deque()
         self._parts: list[Part] = []
@@ -105,9 +105,14 @@ class BagWriter:
         """Queue a message; False where the queue is full or writing has failed."""
         if self.failure or self.queued_bytes + len(entry.data) > self.options.buffer_bytes:
             return False
-        self.queued_bytes += len(entry.data)
+        self._put_bytes += len(entry.data)
         self._queue.append(entry)
         return True
+
+    @property
+    def queued_bytes(self) -> int:
+        """What waits for the disk."""
+        return self._put_bytes - self._taken_bytes
 
     def close(self, custom: dict[str, str]) -> None:
         """Write what is queued, the indexes, and metadata.yaml with ``custom`` entries."""
@@ -145,7 +150,7 @@ class BagWriter:
     def _drain(self) -> None:
         while self._queue and not self.failure:
             entry = self._queue.popleft()
-            self.queued_bytes -= len(entry.data)
+            self._taken_bytes += len(entry.data)
             self._write(entry)
             self._unchecked += len(entry.data)
             if self._unchecked > ROOM // 4:

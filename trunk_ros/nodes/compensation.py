@@ -54,8 +54,8 @@ class Compensation:
     def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
         """How far a reference with these derivatives (joints,) has to run ahead for the servo to be in time.
 
-        From the servo's equations, setpoint - phi = (v + tau_v dv/dt)/Kp, in the middle of the ``dt`` for which
-        a setpoint is held; the loop's own steps are half a step early.
+        From the servo's equations, setpoint - phi = (v + tau_v dv/dt)/Kp, in the middle of the ``dt`` for
+        which a setpoint is held; the loop's own steps are half a step early.
         """
         later = max(dt - STEP, 0.0) / 2
         travelled = later * (velocity + acceleration * later / 2)

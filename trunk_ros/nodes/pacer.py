@@ -5,15 +5,26 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from trunk_ros.nodes.base import DEPTH, PROGRESS_TOPIC, steady_clock
+from trunk_ros.nodes.health import WARN
 from trunk_ros.nodes.messages import SECOND, nanoseconds, time_message, trajectory_message
 from trunk_ros.nodes.progress import Ledger, Progress
-from trunk_ros.nodes.ros import Clock, JointState, JointTrajectory, Node, String, deserialize_message
+from trunk_ros.nodes.ros import (
+    Clock,
+    DiagnosticArray,
+    JointState,
+    JointTrajectory,
+    Node,
+    String,
+    deserialize_message,
+)
 from trunk_ros.nodes.wire_elasticity import LATCHED
 from trunk_ros.trajectory import Trajectory
 
 BEGIN = 1_750_000_000 * SECOND  # ns, where simulated time begins, so that equal runs have equal stamps
+CONNECT = 5.0  # s for all partners to be connected once everybody is there; some never match
 SETTLED = 3  # looks in a row at which all partners are connected
 START = 30.0  # s for nodes to appear and to find each other
 PATIENCE = 10.0  # s for nodes to answer
@@ -44,6 +55,9 @@ class Pacer(Node):
         self.progress = Progress(self.get_fully_qualified_name(), stamp=2**63)
         self.moved = self.begun = time.monotonic()
         self.settled = 0
+        self.complete = self.begun
+        self.told: set[str] = set()
+        self.create_subscription(DiagnosticArray, "diagnostics", self.pass_on, DEPTH)
         if pace.simulated:
             self.clock = self.create_publisher(Clock, "/clock", DEPTH)
             self.progress.sent["/clock"] = 0
@@ -74,6 +88,14 @@ class Pacer(Node):
         """A node says how far it is."""
         self.ledger.note(progress)
         self.advance()
+
+    def pass_on(self, message: Any) -> None:
+        """Say what a node warns of, each thing once."""
+        for status in message.status:
+            words = f"{status.name.lstrip('/')}: {status.message}"
+            if status.level[0] >= WARN and words not in self.told:
+                self.told.add(words)
+                self.say(words)
 
     def advance(self) -> None:
         """Go on where everybody is ready for it."""
@@ -126,15 +148,20 @@ class Pacer(Node):
 
     def gather(self, silent: float) -> None:
         """Wait until all nodes are there and connected."""
-        self.settled = self.settled + 1 if self.connected() else 0
-        if self.settled < SETTLED and silent < START:
+        there = not self.ledger.missing() and not self.unrecorded() and not self.unheard()
+        self.settled = self.settled + 1 if there and not self.loose() else 0
+        if not there:
+            self.complete = time.monotonic()
+        ready = self.settled >= SETTLED or (there and time.monotonic() - self.complete > CONNECT)
+        if not ready and silent < START:
             return
         if self.ledger.missing():
             missing = ", ".join(name.lstrip("/") for name in self.ledger.missing())
             self.fault = f"not there after {START:.0f} s: {missing}"
             return
         if self.settled < SETTLED:
-            self.say(f"beginning although not all is connected: {self.loose()}")
+            what = self.unheard() or self.unrecorded() or self.loose()
+            self.say(f"beginning although {what} has not found all its partners")
         self.ledger.nodes += [topic for topic in self.watched if self.count_publishers(topic)]
         self.enter("announce")
         if self.pace.trajectory is not None:
@@ -142,22 +169,19 @@ class Pacer(Node):
             self.send.publish(trajectory_message(self.pace.trajectory))
         self.advance()
 
-    def connected(self) -> bool:
-        """Whether every node is there and each knows all its partners, others' included."""
-        return not self.ledger.missing() and not self.loose()
+    def unheard(self) -> str:
+        """A topic of others that nobody publishes yet."""
+        return next((topic for topic in self.watched if not self.count_publishers(topic)), "")
 
     def loose(self) -> str:
         """A topic that lacks a partner, "" where there is none."""
-        for topic in self.watched:
-            if not self.count_publishers(topic):
-                return topic
         for progress in self.ledger.progress.values():
             for end, count in progress.matched.items():
                 side, topic = end[0], end[1:]
                 there = self.count_subscribers(topic) if side == ">" else self.count_publishers(topic)
                 if count < there:
                     return topic
-        return self.unrecorded()
+        return ""
 
     def unrecorded(self) -> str:
         """A topic of ours that the recorder has not found yet."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import signal
+import sys
 from typing import Any
 
 from trunk_ros.errors import TrunkError
-from trunk_ros.nodes.base import TrunkNode
+from trunk_ros.nodes import parameters
+from trunk_ros.nodes.base import COMMON, TrunkNode
 from trunk_ros.nodes.ros import EventsExecutor, SignalHandlerOptions, rclpy
 
 
@@ -24,6 +26,9 @@ class Stop:
 
 def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
     """The life of a process with one node: 0 when asked to end, 2 (a TrunkError) when it cannot start."""
+    if "-h" in argv or "--help" in argv:
+        print(usage(kind))
+        return 0
     stop = Stop()
     start_ros(argv)
     try:
@@ -42,6 +47,24 @@ def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
     return 0
 
 
+def usage(kind: type[TrunkNode]) -> str:
+    """What a node does, and its own parameters."""
+    module = sys.modules[kind.__module__]
+    lines = [
+        str(module.__doc__),
+        "",
+        f"usage: {kind.NAME} [--ros-args [--params-file FILE] [-p NAME:=VALUE] ...]",
+        "",
+    ]
+    for declaration in (*COMMON, *kind.OWN, *([parameters.MODEL] if kind.needs_model else [])):
+        described = parameters.descriptor(declaration)
+        bounds = f", {described.additional_constraints}" if described.additional_constraints else ""
+        lines.append(
+            f"  {declaration.name:18}{described.description}{bounds}; default {declaration.default!r}"
+        )
+    return "\n".join(lines + (["  and every parameter of a model file"] if kind.needs_model else []))
+
+
 def start_ros(argv: list[str]) -> None:
     """Initialise ROS with a command's ``--ros-args``. Raises TrunkError for others."""
     try:
@@ -51,4 +74,6 @@ def start_ros(argv: list[str]) -> None:
     rest = rclpy.utilities.remove_ros_args(["trunk_ros", *argv])[1:]
     if rest:
         rclpy.try_shutdown()
-        raise TrunkError(f"unknown argument {rest[0]!r}: a node takes --ros-args (see ros2 run --help)")
+        raise TrunkError(
+            f"unknown argument {rest[0]!r}: a node takes --ros-args (--help shows its parameters)"
+        )

@@ -1,0 +1,89 @@
+"""Bags as they are written: every reader opens them, and what does not fit is said."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+from test.nodes.graph import bag_messages
+from trunk_ros.errors import ArgumentError
+from trunk_ros.nodes import bag_writer
+from trunk_ros.nodes.bag_writer import BagWriter, Channel, Entry, Options
+from trunk_ros.recording.message_types import RELIABLE, definition
+from trunk_ros.recording.metadata import read_metadata
+
+STRING = "std_msgs/msg/String"
+BEGIN = 1_750_000_000 * 10**9
+
+
+def channel(name="/talk"):
+    text, digest = definition(STRING)
+    return Channel(name, STRING, text, digest, [RELIABLE])
+
+
+def entries(talk, count, size=8):
+    data = b"\0\1\0\0" + size.to_bytes(4, "little") + b"x" * (size - 1) + b"\0"
+    return [Entry(talk, BEGIN + step * 10**7, BEGIN, step, data) for step in range(count)]
+
+
+def write(path: Path, options: Options, count=500, size=8):
+    writer, talk = BagWriter(path, options), channel()
+    writer.add_channel(talk)
+    kept = [writer.put(entry) for entry in entries(talk, count, size)]
+    writer.close({"trunk_ros.loss": "{}"})
+    return writer, kept
+
+
+@pytest.mark.parametrize("compression", bag_writer.COMPRESSION)
+def test_every_compression_is_read_back(tmp_path, compression):
+    write(tmp_path / "bag", Options(compression=compression))
+    assert len(bag_messages(tmp_path / "bag")["/talk"]) == 500
+
+
+@pytest.mark.parametrize(
+    "options",
+    [Options(split_bytes=1 << 14, chunk_bytes=1 << 12, compression="none"), Options(split_seconds=1.0)],
+)
+def test_a_split_bag_is_one_recording(tmp_path, options):
+    write(tmp_path / "bag", options, count=500, size=200)
+    told = read_metadata(tmp_path / "bag")
+    assert len(told.files) > 3
+    assert told.files[1] == "bag_1.mcap"
+    assert len(bag_messages(tmp_path / "bag")["/talk"]) == told.messages["/talk"] == 500
+
+
+def test_what_has_no_room_in_the_queue_is_turned_away(tmp_path):
+    _, kept = write(tmp_path / "bag", Options(buffer_bytes=10_000), count=2000, size=1000)
+    assert not all(kept)
+    assert len(bag_messages(tmp_path / "bag")["/talk"]) == sum(kept)
+
+
+def test_a_full_disk_ends_the_recording_with_what_it_has(tmp_path, monkeypatch):
+    writer, talk = BagWriter(tmp_path / "bag", Options()), channel()
+    writer.add_channel(talk)
+    for entry in entries(talk, 100):
+        assert writer.put(entry)
+    wait_until(lambda: not writer.queued_bytes)
+    monkeypatch.setattr(bag_writer, "ROOM", 1 << 60)
+    wait_until(lambda: writer.failure)
+    assert "full" in writer.failure
+    assert not writer.put(entries(talk, 1)[0])
+    writer.close({})
+    assert len(bag_messages(tmp_path / "bag")["/talk"]) >= 100
+
+
+def wait_until(condition):
+    end = time.monotonic() + 5
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_a_bag_without_messages_can_be_opened(tmp_path):
+    BagWriter(tmp_path / "bag", Options()).close({})
+    assert bag_messages(tmp_path / "bag") == {}
+
+
+def test_a_folder_that_exists_is_refused(tmp_path):
+    with pytest.raises(ArgumentError, match="exists"):
+        BagWriter(tmp_path, Options())

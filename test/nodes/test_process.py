@@ -1,0 +1,39 @@
+"""Nodes as processes: help, and machines without ROS 2."""
+
+import subprocess
+import sys
+
+import pytest
+
+from test.nodes.graph import ROOT, needs_ros, trunk
+
+NODES = ("servo_driver", "wire_elasticity", "compensator", "recorder")
+
+
+@pytest.mark.parametrize("name", [*NODES, "replay", "bringup"])
+def test_without_ros_one_sentence_says_what_to_install(name, tmp_path):
+    blocked = (
+        "import sys; sys.modules['rclpy'] = None; from trunk_ros.__main__ import main; sys.exit(main({}))"
+    )
+    script = blocked.format([name, *extra(name, tmp_path)])
+    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert "pip install '.[ros]'" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def extra(name, folder):
+    """What a command needs to get as far as ROS."""
+    return ["--output", str(folder / "bag"), "--seconds", "1"] if name == "bringup" else []
+
+
+@needs_ros
+@pytest.mark.parametrize("name", [*NODES, "replay", "bringup"])
+def test_help_says_what_it_does_and_takes(name):
+    done = trunk(name, "--help")
+    assert done.returncode == 0
+    assert name in done.stdout
+    if name in NODES:
+        assert "rate" in done.stdout
+        assert "1 to 2000 Hz" in done.stdout
