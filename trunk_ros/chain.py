@@ -124,7 +124,7 @@ class Chain:
 
     def _core(self) -> Core:
         nominal = self.arm.dead_band[None]
-        return Core(nominal_width=nominal, width=nominal)
+        return Core(nominal_width=nominal, width=nominal, wire=self.arm.wire)
 
     def _wire(
         self, x: Array, stamp: Array, state: State | None, velocity: Array | None

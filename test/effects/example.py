@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm import Arm
+from trunk_ros.arm import Arm, Wire
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, registry
@@ -29,6 +29,26 @@ def arm_of(joints: int, dead_band: float = 3e-4) -> Arm:
         link_length=np.full(joints, 0.25 / joints),
         link_mass=np.full(joints, 0.25 / joints),
         compliance=np.linspace(0.02, 0.04, joints),
+        wire=wire_of(joints),
+    )
+
+
+def wire_of(joints: int) -> Wire:
+    """Wires like the nominal ones, as many as that."""
+    between = np.linspace(0.06, 0.26, joints)
+    return Wire(
+        shaft_radius=0.010,
+        cylinder_radius=0.016,
+        modulus=252523.55e6,
+        section=0.113e-6,
+        pull_tension=1.0,
+        mu1=np.full(joints, 0.10),
+        mu2=np.full(joints, 0.08),
+        a1=np.full(joints, 0.9774),
+        a2=np.full(joints, 0.4189),
+        length=between + 0.145,
+        length1=np.full(joints, 0.11364),
+        length2=between,
     )
 
 

@@ -72,7 +72,7 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
         with_lead_at_null |= {"compliance": np.zeros(5), "payload": 0.0}
     if kind.own_parameters(form)[0].name == "low":
         with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters[2:]}
-    with_lead_at_null |= {more: np.zeros(5) for more in ("gain_2", "gain_3") if more in values}
+    with_lead_at_null |= {more: np.zeros(5) for more in ("gain_2", "gain_3", "drag") if more in values}
     without = run(Model(arm_of(5)), kind.stage, theta, stamp)
     assert run(Model(arm_of(5), {name: with_lead_at_null}), kind.stage, theta, stamp) == pytest.approx(
         without, abs=1e-12

@@ -22,7 +22,7 @@ from trunk_ros.parameter import Parameter
 JOINTS = 2
 NOISE = 2e-5  # rad, or m at the tip
 OFF = 0.05  # share of its size by which each parameter is wrong at the start
-KNOWN = {"low", "high", "phase_2"}
+KNOWN = {"low", "high", "friction"}
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,7 @@ def usable(problem: Problem) -> list[type[Effect]]:
         for name, kind in registry().items()
         if kind.stage == problem.stage
         and name not in UNNAMED
+        and kind.tried
         and kind.regime not in unseen
         and all(has[need] for need in kind.needs)
     ]

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from trunk_ros.arm import Wire
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
@@ -55,6 +56,8 @@ class Core:
     """(1 or n, columns) rad, half-width of the play."""
     rounding: Any = None
     """A friction element in the place of the sharp play: an object with ``run`` and ``invert``."""
+    wire: Wire | None = None
+    """The paper's wire, where the arm has one."""
     kp: Array = field(default_factory=lambda: np.empty(0))
     tau_v: Array = field(default_factory=lambda: np.empty(0))
     v_max: Array = field(default_factory=lambda: np.empty(0))
@@ -86,6 +89,8 @@ class Effect(ABC):
     refined: ClassVar[tuple[str, ...]] = ()
     """Forms with more to them, which are looked at once another form has been found."""
     compensable: ClassVar[bool] = True
+    tried: ClassVar[bool] = True
+    """The diagnosis tries it; others are switched on in a model by hand."""
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
     scalable: ClassVar[bool] = True
@@ -93,7 +98,8 @@ class Effect(ABC):
     finds its size.
     """
     vanishes: ClassVar[tuple[str, float] | None] = None
-    """Parameter and value at which a scalable effect is gone, where that is not the first parameter's null."""
+    """Parameter and value at which a scalable effect is gone, where that is not the first parameter's null.
+    """
     needs: ClassVar[tuple[str, ...]] = ()
     """``load``: the arm must have masses; ``dead_band``: a nominal dead band; ``several``: more than one
     joint.
@@ -142,7 +148,9 @@ class Effect(ABC):
                 raise ModelError(f"effects.{self.id}.{text} has {len(words)} words for {len(joints)} joints")
 
     def credible(self, now: Now) -> bool:
-        """Whether the motion can show the effect as it was fitted: past that it is a guess at something else."""
+        """Whether the motion can show the effect as it was fitted: past that it is a guess at something
+        else.
+        """
         return True
 
     def starts(self, now: Now, column: int) -> list[dict[str, Any]]:

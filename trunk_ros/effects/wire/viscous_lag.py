@@ -13,7 +13,9 @@ LONGEST = 2.0  # s
 
 
 class ViscousLag(Effect):
-    """time_constant dtheta/dt + theta = p, or theta(t) = p(t - time_constant), or theta = p - time_constant dp/dt."""
+    """time_constant dtheta/dt + theta = p, or theta(t) = p(t - time_constant), or theta = p - time_constant
+    dp/dt.
+    """
 
     id = "viscous_lag"
     stage, place, regime = "wire", 400, "high_speed"

@@ -1,9 +1,9 @@
 """A pair of wires with friction spread over the arcs: tension profiles that slip from either end inward.
 
-A wire is a row of elastic stretches, from the wheel to the joint, with a share of an arc between each two. There the
-tensions T on both sides stay within exp(mu d_alpha) of each other (Euler-Eytelwein); at that limit the wire slips. What
-moves one end thus slips a zone next to it, in which the profile is exponential, and leaves the rest as it was. Its
-stretch decides how deep the zone goes.
+A wire is a row of elastic stretches, from the wheel to the joint, with a share of an arc between each two.
+There the tensions T on both sides stay within exp(mu d_alpha) of each other (Euler-Eytelwein); at that limit
+the wire slips. What moves one end thus slips a zone next to it, in which the profile is exponential, and
+leaves the rest as it was. Its stretch decides how deep the zone goes.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ TRIES = 60
 def zone(
     tension: Array, soft: Array, grip: Array, pull: float, from_joint: bool
 ) -> tuple[int, float, float, float]:
-    """How deep, to which tension of the moved end, of what stiffness, and how slack a wire gets when its end moves.
+    """What happens in a wire whose end moves by ``pull`` m, positive to stretch it.
 
-    ``tension`` (k,) N, ``soft`` (k,) m/N of each stretch, ``grip`` (k - 1,) mu d_alpha; ``pull`` m, positive to stretch.
+    ``tension`` (k,) N, ``soft`` (k,) m/N of each stretch, ``grip`` (k - 1,) mu d_alpha. Returns how deep the
+    zone goes, the tension [N] and stiffness [N/m] of the moved end, and how slack the wire gets [m].
     """
     k = len(tension)
     side = 1.0 if pull > 0.0 else -1.0
@@ -47,7 +48,7 @@ def zone(
 
 @compiled
 def move(tension: Array, slack: float, soft: Array, grip: Array, pull: float, from_joint: bool) -> float:
-    """Move an end of a wire by ``pull`` m; ``tension`` changes in place, and how slack the wire is, m, is returned."""
+    """Move an end of a wire by ``pull`` m; returns how slack it is then [m]. ``tension`` changes in place."""
     if slack > 0.0:
         pull -= slack
         if pull <= 0.0:
@@ -65,7 +66,7 @@ def move(tension: Array, slack: float, soft: Array, grip: Array, pull: float, fr
 
 @compiled
 def at_joint(tension: Array, slack: float, soft: Array, grip: Array, pull: float) -> tuple[float, float]:
-    """Tension at the joint [N] and stiffness [N/m] that a movement of the joint's end by ``pull`` m would find."""
+    """Tension [N] and stiffness [N/m] that the joint would find, if it moved its end by ``pull`` m."""
     if slack > 0.0:
         pull -= slack
         if pull <= 0.0:
@@ -76,10 +77,10 @@ def at_joint(tension: Array, slack: float, soft: Array, grip: Array, pull: float
 
 @compiled
 def pair_step(wheel: float, force: float, tension: Array, slack: Array, soft: Array, grip: Array) -> float:
-    """How far the joint goes, m, when the wheel has gone ``wheel`` m and the load pulls with ``force`` N.
+    """How far the joint goes [m] when the wheel has gone ``wheel`` m and the load pulls with ``force`` N.
 
-    ``tension`` (2, k) and ``slack`` (2,): the wire that pulls forward and the one that pulls back; they change in place.
-    Newton's method on the balance T_forward - T_back + force = 0, kept between what was too little and too much.
+    ``tension`` (2, k) and ``slack`` (2,) of the wire that pulls forward and the one that pulls back change in
+    place. Newton's method on T_forward - T_back + force = 0, kept between what was too little and too much.
     """
     slack[0] = move(tension[0], slack[0], soft, grip, wheel, False)
     slack[1] = move(tension[1], slack[1], soft, grip, -wheel, False)
