@@ -33,14 +33,15 @@ class Noise:
         return np.asarray(out)
 
 
-def noise_of(residuals: list[Array], masks: list[np.ndarray]) -> Noise:
+def noise_of(residuals: list[Array], masks: list[np.ndarray], coloured: bool = True) -> Noise:
     """Noise of one signal from fourth differences of its residual at strides one to three, by the median.
 
-    What moves slowly against the sampling cancels in them, and rare kinks do not move a median.
+    What moves slowly against the sampling cancels in them, and rare kinks do not move a median. Without ``coloured``
+    the noise is taken as white: samples far apart in time share none.
     """
     spread = [_robust(residuals, masks, stride) for stride in (1, 2, 3)]
-    if spread[0] <= LEAST:
-        return Noise(max(spread[0], LEAST))
+    if spread[0] <= LEAST or not coloured:
+        return Noise(max(spread[0] / np.sqrt(_gain(0.0, 1)), LEAST))
     correlation = _correlation(spread[1] ** 2 / spread[0] ** 2)
     if correlation < WHITE:
         return Noise(spread[0] / np.sqrt(_gain(0.0, 1)))

@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import Span
+from trunk_ros.diagnosis.align import SLOW, Span
 from trunk_ros.diagnosis.explanation import Explanation, payload_of
 from trunk_ros.diagnosis.noise import Noise, noise_of
 from trunk_ros.effects.effect import Core, Now
@@ -155,7 +155,7 @@ class Problem(ABC):
         self.noise = noise
 
     def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
-        return noise_of(residuals, masks)
+        return noise_of(residuals, masks, coloured=self.step < SLOW)
 
     def look_again(self, explanation: Explanation) -> None:
         """Let coupling and load see the angles that an explanation predicts."""

@@ -7,7 +7,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from trunk_ros.diagnosis.candidates import Screen, extended, given, usable
-from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.unnamed import UNKNOWN, curve_fit
 from trunk_ros.effects import effect
@@ -103,6 +103,16 @@ def _joined_or_left(search: Search, now: Fit, name: str, column: int) -> Fit | N
         return None
     joined = extended(search.problem, now.explanation, replace(start, column=None, columns=(column,)))
     return search.refit_column(now, joined, column)
+
+
+def incredible(search: Search, now: Fit) -> Fit:
+    """Take out what a fit has moved to where the motion cannot show it."""
+    for term in list(now.explanation.values()):
+        for column in term.columns:
+            seen = search.problem.now(0, column, 0.0) if column in search.problem.columns else None
+            if seen is not None and not bind_column(term, column).credible(seen):
+                now = search.refit_column(now, now.explanation.without(term.effect, column), column)
+    return now
 
 
 def drop(search: Search, now: Fit) -> Fit:

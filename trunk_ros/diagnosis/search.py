@@ -92,6 +92,7 @@ class Search:
             revise.members,
             revise.options,
             revise.members,
+            revise.incredible,
             revise.drop,
             revise.exchange,
             revise.exchange_everywhere,
