@@ -135,10 +135,12 @@ def rivals(kind: type[Effect], kinds: list[type[Effect]]) -> Iterator[str]:
 def main() -> int:
     """Write the page and the pictures."""
     (DOCS / "effects.md").write_text(page(), encoding="utf-8")
-    from draw_effects import draw
+    import draw_effects
+    import draw_wire
 
     for kind in registry().values():
-        draw(kind, DOCS / "figures" / "effects" / f"{kind.id}.png")
+        draw_effects.draw(kind, DOCS / "figures" / "effects" / f"{kind.id}.png")
+    draw_wire.draw(DOCS / "figures" / "wire.png")
     return 0
 
 

@@ -15,20 +15,27 @@ DOCS = Path(__file__).parents[2] / "docs"
 TEXT = (DOCS / "effects.md").read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="module")
-def generator() -> ModuleType:
-    """docs/make_effects.py."""
-    spec = importlib.util.spec_from_file_location("make_effects", DOCS / "make_effects.py")
+def module(name: str) -> ModuleType:
+    """A module of docs/."""
+    spec = importlib.util.spec_from_file_location(name, DOCS / f"{name}.py")
     assert spec
     assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    loaded = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
 
 
-def test_the_page_is_up_to_date(generator: ModuleType) -> None:
+def test_the_page_is_up_to_date() -> None:
     """If not: make docs."""
-    assert generator.page() == TEXT
+    assert module("make_effects").page() == TEXT
+
+
+def test_the_dead_bands_of_the_wires_page_are_those_of_the_models() -> None:
+    assert module("draw_wire").table() in (DOCS / "wire.md").read_text(encoding="utf-8")
+
+
+def test_the_wires_page_shows_its_picture() -> None:
+    assert (DOCS / "figures" / "wire.png").stat().st_size < 100_000
 
 
 @pytest.mark.parametrize("name", registry())
