@@ -35,7 +35,8 @@ def python(wheel, run, tmp_path_factory):
 def test_the_wheel_holds_every_file_of_the_package_and_its_configuration(wheel, source):
     held = {name.rpartition(".data/data/share/trunk_ros/")[2] for name in zipfile.ZipFile(wheel).namelist()}
     files = [path for folder in ("trunk_ros", "config", "launch") for path in (source / folder).rglob("*")]
-    assert {str(path.relative_to(source)) for path in files if path.is_file()} <= held
+    files = [path for path in files if path.is_file() and path.parent.name != "__pycache__"]
+    assert {str(path.relative_to(source)) for path in files} <= held
 
 
 def test_a_wheel_puts_one_command_on_the_path_and_no_import_beside_others(wheel):
