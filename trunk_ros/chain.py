@@ -119,7 +119,7 @@ class Chain:
         """What the effects see of the arm, at the time that counts for them."""
         look = Look(self.arm, stamp, path, before, velocity)
         if self.duration is not None:
-            look.stamp = np.full_like(stamp, self.duration)
+            look.stamp = stamp * 0.0 + self.duration
         return look
 
     def _core(self) -> Core:

@@ -76,6 +76,8 @@ def slope(x: Array, dt: Array, before: Array, out: Array) -> None:
 
 def steps(stamp: Array, before: float | None) -> Array:
     """(n,) s since the sample before; 0 at the very first."""
+    if len(stamp) == 1 and before is not None:
+        return stamp - before
     dt = np.empty_like(stamp)
     np.subtract(stamp[1:], stamp[:-1], out=dt[1:])
     dt[0] = 0.0 if before is None else stamp[0] - before

@@ -53,10 +53,11 @@ class Curve(Effect):
                 raise ModelError(f"effects.{self.id} of {joints[column]}: low must be below high")
 
     def _curve(self, now: Now) -> Array:
-        x = np.zeros((len(now.stamp), len(now.ratio)))
-        for variable, here in self._columns:
-            np.copyto(x, abscissae(variable, now), where=here)
-        out = np.zeros_like(x)
+        first, *others = self._columns or [("time", np.ones(1, dtype=bool))]
+        x = np.ascontiguousarray(abscissae(first[0], now))
+        for variable, here in others:
+            x = np.where(here, abscissae(variable, now), x)
+        out = np.zeros(x.shape)
         curves(x, self["low"], self["high"], self._pieces, out)
         return out
 

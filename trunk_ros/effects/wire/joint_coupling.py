@@ -42,8 +42,8 @@ class JointCoupling(Effect):
         *(_gain(k) for k in range(1, SOURCES + 1)),
         Parameter("drag", "1", (-5.0, 5.0), "share of the first source's motion taken along", typical=0.1),
         Parameter(
-            "reach", "rad", (1e-5, 5.0), "half the motion after which the source's wire slides", typical=0.1, null=0.1,
-            scale="log", scan=(0.02, 0.2),
+            "reach", "rad", (1e-5, 5.0), "half the motion after which the source's wire slides", typical=0.1,
+            null=0.1, scale="log", scan=(0.02, 0.2),
         ),
     )  # fmt: skip
     texts = ("source", *(f"source_{k}" for k in range(2, SOURCES + 1)))

@@ -1,5 +1,6 @@
 """The link swings on the wire's elasticity."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -53,9 +54,13 @@ class LinkResonance(Effect):
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
-        omega = np.where(self["frequency"] >= RIGID, 0.0, 2 * np.pi * self["frequency"])
-        oscillator(x, now.dt, omega, self["damping"], self.form == "relative", state, out)
+        oscillator(x, now.dt, self._omega, self["damping"], self.form == "relative", state, out)
         return out, state
+
+    @cached_property
+    def _omega(self) -> Array:
+        """(columns,) rad/s; 0 where the link is rigid."""
+        return np.where(self["frequency"] >= RIGID, 0.0, 2 * np.pi * self["frequency"])
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         first, second = (None, None) if state is None else state

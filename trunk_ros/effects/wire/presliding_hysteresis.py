@@ -55,11 +55,13 @@ class PreslidingHysteresis(Effect):
     )
 
     def adjust(self, core: Core, now: Now) -> None:
-        if np.any(self["width"] != 0.0):
+        if self._element is not None:
             core.rounding = self._element
 
     @cached_property
-    def _element(self) -> RoundedPlay:
+    def _element(self) -> RoundedPlay | None:
+        if not np.any(self["width"] != 0.0):
+            return None
         return RoundedPlay(self["width"], self["shape"], self.forms.index(self.form))
 
     @classmethod

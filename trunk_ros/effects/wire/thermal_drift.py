@@ -47,7 +47,9 @@ class ThermalDrift(Effect):
 
     def _drift(self, now: Now) -> Array:
         t = now.stamp[:, None]
-        return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"]) + self["rate"] * t)
+        if self.form == "straight":
+            return np.asarray(self["rate"] * t)
+        return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"]))
 
     def credible(self, now: Now) -> bool:
         """It is not over at once: or it is an offset."""
