@@ -111,6 +111,8 @@ def facts(kind: type[Effect]) -> Iterator[str]:
         yield f"- Forms: {', '.join(f'`{form}`' for form in kind.forms)}. A fit chooses."
     if kind.everywhere:
         yield "- Acts on all joints alike and is judged for the arm as a whole."
+    if not kind.tried:
+        yield "- The diagnosis does not try it: it is switched on in a model by hand."
     if kind.replaces:
         yield f"- Includes {', '.join(f'`{name}`' for name in kind.replaces)}."
     if kind.stage == "wire":

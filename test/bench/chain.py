@@ -138,7 +138,7 @@ def tick() -> Iterator[Row]:
     chain, stamp = Chain(everything(JOINTS), "wire", hold_time=True), stamps(20, RATE)
     wanted = motion(stamp, JOINTS, amplitude=0.15)
     for name, way, signal in (("run", chain.run, wanted / 0.625), ("invert", chain.invert, wanted)):
-        spent = np.min([ticks(way, signal, stamp) for _ in range(5)], axis=0) * 1e6
+        spent = np.min([ticks(way, signal, stamp) for _ in range(9)], axis=0) * 1e6
         yield Row(f"tick of {len(chain.effects)} effects, {name}", float(np.median(spent)), "us", at_most=100)
         yield Row(f"tick of {len(chain.effects)} effects, {name}, p99", float(np.quantile(spent, 0.99)), "us")
     nominal = Chain(load_model("trunk"), "wire")

@@ -69,7 +69,7 @@ def stamps(seconds: float, rate: float) -> Array:
     return np.arange(round(seconds * rate) + 1) / rate
 
 
-def usual(name: str, parameter: Parameter, joint: int) -> float:
+def usual(parameter: Parameter, joint: int) -> float:
     """A usual value of a parameter, a little another for each joint."""
     special = {"onset": 8.0, "low": -0.3, "high": 0.3, "payload": 0.02, "threshold": 0.02, "moment": 0.1}
     special |= {"v_max": 0.3, "upper": 0.18, "lower": -0.18}
@@ -85,7 +85,7 @@ def values_of(name: str, form: str, joints: int) -> dict[str, Any]:
     kind = registry()[name]
     values: dict[str, Any] = {"form": form} if form else {}
     for p in kind.own_parameters(form):
-        own = np.array([usual(name, p, joint) for joint in range(joints)])
+        own = np.array([usual(p, joint) for joint in range(joints)])
         values[p.name] = float(own[0]) if p.shared else own
     return values | words_of(kind, joints)
 
