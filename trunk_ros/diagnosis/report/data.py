@@ -1,0 +1,106 @@
+"""What the page says of the data and of where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.diagnosis.report.signals import STAGES, Signal, entries, signals
+from trunk_ros.diagnosis.report.units import quantity, significant
+from trunk_ros.diagnosis.result import Diagnosis
+
+SAME = "same"
+LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag
+
+
+def recordings(result: Diagnosis) -> list[dict[str, Any]]:
+    """Duration, topics and notes of each recording."""
+    return [
+        {
+            "name": name,
+            "duration": quantity(float(held.get("duration", 0.0)), None, "s"),
+            "topics": [_topic(topic, said) for topic, said in held.get("topics", {}).items()],
+            "notes": [str(note) for note in held.get("notes", ())],
+        }
+        for name, held in result.quality.items()
+    ]
+
+
+def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
+    period = float(said.get("period") or 0.0)
+    odd = {"duplicates": "duplicates", "out_of_order": "out of order", "not_finite": "not finite",
+           "unreadable": "unreadable"}  # fmt: skip
+    longest = quantity(float(said.get("longest_gap") or 0.0), None, "s")
+    jitter = float(said.get("jitter") or 0.0)
+    gaps = int(said.get("gaps") or 0)
+    return {
+        "name": name,
+        "samples": said.get("samples", 0),
+        "rate": f"{significant(1 / period, 3)} Hz" if period else "–",
+        "jitter": quantity(jitter, None, "s") if jitter > 1e-6 else "none",
+        "lost": "–" if said.get("lost") is None else str(said["lost"]),
+        "gaps": f"{gaps}, longest {longest} at {float(said.get('gap_at') or 0.0):.1f} s" if gaps else "none",
+        "odd": ", ".join(f"{said[key]} {word}" for key, word in odd.items() if said.get(key)) or "nothing",
+    }
+
+
+def numbers(result: Diagnosis) -> list[dict[str, str]]:
+    """Of each signal: errors on unseen data, noise floor, samples that count and apparent lag."""
+    kept = {(s.stage, s.name): s for s in signals(result)}
+    return [
+        {"signal": f"{stage} · {name}", **_errors(said), **_samples(kept.get((stage, name)))}
+        for stage in STAGES
+        for name, said in entries(result, stage).items()
+    ]
+
+
+def _errors(said: dict[str, Any]) -> dict[str, str]:
+    unit = str(said.get("unit", "rad"))
+    found = said.get("rmse_after") != said.get("rmse_before")
+    return {
+        "before": quantity(said.get("rmse_before"), said.get("rmse_before_std"), unit),
+        "after": quantity(said.get("rmse_after"), said.get("rmse_after_std"), unit) if found else SAME,
+        "noise": quantity(said.get("noise_floor"), None, unit),
+    }
+
+
+def _samples(signal: Signal | None) -> dict[str, str]:
+    if signal is None:
+        return {"samples": "–", "lag_before": "–", "lag_after": "–"}
+    return {
+        "samples": f"{int(signal.valid.sum())} of {len(signal.valid)}",
+        "lag_before": _lag(signal, signal.before, signal.error_before),
+        "lag_after": _lag(signal, signal.after, signal.error_after) if signal.changed else SAME,
+    }
+
+
+def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
+    """Time by which what was measured trails what was predicted: the error over the slope, least squares."""
+    if len(signal.stamp) < 3:
+        return "–"
+    slope = np.gradient(predicted, signal.stamp)
+    known = np.isfinite(error) & np.isfinite(slope)
+    power = float(np.sum(slope[known] ** 2))
+    moved = float(np.ptp(predicted)) * LEAST_SPEED
+    if not known.any() or power <= moved**2 * known.sum() or power == 0.0:
+        return "–"
+    lag = -float(np.sum(error[known] * slope[known])) / power
+    spread = float(np.std(error[known])) / float(np.sqrt(power))
+    return f"{round(1e3 * lag, 2) + 0.0:.2f} ± {2e3 * spread:.2f} ms".replace("-", "−")
+
+
+def provenance(result: Diagnosis) -> list[tuple[str, str]]:
+    """Command, versions and hashes as lines of text; the fitted model's hash among them."""
+    lines = [(key.replace("_", " "), value) for key, value in _flat(result.provenance)]
+    return [*lines, ("fitted model hash", result.model.hash())]
+
+
+def _flat(held: dict[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    for key, value in held.items():
+        name = f"{above} {key}".strip()
+        if isinstance(value, dict):
+            yield from _flat(value, name)
+        else:
+            yield name, ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)

@@ -1,0 +1,176 @@
+"""Figures of the error: before and after on unseen data, and over time with the culprit spans shaded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.report.signals import STAGES, Signal, concerns, entries, signals
+from trunk_ros.diagnosis.report.style import (
+    ACCENT,
+    GREY,
+    INK,
+    LINE,
+    MUTED,
+    PLAIN,
+    SHADE,
+    envelope,
+    label,
+    limits,
+    styled,
+)
+from trunk_ros.diagnosis.report.units import multiple
+from trunk_ros.diagnosis.result import Diagnosis
+
+WIDTH = 9.4  # inches
+WELL_ABOVE = 3.0  # times the noise, over a window
+WINDOW = 0.5  # s
+MOST = 8  # signals in one figure
+VISIBLE = 1.3  # times the noise
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """Root mean square error of one signal on unseen data over its noise, with standard errors."""
+
+    stage: str
+    name: str
+    before: float
+    before_std: float
+    after: float
+    after_std: float
+
+
+def ratios(result: Diagnosis) -> list[Ratio]:
+    """All signals that were judged, in the order of the signal path."""
+    out = []
+    for stage in STAGES:
+        for name, said in entries(result, stage).items():
+            noise = said.get("noise_floor") or math.nan
+            keys = ("rmse_before", "rmse_before_std", "rmse_after", "rmse_after_std")
+            values = [float(said.get(key) or 0.0) / noise for key in keys]
+            if all(math.isfinite(value) for value in values):
+                out.append(Ratio(stage, name, *values))
+    return out
+
+
+@styled
+def figure_before_after(result: Diagnosis, width: float = 5.2) -> Figure:
+    """Error of each signal on samples that no fit saw, in units of its noise; ``width`` in inches."""
+    rows = ratios(result)
+    figure = Figure((width, 0.24 * len(rows) + 0.85), layout="constrained")
+    axis = figure.subplots()
+    for y, row in enumerate(rows):
+        axis.plot([row.before, row.after], [y, y], color=LINE, lw=2.2, zorder=1, solid_capstyle="round")
+        _dot(axis, row.before, row.before_std, y, GREY, "before" if y == 0 else "")
+        _dot(axis, row.after, row.after_std, y, ACCENT, "after" if y == 0 else "")
+    axis.axvline(1.0, color=INK, lw=0.8, ls=(0, (3, 3)), zorder=0)
+    axis.set_yticks(range(len(rows)), [f"{row.stage} · {label(row.name)}" for row in rows])
+    axis.set(xscale="log", ylim=(len(rows) - 0.4, -0.6), xlabel="rms error on unseen data / sensor noise")
+    _plain(axis, rows)
+    axis.tick_params(axis="y", length=0, labelcolor=INK)
+    axis.spines["left"].set_visible(False)
+    if rows:
+        figure.legend(loc="outside upper right", ncols=2, handletextpad=0.2, columnspacing=1.2)
+    return figure
+
+
+def _dot(axis: Axes, value: float, std: float, y: float, colour: str, name: str) -> None:
+    """A value with its interval of two standard errors."""
+    spread = [[min(2 * std, 0.9 * value)], [2 * std]]
+    axis.errorbar(value, y, xerr=spread, fmt="o", ms=5, color=colour, lw=1.3, zorder=3, label=name or None)
+
+
+def _plain(axis: Axes, rows: list[Ratio]) -> None:
+    """Ticks 1, 2, 5, 10 … as numbers."""
+    sizes = [1.0, *(max(r.before + 2 * r.before_std, r.after) for r in rows)]
+    least = min([1.0, *(min(r.before, r.after) for r in rows)])
+    top = max(1.6, 1.25 * max(sizes))
+    steps = (1, 1.2, 1.5, 2, 3, 5, 7, 8, 9) if top < 3 else (1, 2, 5) if top < 300 else (1,)
+    ticks = [s * 10**k for k in range(-2, math.ceil(math.log10(top)) + 1) for s in steps]
+    axis.set_xlim(min(0.8, 0.8 * least), top)
+    axis.set_xticks([t for t in ticks if axis.get_xlim()[0] <= t <= top])
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.xaxis.set_major_formatter(PLAIN)
+
+
+def culprit_spans(signal: Signal) -> list[tuple[float, float]]:
+    """Times [s] between which the nominal error is well above the noise, neighbours joined."""
+    start, end = float(signal.stamp[0]), float(signal.stamp[-1])
+    cells = max(int(min((end - start) / WINDOW, 400)), 1)
+    edges = np.linspace(start, end, cells + 1)
+    cell = np.clip(np.searchsorted(edges, signal.stamp, side="right") - 1, 0, cells - 1)
+    known = np.isfinite(signal.error_before)
+    count = np.bincount(cell[known], minlength=cells)
+    power = np.bincount(cell[known], weights=signal.error_before[known] ** 2, minlength=cells)
+    loud = power > count * (WELL_ABOVE * signal.noise) ** 2
+    changes = np.flatnonzero(np.diff(np.concatenate([[0], loud.astype(int), [0]])))
+    return [(float(edges[a]), float(edges[b])) for a, b in zip(changes[::2], changes[1::2], strict=True)]
+
+
+def loud(signal: Signal) -> float:
+    """Share of the time in culprit spans."""
+    length = float(signal.stamp[-1] - signal.stamp[0])
+    return sum(end - start for start, end in culprit_spans(signal)) / length if length > 0.0 else 1.0
+
+
+def shown_over_time(result: Diagnosis) -> list[Signal]:
+    """The signals with something to see, the loudest if there are many; the wire's where there is nothing."""
+    every = signals(result)
+    size = {(r.stage, r.name): r.before for r in ratios(result)}
+    loud = [
+        s
+        for s in every
+        if size.get((s.stage, s.name), 0.0) > VISIBLE
+        or any(concerns(f, s.stage, s.name) for f in result.findings)
+        or any(u.stage == s.stage and s.name in u.joints for u in result.unexplained)
+    ]
+    chosen = loud or [s for s in every if s.stage == "wire"]
+    kept = sorted(chosen, key=lambda s: -size.get((s.stage, s.name), 0.0))[:MOST]
+    return [s for s in chosen if any(s is k for k in kept)]
+
+
+@styled
+def figure_over_time(shown: list[Signal]) -> Figure:
+    """Error of each signal over the first recording, nominal in grey, with all that was found in colour."""
+    figure = Figure((WIDTH, (0.92 if len(shown) > 2 else 1.3) * len(shown) + 0.5), layout="constrained")
+    axes = np.atleast_1d(np.asarray(figure.subplots(len(shown), 1, sharex=True)))
+    for axis, signal in zip(axes, shown, strict=True):
+        _over_time(axis, signal)
+    axes[-1].set_xlabel("time / s")
+    used = [GREY, *([ACCENT] if any(s.changed for s in shown) else []), SHADE]
+    handles = [axes[0].fill_between([], [], color=c, label=LEGEND[c]) for c in used]
+    figure.legend(handles=handles, loc="outside upper right", ncols=3, columnspacing=1.2)
+    return figure
+
+
+LEGEND = {GREY: "nominal simulation", ACCENT: "with what was found", SHADE: "well above the noise"}
+
+
+def _over_time(axis: Axes, signal: Signal) -> None:
+    before, after = signal.error_before, signal.error_after
+    factor, unit = multiple(_size(before), signal.unit)
+    for start, end in culprit_spans(signal):
+        axis.axvspan(start, end, color=SHADE, lw=0, zorder=0)
+    for values, colour in ((before, GREY), (after, ACCENT))[: 1 + signal.changed]:
+        t, low, high = envelope(signal.stamp, factor * values)
+        hair = 0.004 * 2 * factor * _size(before)  # so that a single value is seen too
+        axis.fill_between(t, low - hair, high + hair, color=colour, lw=0.4)
+    axis.axhline(0.0, color=INK, lw=0.4)
+    limits(axis, factor * before)
+    axis.set_xlim(signal.stamp[0], signal.stamp[-1])
+    axis.set_ylabel(unit)
+    axis.set_title(f"{signal.stage} · {label(signal.name)}", pad=2)
+    share = f"{loud(signal):.0%} of the time well above the noise" if culprit_spans(signal) else ""
+    axis.set_title(share, pad=2, loc="right", color=MUTED, size=8)
+
+
+def _size(values: Array) -> float:
+    known = np.abs(values[np.isfinite(values)])
+    return float(np.quantile(known, 0.99)) if len(known) else 1.0

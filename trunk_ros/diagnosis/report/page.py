@@ -1,0 +1,70 @@
+"""The page, from what was found to HTML. What comes from a recording is escaped by the template."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from trunk_ros.diagnosis.report.cards import cards
+from trunk_ros.diagnosis.report.data import numbers, provenance, recordings
+from trunk_ros.diagnosis.report.errors import (
+    WELL_ABOVE,
+    figure_before_after,
+    figure_over_time,
+    ratios,
+    shown_over_time,
+)
+from trunk_ros.diagnosis.report.signals import Signal, signals
+from trunk_ros.diagnosis.report.style import image
+from trunk_ros.diagnosis.report.units import listed, spoken
+from trunk_ros.diagnosis.report.verdict import place, sentence, verdict_word
+from trunk_ros.diagnosis.report.where import maps, not_compared
+from trunk_ros.diagnosis.result import Diagnosis
+
+TEMPLATES = Path(__file__).parent
+
+
+def render(result: Diagnosis) -> str:
+    """The whole page as text."""
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"listed": listed, "spoken": spoken}
+    return environment.get_template("page.html.j2").render(**content(result))
+
+
+def content(result: Diagnosis) -> dict[str, Any]:
+    """What the template fills in."""
+    shown = shown_over_time(result)
+    return {
+        "sentence": sentence(result),
+        "verdict": result.verdict,
+        "verdict_word": verdict_word(result),
+        "recordings": recordings(result),
+        "maps": maps(result),
+        "framed": any(cell.rest for m in maps(result) for _, row in m.rows for cell in row),
+        "not_compared": not_compared(result),
+        "before_after": image(figure_before_after(result)) if ratios(result) else None,
+        "over_time": image(figure_over_time(shown)) if shown else None,
+        "quiet": quiet(result, shown),
+        "well_above": WELL_ABOVE,
+        "cards": cards(result),
+        "unexplained": [(u, place(result, u.stage, u.joints)) for u in result.unexplained],
+        "unnamed": any(f.effect == "unknown" for f in result.findings),
+        "experiments": result.experiments,
+        "rivals_remain": any(f.equivalents for f in result.findings),
+        "numbers": numbers(result),
+        "provenance": provenance(result),
+    }
+
+
+def quiet(result: Diagnosis, shown: list[Signal]) -> list[str]:
+    """Signals that the figure over time leaves out."""
+    seen = {(s.stage, s.name) for s in shown}
+    return [f"{s.stage} · {s.name}" for s in signals(result) if (s.stage, s.name) not in seen]

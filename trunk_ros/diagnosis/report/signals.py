@@ -1,0 +1,143 @@
+"""What the plots hold, by signal, and what each finding does to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.errors import TrunkError
+
+STAGES = ("servo", "wire", "arm")
+STILL = 2e-4  # of a joint's range: less is no reversal
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One measured signal of a stage: arrays (n,), in ``unit``; gearbox and its velocity in rad, rad/s."""
+
+    stage: str
+    name: str
+    unit: str
+    stamp: Array
+    measured: Array
+    before: Array
+    after: Array
+    valid: np.ndarray
+    gearbox: Array | None
+    velocity: Array | None
+    noise: float
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything that was found acts on the signal."""
+        return bool(np.any(self.after != self.before))
+
+    @property
+    def error_before(self) -> Array:
+        """(n,) measured less the nominal prediction, NaN where it does not count."""
+        return np.where(self.valid, self.measured - self.before, np.nan)
+
+    @property
+    def error_after(self) -> Array:
+        """(n,) measured less the prediction with all that was found, NaN where it does not count."""
+        return np.where(self.valid, self.measured - self.after, np.nan)
+
+
+def signals(result: Diagnosis) -> list[Signal]:
+    """The signals of all stages in the order of the signal path."""
+    plots = {} if result.plots is None else result.plots.signals
+    out = []
+    for (stage, name), held in sorted(plots.items(), key=lambda item: STAGES.index(item[0][0])):
+        said = entries(result, stage).get(name, {})
+        arrays = {k: np.asarray(held[k], dtype=float) for k in ("stamp", "measured", "before", "after")}
+        valid = np.asarray(held["valid"], dtype=bool) & np.isfinite(arrays["measured"])
+        unit = str(said.get("unit", "rad"))
+        seen: dict[str, Any] = {key: held.get(key) for key in ("gearbox", "velocity")}
+        out.append(Signal(stage, name, unit, **arrays, **seen, valid=valid, noise=float(held["noise"])))
+    return out
+
+
+def entries(result: Diagnosis, stage: str) -> dict[str, dict[str, Any]]:
+    """Errors of a stage's signals, by joint or by the tip's coordinate."""
+    said = result.stages.get(stage, {})
+    return dict(said.get("tip" if stage == "arm" else "joints", {}))
+
+
+def concerns(finding: Finding, stage: str, name: str) -> bool:
+    """Whether a finding acts on a signal: any of the tip's, where the finding is of the arm stage."""
+    return finding.stage == stage and (stage == "arm" or not finding.joints or name in finding.joints)
+
+
+def contributions(result: Diagnosis, finding: Finding) -> dict[str, Array]:
+    """What a finding adds to the prediction of its signals, (n,) by name.
+
+    Alone on a signal, it is all that changed; beside others in the wire, the model with it less the model
+    without it; beside others elsewhere, all of them together.
+    """
+    mine = {s.name: s for s in signals(result) if concerns(finding, s.stage, s.name)}
+    alone = {n for n, s in mine.items() if sum(concerns(f, s.stage, n) for f in result.findings) == 1}
+    out = {name: s.after - s.before for name, s in mine.items()}
+    if finding.stage == "wire" and alone != set(mine):
+        out |= {n: y for n, y in _share_in_wire(result, finding).items() if n in mine and n not in alone}
+    return out
+
+
+def _share_in_wire(result: Diagnosis, finding: Finding) -> dict[str, Array]:
+    """By joint; joints that were not judged are taken to stand at zero."""
+    model = result.model
+    known = {s.name: s for s in signals(result) if s.stage == "wire"}
+    stamp = next(iter(known.values())).stamp
+    gearbox, velocity = np.zeros((2, len(stamp), len(model.arm.joints)))
+    for c, joint in enumerate(model.arm.joints):
+        if joint in known:
+            gearbox[:, c], velocity[:, c] = known[joint].gearbox, known[joint].velocity
+    less = replace(model, effects={k: v for k, v in model.effects.items() if k != finding.effect})
+    try:
+        with_it, without_it = (Chain(m, "wire").run(gearbox, stamp, None, velocity)[0] for m in (model, less))
+    except TrunkError:  # a picture is not worth the report
+        return {}
+    return {joint: with_it[:, c] - without_it[:, c] for c, joint in enumerate(model.arm.joints)}
+
+
+def joint_angle(result: Diagnosis, signal: Signal) -> Array | None:
+    """(n,) rad, where the gearbox puts the joint: ratio times gearbox angle. None for the tip."""
+    if signal.gearbox is None or signal.name not in result.model.arm.joints:
+        return None
+    return np.asarray(signal.gearbox * result.model.arm.ratio[result.model.arm.index(signal.name)])
+
+
+def load(result: Diagnosis, signal: Signal) -> Array | None:
+    """(n,) N m about a signal's joint, with the payload that was found. None where the arm has no masses."""
+    arm = result.model.loaded_arm()
+    if not arm.has_load or signal.name not in arm.joints:
+        return None
+    angles = np.zeros((len(signal.stamp), len(arm.joints)))
+    for other in signals(result):
+        angle = joint_angle(result, other)
+        if other.stage == signal.stage and angle is not None:
+            angles[:, arm.index(other.name)] = angle
+    return arm.load(angles)[:, arm.index(signal.name)]
+
+
+def reversals(u: Array) -> tuple[Array, Array]:
+    """Direction of motion (n,), 1 or -1, and travel (n,) since it last changed, in the unit of ``u``."""
+    return _reversals(np.ascontiguousarray(u, dtype=float), STILL * float(np.ptp(u)))
+
+
+@compiled
+def _reversals(u: Array, still: float) -> tuple[Array, Array]:
+    direction, travel = np.ones(len(u)), np.zeros(len(u))
+    sign, farthest, start = 1.0, u[0], u[0]
+    for k in range(len(u)):
+        if sign * (u[k] - farthest) > 0.0:
+            farthest = u[k]
+        elif sign * (farthest - u[k]) > still:
+            sign, start, farthest = -sign, farthest, u[k]
+        direction[k] = sign
+        travel[k] = max(sign * (u[k] - start), 0.0)
+    return direction, travel

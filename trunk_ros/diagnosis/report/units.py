@@ -1,0 +1,81 @@
+"""Numbers for readers: SI prefixes, as many digits as the spread allows."""
+
+from __future__ import annotations
+
+import math
+
+# Largest size (in the SI unit) up to which a multiple is used; the last one holds for all above.
+STEPS: dict[str, tuple[tuple[float, float, str], ...]] = {
+    "rad": (
+        (1e-7, 1e9, "nrad"),
+        (1e-4, 1e6, "µrad"),
+        (0.1, 1e3, "mrad"),
+        (math.inf, math.degrees(1), "°"),
+    ),
+    "m": ((1e-4, 1e6, "µm"), (1.0, 1e3, "mm"), (math.inf, 1.0, "m")),
+    "s": ((1e-4, 1e6, "µs"), (0.5, 1e3, "ms"), (math.inf, 1.0, "s")),
+    "kg": ((1.0, 1e3, "g"), (math.inf, 1.0, "kg")),
+    "N*m": ((0.1, 1e3, "mN·m"), (math.inf, 1.0, "N·m")),
+}
+DIGITS = 4
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+NBSP = "\N{NO-BREAK SPACE}"
+
+
+def multiple(size: float, unit: str) -> tuple[float, str]:
+    """Factor and label that make numbers of this size (in an SI unit such as ``rad/s``) easy to read."""
+    head, slash, tail = unit.partition("/")
+    label = tail.replace("*", "·")
+    for limit, factor, name in STEPS.get(head, ()):
+        if abs(size) < limit and not (slash and name == "°"):
+            return factor, name + slash + label
+    return 1.0, "" if unit == "1" else head.replace("*", "·") + slash + label
+
+
+def quantity(value: object, std: float | None = None, unit: str = "1", relative: bool = False) -> str:
+    """``1.223 ± 0.012 mrad``; words as they are, a dash where there is no number; ``relative`` in percent."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, (int, float)) or not math.isfinite(value):
+        return "–"
+    factor, label = (100.0, "%") if relative else multiple(value, unit)
+    number, spread = float(value) * factor, (std or 0.0) * factor
+    if spread > 0.0 and math.isfinite(spread):
+        places = min(max(1 - math.floor(math.log10(spread)), 0), 7)
+        text = f"{number:.{places}f} ± {spread:.{places}f}"
+    else:
+        text = significant(number)
+    return f"{text}{NBSP}{label}".strip().replace("-", "−")
+
+
+def significant(number: float, digits: int = DIGITS) -> str:
+    """A number with so many significant digits, without an exponent where it can be."""
+    if number == 0.0 or not math.isfinite(number):
+        return "0" if number == 0.0 else "–"
+    places = digits - 1 - math.floor(math.log10(abs(number)))
+    return f"{number:.{max(places, 0)}f}" if places < 9 else f"{number:.{digits - 1}e}"
+
+
+def powers(number: float) -> str:
+    """Two significant digits, and a power of ten where there are many."""
+    if abs(number) < 1e4:
+        return significant(number, 2).replace("-", "−")
+    head, _, tail = f"{number:.1e}".partition("e")
+    return f"{head} × 10{str(int(tail)).translate(RAISED)}"
+
+
+def times(ratio: float | None) -> str:
+    """A ratio: ``1.0``, ``15.4``, ``312``, ``1 340``."""
+    if ratio is None or not math.isfinite(ratio):
+        return "–"
+    return f"{ratio:.1f}" if ratio < 99.95 else f"{ratio:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def listed(words: list[str], last: str = "and") -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}" if words else ""
+
+
+def spoken(effect: str) -> str:
+    """An effect's ID as words."""
+    return effect.replace("_", " ")

@@ -1,0 +1,82 @@
+"""The verdict in one sentence, and what stands directly below it."""
+
+from __future__ import annotations
+
+from trunk_ros.diagnosis.report.errors import Ratio, ratios
+from trunk_ros.diagnosis.report.signals import entries
+from trunk_ros.diagnosis.report.units import listed, spoken, times
+from trunk_ros.diagnosis.result import Diagnosis, Finding
+
+ABOVE = 1.15  # times the noise: what is more is said to be left
+
+
+def sentence(result: Diagnosis) -> str:
+    """What the busy reader needs to know."""
+    rows = ratios(result)
+    if not rows:
+        return "Nothing can be said: no signal moved enough, or was measured enough, to be judged."
+    if result.verdict == "no_mismatch":
+        return "Nothing is missing: the simulation follows the recording down to the sensor noise."
+    if not result.findings:
+        where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
+        return f"The recording departs from the simulation on {where}, and nothing explains it."
+    gain = _gain(rows, len(result.findings)) + _rest(result)
+    return f"Missing in the simulation: {listed(_missing(result))}. {gain}"
+
+
+def _missing(result: Diagnosis) -> list[str]:
+    named = [_named(result, f) for f in result.findings if f.effect != "unknown"]
+    return named + [_unnamed(result, f) for f in result.findings if f.effect == "unknown"]
+
+
+def _named(result: Diagnosis, finding: Finding) -> str:
+    return f"{spoken(finding.effect)} ({_place(result, finding.stage, finding.joints)})"
+
+
+def _unnamed(result: Diagnosis, finding: Finding) -> str:
+    varies = f", which depends on {listed(finding.depends_on)}" if finding.depends_on else ""
+    return f"physics that no name fits ({_place(result, finding.stage, finding.joints)}{varies})"
+
+
+def _gain(rows: list[Ratio], findings: int) -> str:
+    worst = max(rows, key=lambda r: r.before)
+    left = max(rows, key=lambda r: r.after)
+    found = "With it" if findings == 1 else "With them"
+    sizes = f"from {times(worst.before)} to {times(left.after)} times the noise"
+    return f"{found}, the worst error on unseen data falls {sizes}"
+
+
+def _rest(result: Diagnosis) -> str:
+    if not result.unexplained:
+        return "."
+    where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
+    return f"; on {where} a rest is not explained."
+
+
+def _place(result: Diagnosis, stage: str, joints: list[str]) -> str:
+    """The same, with the stage where it is not the wire."""
+    where = place(result, stage, joints)
+    return f"servo of {where}" if stage == "servo" and joints else where
+
+
+def place(result: Diagnosis, stage: str, joints: list[str]) -> str:
+    """Joints in words; all of them in two."""
+    every = entries(result, stage)
+    if not joints:
+        return {"arm": "the tip", "servo": "the servo", "wire": "all joints"}.get(stage, stage)
+    if stage != "arm" and len(joints) > 2 and set(joints) >= set(every):
+        return "all joints"
+    return listed(joints)
+
+
+WORDS = {
+    "no_mismatch": "no mismatch",
+    "explained": "explained",
+    "partly_explained": "partly explained",
+    "unexplained": "unexplained",
+}
+
+
+def verdict_word(result: Diagnosis) -> str:
+    """The verdict as words, or that there is none."""
+    return WORDS[result.verdict] if ratios(result) else "nothing judged"

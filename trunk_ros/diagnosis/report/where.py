@@ -1,0 +1,75 @@
+"""The map of where: each signal of each stage, its error in units of the noise, and what was found there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from trunk_ros.diagnosis.report.errors import Ratio, ratios
+from trunk_ros.diagnosis.report.signals import concerns, entries
+from trunk_ros.diagnosis.report.units import spoken, times
+from trunk_ros.diagnosis.report.verdict import ABOVE
+from trunk_ros.diagnosis.result import Diagnosis
+
+HEAT = (1.15, 2.0, 4.0, 8.0, 16.0)  # times the noise, where the next shade begins
+SILENT = "hardly moves or is hardly measured: nothing can be said"
+MEANING = {"servo": "setpoint to gearbox", "wire": "gearbox to joint", "arm": "joint to tip"}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One field of the map: ``heat`` 0 … 5, or -1 where there is nothing to compare."""
+
+    heat: int
+    text: str
+    found: list[str]
+    rest: bool = False
+
+
+@dataclass(frozen=True)
+class Map:
+    """Stages as columns, signals as rows."""
+
+    stages: list[tuple[str, str]]
+    rows: list[tuple[str, list[Cell]]]
+
+
+def maps(result: Diagnosis) -> list[Map]:
+    """One map of joints and, where the tip was compared, one of the tip."""
+    compared = [s for s in MEANING if result.stages.get(s, {}).get("compared")]
+    known = {(r.stage, r.name): r for r in ratios(result)}
+    out = []
+    for stages in (["servo", "wire"], ["arm"]):
+        shown = [s for s in stages if s in compared]
+        if shown:
+            names = _names(result, shown)
+            rows = [(n, [_cell(result, s, n, known.get((s, n))) for s in shown]) for n in names]
+            out.append(Map([(s, MEANING[s]) for s in shown], rows))
+    return out
+
+
+def not_compared(result: Diagnosis) -> list[str]:
+    """Stages without a comparison, with what they would be."""
+    return [f"{s} ({what})" for s, what in MEANING.items() if not result.stages.get(s, {}).get("compared")]
+
+
+def _names(result: Diagnosis, stages: list[str]) -> list[str]:
+    names: dict[str, None] = {}
+    if stages != ["arm"]:
+        seen = {n for s in stages for n in [*entries(result, s), *result.stages[s].get("silent", [])]}
+        names = dict.fromkeys(j for j in result.model.arm.joints if j in seen)
+    for stage in stages:
+        names |= dict.fromkeys([*entries(result, stage), *result.stages[stage].get("silent", [])])
+    return list(names)
+
+
+def _cell(result: Diagnosis, stage: str, name: str, ratio: Ratio | None) -> Cell:
+    found = [spoken(f.effect) for f in result.findings if concerns(f, stage, name)]
+    if ratio is None:
+        silent = name in result.stages[stage].get("silent", [])
+        return Cell(-1, SILENT if silent else "not measured", found)
+    rest = any(u.stage == stage and (name in u.joints or not u.joints) for u in result.unexplained)
+    changed = abs(ratio.after - ratio.before) > 0.05 * ratio.before
+    text = f"{times(ratio.before)} → {times(ratio.after)}" if changed else times(ratio.before)
+    if stage == "arm" and not changed:  # a tip's coordinate that an arm effect leaves alone
+        found = []
+    return Cell(sum(ratio.before > limit for limit in HEAT), text, found, rest and ratio.after > ABOVE)
