@@ -155,8 +155,9 @@ class Chain:
     ) -> tuple[Array, Array, State]:
         """Gearbox angle, joint angle, state: passes until what depends on the gearbox agrees with it."""
         old, new, begun = (state.blocks, Memory(), state.core) if state else ({}, Memory(), None)
-        true = back(y, self._outer, self._look(stamp, y, None), old, new)
-        now = self._look(stamp, true, (state.stamp, state.angles) if state else None)
+        now = self._look(stamp, y, (state.stamp, state.angles) if state else None)
+        true = back(y, self._outer, now, old, new)
+        now.follow(true)
         x = (true - self._deflection(stamp, state)) / self.arm.ratio
         passes, settled = Passes(state), False
         while not settled:

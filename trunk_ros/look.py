@@ -32,6 +32,11 @@ class Look(Now):
         self._arm, self._path, self._before, self._velocity = arm, path, before, velocity
         self.see(path, path)
 
+    def follow(self, path: Array) -> None:
+        """Take another path (n, joints) for that of the joints."""
+        self._path = path
+        self.__dict__.pop("speed", None)
+
     def see(self, gearbox: Array, angles: Array) -> None:
         """Look at a better estimate (n, joints) of both."""
         self._seen = {"gearbox": gearbox, "angles": angles}
