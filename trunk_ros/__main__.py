@@ -1,4 +1,6 @@
-"""The commands: ``python -m trunk_ros NAME`` everywhere, ``ros2 run trunk_ros NAME`` where ROS is installed."""
+"""The commands: ``python -m trunk_ros NAME`` everywhere, ``ros2 run trunk_ros NAME`` where ROS is
+installed.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "recover": ("trunk_ros.recording.recover", "repair a bag whose recorder was killed"),
     "paper": ("trunk_ros.paper", "the paper's tables and figures, as printed and as computed"),
     "servo_driver": ("trunk_ros.nodes.servo_driver", "node: setpoints to gearbox angles"),
-    "wire_elasticity": ("trunk_ros.nodes.wire_elasticity", "node: gearbox angles to joint angles, wires and tip"),
+    "wire_elasticity": (
+        "trunk_ros.nodes.wire_elasticity",
+        "node: gearbox angles to joint angles, wires and tip",
+    ),
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
@@ -45,7 +50,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 def usage() -> str:
     """One line a command."""
     lines = [f"  {name:16}{what}" for name, (_, what) in COMMANDS.items()]
-    return "\n".join(["usage: python -m trunk_ros COMMAND [arguments]   (COMMAND --help says more)", "", *lines])
+    return "\n".join(
+        ["usage: python -m trunk_ros COMMAND [arguments]   (COMMAND --help says more)", "", *lines]
+    )
 
 
 def _run(name: str, arguments: list[str]) -> int:

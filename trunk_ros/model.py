@@ -69,7 +69,9 @@ class Model:
         return self
 
     def only(self, joints: tuple[str, ...]) -> Model:
-        """The model of some of the arm's joints, in their order. Raises ModelError for a joint that it lacks."""
+        """The model of some of the arm's joints, in their order. Raises ModelError for a joint that it
+        lacks.
+        """
         if joints == self.arm.joints:
             return self
         columns = [self.arm.index(joint) for joint in joints]
@@ -79,7 +81,9 @@ class Model:
                 return [value[c] for c in columns]
             return value[columns] if isinstance(value, np.ndarray) else value
 
-        effects = {name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()}
+        effects = {
+            name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()
+        }
         return replace(self, arm=self.loaded_arm().only(joints), effects=effects)
 
     def bound(self, stage: str) -> list[Effect]:

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from trunk_ros import __version__
-from trunk_ros.recording.arguments import Parser
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import common_joints, fill, joint_grid, resample
+from trunk_ros.diagnosis.align import SAME, common_joints, fill, joint_grid, resample
 from trunk_ros.model import Model, load_model
+from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -21,9 +21,11 @@ SOURCES = ("gearbox_states", "setpoints")
 
 
 def simulate(recording: Recording, model: Model, source: str = "gearbox_states") -> Recording:
-    """What a model predicts for a recording's gearbox angles or setpoints; recorded joint angles are never read.
+    """What a model predicts for a recording's gearbox angles or setpoints; recorded joint angles are
+    never read.
 
-    Stamps are those of the recorded ``joint_states``, else of the source. Raises RecordingError where the source is missing.
+    Stamps are those of the recorded ``joint_states``, else of the source. Raises RecordingError where the
+    source is missing.
     """
     given = recording.require(source)
     joints = common_joints(recording, model, given)
@@ -35,9 +37,7 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
         given = _gearbox(recording, given, model)
         series["gearbox_states"] = given
     series["joint_states"] = _joints(given, shown_at, model)
-    return Recording(
-        name=recording.name, start_ns=recording.start_ns, duration=recording.duration, series=series, tip=None, notes=(), units=recording.units
-    )
+    return Recording(recording.name, recording.start_ns, recording.duration, series, units=recording.units)
 
 
 def _joints(gearbox: JointSeries, shown_at: Array, model: Model) -> JointSeries:
@@ -50,14 +50,17 @@ def _joints(gearbox: JointSeries, shown_at: Array, model: Model) -> JointSeries:
 def _gearbox(recording: Recording, setpoints: JointSeries, model: Model) -> JointSeries:
     wanted = recording.series.get("gearbox_states", setpoints).stamp
     grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
-    held = fill(setpoints.position)[np.clip(np.searchsorted(setpoints.stamp, grid + 1e-6, side="right") - 1, 0, None)]
-    phi, _ = Chain(model.only(setpoints.joints), "servo").run(held, grid)
+    last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
+    phi, _ = Chain(model.only(setpoints.joints), "servo").run(fill(setpoints.position)[last], grid)
     return JointSeries(wanted[kept], setpoints.joints, phi[rows])
 
 
 def main(argv: list[str]) -> int:
     """The command."""
-    parser = Parser("simulate", description="Run a model over a recording: the bag OUT_BAG holds the predicted joint_states.")
+    parser = Parser(
+        "simulate",
+        description="Run a model over a recording: the bag OUT_BAG holds the predicted joint_states.",
+    )
     parser.add_argument("bag", metavar="BAG")
     parser.add_argument("--model", required=True, metavar="MODEL.yaml", help="a file, or trunk or direct")
     parser.add_argument("--output", required=True, metavar="OUT_BAG")

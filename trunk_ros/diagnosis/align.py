@@ -21,9 +21,11 @@ MOVED = 3e-4  # rad
 
 @dataclass(frozen=True)
 class Span:
-    """One stage of one recording. ``grid`` (m,) is where the model is computed, ``rows`` (n,) which of it was measured.
+    """One stage of one recording. ``grid`` (m,) is where the model is computed, ``rows`` (n,) which of it
+    was measured.
 
-    ``source`` (m, joints) is the input, ``target`` (n, joints) what was measured, ``valid`` (n, joints) what counts.
+    ``source`` (m, joints) is the input, ``target`` (n, joints) what was measured, ``valid`` (n, joints) what
+    counts.
     """
 
     name: str
@@ -44,7 +46,9 @@ class Span:
 
 
 def wire_span(recording: Recording, model: Model) -> Span:
-    """Gearbox angles against joint angles. Raises RecordingError where a topic or all common joints are missing."""
+    """Gearbox angles against joint angles. Raises RecordingError where a topic or all common joints are
+    missing.
+    """
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
     gearbox, measured = gearbox.select(joints), measured.select(joints)
@@ -114,7 +118,9 @@ def _subdivided(grid: Array) -> Array:
 
 
 def resample(series: JointSeries, grid: Array) -> tuple[Array, Array]:
-    """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that fits."""
+    """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that
+    fits.
+    """
     t, position = series.stamp, fill(series.position)
     if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
         return position, _velocity(series, position)
@@ -188,7 +194,9 @@ def _after_gaps(stamp: Array, grid: Array) -> np.ndarray:
 
 
 def _engaged(u: Array, rows: np.ndarray) -> np.ndarray:
-    """(n, joints): from where the joint has moved enough for the unknown state at the start to be forgotten."""
+    """(n, joints): from where the joint has moved enough for the unknown state at the start to be
+    forgotten.
+    """
     travel = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
     span = np.ptp(u, axis=0)
     wanted = np.maximum(0.15 * span, MOVED)

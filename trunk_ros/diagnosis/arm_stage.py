@@ -25,7 +25,9 @@ TURNS = 3
 
 @dataclass
 class TipData:
-    """Tip and joint angles at the same stamps: ``tip`` (n, 3) y, z [m], roll [rad]; ``theta`` (n, joints) rad."""
+    """Tip and joint angles at the same stamps: ``tip`` (n, 3) y, z [m], roll [rad]; ``theta`` (n, joints)
+    rad.
+    """
 
     arm: Arm
     stamp: Array
@@ -137,7 +139,9 @@ class ArmProblem:
         return ArmFit(values, {k: float(s) for k, s in zip(keys, spread, strict=True)}, gain)
 
     def held_out(self, keys: list[tuple[str, int]]) -> Array:
-        """(n, 3) residuals of all recordings, each half of the blocks predicted by a fit to the other half."""
+        """(n, 3) residuals of all recordings, each half of the blocks predicted by a fit to the other
+        half.
+        """
         folds = [np.arange(len(d.stamp)) * BLOCKS // max(len(d.stamp), 1) % 2 for d in self.data]
         fits = [self.solve(keys, [f != half for f in folds])[0] for half in (0, 1)]
         parts = [self.residual(values) for values in fits]

@@ -22,7 +22,9 @@ UNNAMED = ("unknown", "unknown_servo")
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect to try: on one column, or on all where ``column`` is None; ``gain`` is what a linear look promises."""
+    """An effect to try: on one column, or on all where ``column`` is None; ``gain`` is what a linear look
+    promises.
+    """
 
     effect: str
     form: str
@@ -125,7 +127,9 @@ class Screen:
         return np.asarray(np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0])
 
     def products(self, candidate: Candidate, column: int) -> tuple[float, float]:
-        """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot follow it."""
+        """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot
+        follow it.
+        """
         there = extended(self.problem, self.explanation, candidate)
         changes = [
             a - b for a, b in zip(self.problem.predictions(there, column), self.base[column], strict=True)
@@ -177,7 +181,9 @@ class Screen:
         return best
 
     def _on_those_that_gain(self, kind: type[Effect], trial: Candidate) -> Candidate | None:
-        """On all joints; where a joint has values of its own, on those that a linear look finds better off."""
+        """On all joints; where a joint has values of its own, on those that a linear look finds better
+        off.
+        """
         each = {c: self.products(trial, c) for c in self.problem.columns}
         if any(not p.shared for p in kind.own_parameters(trial.form)):
             each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > dd}
@@ -203,7 +209,9 @@ class Screen:
 def _scaled(
     kind: type[Effect], trial: Candidate, rd: float, dd: float, known: Collection[str] = ()
 ) -> Candidate | None:
-    """The candidate with its leading parameter scaled to the optimum of a linear look; None where it cannot help."""
+    """The candidate with its leading parameter scaled to the optimum of a linear look; None where it
+    cannot help.
+    """
     if dd <= 1e-12:
         return None
     lead: Parameter = kind.own_parameters(trial.form)[0]

@@ -34,9 +34,13 @@ def main(argv: list[str]) -> int:
             lambda text: status.update(text),
         )
     result.provenance = {
-        "command": shlex.join(["trunk_ros", "diagnose", *argv]), "trunk_ros": __version__, "python": sys.version.split()[0],
-        "model": str(arguments.model), "model_hash": model.hash(), "bags": [str(bag) for bag in arguments.bag],
-    }  # fmt: skip
+        "command": shlex.join(["trunk_ros", "diagnose", *argv]),
+        "trunk_ros": __version__,
+        "python": sys.version.split()[0],
+        "model": str(arguments.model),
+        "model_hash": model.hash(),
+        "bags": [str(bag) for bag in arguments.bag],
+    }
     with new_folder(arguments.output, arguments.overwrite, FILES) as folder:
         result.save(folder)
         write_report(result, folder)

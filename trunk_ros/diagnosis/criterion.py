@@ -24,7 +24,8 @@ CURVE = 2.5  # price of a curve without a name, in effects
 def need(problem: Problem, column: int) -> float:
     """The gain on a column below which nothing is claimed there.
 
-    The encoder's steps are an error of the input that stands still with the joint, so they are no noise to be averaged.
+    The encoder's steps are an error of the input that stands still with the joint, so they are no noise to be
+    averaged.
     """
     steps = problem.resolution(column) / problem.noise[column].std
     least = problem.count(column) * max(RELEVANT, STEPS * steps**2)

@@ -36,7 +36,8 @@ def diagnose(
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
-    ``against``: another simulator's recording of the same motion, whose prediction takes the place of the model's.
+    ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
+    model's.
     Raises RecordingError or ModelError in one line.
     """
     read = [r if isinstance(r, Recording) else read_recording(r, from_time, until) for r in recordings]

@@ -1,4 +1,6 @@
-"""How sure a finding is: spread of its values, what it gains, and the rivals that explain the data as well."""
+"""How sure a finding is: spread of its values, what it gains, and the rivals that explain the data as
+well.
+"""
 
 from __future__ import annotations
 

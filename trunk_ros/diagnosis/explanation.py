@@ -39,6 +39,11 @@ class Term:
         words = {column: dict(values) for column, values in self.words.items()}
         return Term(self.effect, self.form, dict(self.shared), own, words, self.given)
 
+    def key(self, column: int) -> tuple[object, ...]:
+        """What the term does on one joint, for caches."""
+        own, words = self.own[column].items(), self.words.get(column, {}).items()
+        return (self.effect, self.form, tuple(self.shared.items()), tuple(own), tuple(words))
+
     @property
     def columns(self) -> list[int]:
         """The joints that the effect is on."""
@@ -89,7 +94,7 @@ class Explanation(dict[str, Term]):
 
     def take(self, column: int, other: Explanation) -> None:
         """Have on a column what another explanation has there."""
-        for name, term in self.items():
+        for term in self.values():
             term.own.pop(column, None)
             term.words.pop(column, None)
         for term in other.on(column):
@@ -110,16 +115,7 @@ class Explanation(dict[str, Term]):
 
     def key(self, column: int) -> tuple[object, ...]:
         """What a prediction of one joint depends on, for caches."""
-        return tuple(
-            (
-                t.effect,
-                t.form,
-                tuple(t.shared.items()),
-                tuple(t.own[column].items()),
-                tuple(t.words.get(column, {}).items()),
-            )
-            for t in self.on(column)
-        ) + (payload_of(self),)
+        return (payload_of(self), *(term.key(column) for term in self.on(column)))
 
     def without(self, name: str, column: int | None = None) -> Explanation:
         """A copy without an effect, on one joint or at all."""
@@ -205,6 +201,7 @@ def describe(explanation: Explanation) -> str:
     """One line for logs: effect(form)@joints."""
 
     def one(term: Term) -> str:
-        return f"{term.effect}{'/' + term.form if term.form else ''}@{','.join(str(c + 1) for c in term.columns)}"
+        form = f"/{term.form}" if term.form else ""
+        return f"{term.effect}{form}@{','.join(str(c + 1) for c in term.columns)}"
 
     return " + ".join(one(t) for t in explanation.values()) or "nominal"

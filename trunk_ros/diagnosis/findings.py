@@ -19,10 +19,15 @@ from trunk_ros.effects import Effect, effect
 from trunk_ros.model import Values
 
 UNNAMED = ("unknown", "unknown_servo")
-VARIES_WITH = {
-    "always": [], "posture": ["position"], "reversal": ["direction"], "hold": ["time"], "low_speed": ["speed"],
-    "high_speed": ["speed"], "time": ["time"],
-}  # fmt: skip
+VARIES_WITH: dict[str, list[str]] = {
+    "always": [],
+    "posture": ["position"],
+    "reversal": ["direction"],
+    "hold": ["time"],
+    "low_speed": ["speed"],
+    "high_speed": ["speed"],
+    "time": ["time"],
+}
 REGIME_OF = {
     "position": "posture",
     "load": "posture",
@@ -132,22 +137,19 @@ def _statement(
 ) -> str:
     where = ", ".join(joints) if joints else "the arm"
     if variable:
-        return f"{where}: physics that no name fits, which depends on {variable}; a smooth curve stands in for it."
-    values = []
-    for owner, named in parameters.items():
-        for name, v in named.items():
-            if isinstance(v["value"], str):
-                values.append(f"{owner} {name} {v['value']}")
-            else:
-                spread = "" if v["std"] is None else f" ± {v['std']:.2g}"
-                values.append(
-                    f"{owner} {name} = {v['value']:.4g}{spread} {v['unit']}".rstrip(" 1")
-                    if v["unit"] == "1"
-                    else f"{owner} {name} = {v['value']:.4g}{spread} {v['unit']}"
-                )
-    return f"{where}: {title(kind)[0].lower()}{title(kind)[1:]}" + (
-        f" ({'; '.join(values)})." if values else "."
-    )
+        return f"{where}: depends on {variable} in a way that no name fits; a smooth curve stands in for it."
+    values = [f"{owner} {_said(name, v)}" for owner, named in parameters.items() for name, v in named.items()]
+    what = f"{title(kind)[0].lower()}{title(kind)[1:]}"
+    return f"{where}: {what}" + (f" ({'; '.join(values)})." if values else ".")
+
+
+def _said(name: str, value: dict[str, Any]) -> str:
+    """A parameter as one reads it."""
+    if isinstance(value["value"], str):
+        return f"{name} {value['value']}"
+    spread = "" if value["std"] is None else f" ± {value['std']:.2g}"
+    unit = "" if value["unit"] == "1" else f" {value['unit']}"
+    return f"{name} = {value['value']:.4g}{spread}{unit}"
 
 
 def _curve(problem: Problem, term: Term, variable: str) -> dict[str, Any]:
@@ -197,7 +199,7 @@ def arm_findings(problem: ArmProblem, done: ArmFit) -> tuple[list[Finding], dict
         column: Array = np.zeros(len(joints))
         for c, v in mine.items():
             column[c] = v
-        values[name] = {p.name: mine[-1] if -1 in mine else column}
+        values[name] = {p.name: mine.get(-1, column)}
         gain = sum(done.gain[name, c] for c in mine)
         out.append(
             Finding(

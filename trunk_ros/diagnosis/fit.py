@@ -56,7 +56,7 @@ class Residuals:
         base = self.parts(x)
         ends = np.cumsum([0, *(len(part) for part in base)])
         out = np.zeros((ends[-1], len(x)))
-        low, high = bounds(self.free)
+        _, high = bounds(self.free)
         for k, f in enumerate(self.free):
             step = STEP * self.scale[k] * (1.0 if x[k] + STEP * self.scale[k] <= high[k] else -1.0)
             moved = x.copy()
@@ -72,7 +72,9 @@ class Residuals:
 def fit(
     problem: Problem, explanation: Explanation, columns: list[int], evaluations: int = EVALUATIONS
 ) -> Fit:
-    """Fit what is free on ``columns``. Shared values move only where all joints that they act on are among the columns."""
+    """Fit what is free on ``columns``. Shared values move only where all joints that they act on are
+    among the columns.
+    """
     residuals = Residuals(problem, explanation, columns)
     x = explanation.get(residuals.free)
     jacobian = np.zeros((0, 0))

@@ -16,7 +16,9 @@ BLOCKS = 10
 
 @dataclass(frozen=True)
 class Error:
-    """Root mean square of one signal's error, with its standard error over blocks of time, before and after."""
+    """Root mean square of one signal's error, with its standard error over blocks of time, before and
+    after.
+    """
 
     before: float
     before_std: float

@@ -38,7 +38,7 @@ def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[
             values = np.sign(now.speed[:, 0]) if name == "direction" else abscissa(name, now, 0)
             parts.append(values[view.span.rows][view.span.valid[:, column]])
         scores[name] = accounted(np.concatenate(parts), residual)
-    frequency, share = spectrum(problem.views[0].span.stamp, problem.residual(0, explanation, column))
+    _, share = spectrum(problem.views[0].span.stamp, problem.residual(0, explanation, column))
     if share > 0.2:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)

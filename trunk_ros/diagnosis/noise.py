@@ -24,7 +24,9 @@ class Noise:
     correlation: float = 0.0
 
     def whiten(self, residual: Array, follows: np.ndarray) -> Array:
-        """Residuals (n, ...) as independent unit noise; ``follows`` (n,) where the sample before counts as well."""
+        """Residuals (n, ...) as independent unit noise; ``follows`` (n,) where the sample before counts
+        as well.
+        """
         if self.correlation == 0.0:
             return residual / self.std
         rest = self.std * np.sqrt(1.0 - self.correlation**2)
@@ -36,7 +38,8 @@ class Noise:
 def noise_of(residuals: list[Array], masks: list[np.ndarray], coloured: bool = True) -> Noise:
     """Noise of one signal from fourth differences of its residual at strides one to three, by the median.
 
-    What moves slowly against the sampling cancels in them, and rare kinks do not move a median. Without ``coloured``
+    What moves slowly against the sampling cancels in them, and rare kinks do not move a median. Without
+    ``coloured``
     the noise is taken as white: samples far apart in time share none.
     """
     spread = [_robust(residuals, masks, stride) for stride in (1, 2, 3)]
@@ -61,7 +64,9 @@ def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> flo
 
 
 def _trimmed(size: Array) -> float:
-    """Standard deviation of what lies within three of it, starting from the median: a tenth of its scatter."""
+    """Standard deviation of what lies within three of it, starting from the median: a tenth of its
+    scatter.
+    """
     std = float(MEDIAN_TO_STD * np.median(size))
     for _ in range(5):
         inside = size[size <= 3.0 * std]

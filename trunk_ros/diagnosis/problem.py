@@ -16,7 +16,6 @@ from trunk_ros.diagnosis.noise import Noise, noise_of
 from trunk_ros.effects.effect import Core, Now
 from trunk_ros.model import Model
 
-
 CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
 
 
@@ -158,7 +157,8 @@ class Problem(ABC):
         return noise_of(residuals, masks, coloured=self.step < SLOW)
 
     def look_again(self, explanation: Explanation) -> None:
-        """Let coupling and load see the angles that an explanation predicts."""
+        """Let coupling and load see the angles that an explanation predicts, where the stage has any."""
+        return None
 
 
 class WireProblem(Problem):

@@ -90,7 +90,9 @@ class Diagnosis:
 
 @dataclass
 class Plots:
-    """Arrays that the report draws: per stage and signal, stamps, measured, predicted before and after, what counts."""
+    """Arrays that the report draws: per stage and signal, stamps, measured, predicted before and after,
+    what counts.
+    """
 
     signals: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
 

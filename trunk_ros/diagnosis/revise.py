@@ -1,4 +1,6 @@
-"""Changes to an explanation that are tried after each step: other forms, fewer effects, others in their place."""
+"""Changes to an explanation that are tried after each step: other forms, fewer effects, others in their
+place.
+"""
 
 from __future__ import annotations
 
@@ -186,7 +188,9 @@ def _on_all(search: Search, explanation: Explanation, name: str) -> bool:
 
 
 def unname(search: Search, now: Fit) -> Fit | None:
-    """Put a smooth curve in the place of named effects, or of a rest, where that explains a joint better; None if nowhere."""
+    """Put a smooth curve in the place of named effects, or of a rest, where that explains a joint better;
+    None if nowhere.
+    """
     changed = False
     for column in search.problem.columns:
         key = ("unname", column, search.problem.version, now.explanation.key(column))

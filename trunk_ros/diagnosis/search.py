@@ -50,7 +50,9 @@ class Search:
         return now
 
     def refit(self, explanation: Explanation) -> Fit:
-        """Fit joint by joint, or all at once where they share values; with an effect of load, in its own postures."""
+        """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
+        postures.
+        """
         done = self._refit(explanation)
         if any(effect(name).everywhere and "load" in effect(name).needs for name in explanation):
             self.problem.look_again(done.explanation)
@@ -124,7 +126,9 @@ class Search:
         return [self._merged(now, name, trials) for name, trials in chosen.items() if trials]
 
     def trials(self, now: Fit, column: int) -> Trials:
-        """(gain, fit) of the effects that would help a column; kept while nothing that bears on it changes."""
+        """(gain, fit) of the effects that would help a column; kept while nothing that bears on it
+        changes.
+        """
         key = (column, self.problem.version, now.explanation.key(column))
         if key not in self.tried:
             self.tried[key] = self._try(now, column)

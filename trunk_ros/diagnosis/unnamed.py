@@ -19,7 +19,9 @@ TURNS = 3  # of curve and named values, each fitted while the other rests
 
 
 def curve_fit(problem: Problem, bare: Explanation, column: int) -> Fit | None:
-    """The explanation with the curve, over whatever it is best drawn over, that explains most of a column's rest."""
+    """The explanation with the curve, over whatever it is best drawn over, that explains most of a
+    column's rest.
+    """
     if problem.stage != "wire":
         return None
     bare = fit(problem, bare, [column]).explanation
