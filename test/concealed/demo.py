@@ -1,0 +1,222 @@
+"""``make demo``: an arm with hidden physics is driven over DDS, recorded, diagnosed; its model tried again.
+
+What is hidden is drawn from a seed in the arm's own process; here it is looked at only after the verdict.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from rich.console import Console
+
+from test.concealed.catalogue import CATALOGUE
+from test.concealed.demo_picture import SETTLED, Comparison, draw
+from test.concealed.demo_runs import Arm, DemoError, drive, other_motion, trunk
+from test.concealed.demo_table import answers, table
+from test.concealed.hide import NOISE, hide
+from test.concealed.nominal import Array
+from test.concealed.removed import read_angles
+
+SEED = 211
+OWN = ("run_*", "nominal", "fitted", "motion_*.yaml", "diagnosis", "diagnosis.json", "model.yaml",
+       "report.html", "demo.png", "experiment*")  # fmt: skip
+T = TypeVar("T")
+
+
+def main(argv: list[str] | None = None) -> int:
+    """0 where all that was hidden is named, 1 where not or a step failed, 130 after Ctrl-C."""
+    asked = parser().parse_args(argv)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    demo = Demo(Arm(asked.seed, asked.effects), Path(asked.output), asked.seconds)
+    try:
+        demo.check()
+        good = demo.run()
+        if asked.compensate:
+            demo.compensate()
+    except DemoError as error:
+        print(f"demo: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("demo: ended by hand", file=sys.stderr)
+        return 130
+    return 0 if good else 1
+
+
+def parser() -> argparse.ArgumentParser:
+    """The arguments."""
+    parse = argparse.ArgumentParser(prog="python -m test.concealed.demo", description=__doc__)
+    add = parse.add_argument
+    add("--seed", type=int, default=SEED, help=f"which arm; {SEED} by default")
+    add(
+        "--effects",
+        default="",
+        help=f"what to hide, comma separated, in place of drawn ones: {', '.join(CATALOGUE)}",
+    )
+    add("--seconds", type=float, default=30.0, help="length of each run, 30 by default")
+    add("--output", default="demo-output", help="folder; what an earlier demo left in it is replaced")
+    add(
+        "--compensate",
+        action="store_true",
+        help="run the second motion again with the fitted model in the compensator",
+    )
+    return parse
+
+
+class Demo:
+    """The steps, each with a line."""
+
+    def __init__(self, arm: Arm, folder: Path, seconds: float):
+        self.arm, self.folder, self.seconds = arm, folder.absolute(), seconds
+        self.console = Console(highlight=False, soft_wrap=True)
+        self.began = time.monotonic()
+
+    def check(self) -> None:
+        """Raises DemoError for an arm that cannot be; makes room for the output."""
+        try:
+            hide(self.arm.seed, self._effects())
+        except ValueError as error:
+            raise DemoError(str(error)) from None
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for pattern in OWN:
+            for old in self.folder.glob(pattern):
+                shutil.rmtree(old) if old.is_dir() else old.unlink()
+
+    def _effects(self) -> list[str]:
+        return self.arm.effects.split(",") if self.arm.effects else []
+
+    def step(self, words: str, what: Callable[[], T]) -> T:
+        """Do something, and say how long it took."""
+        began = time.monotonic()
+        with self.console.status(words):
+            out = what()
+        self.console.print(f"[green]✓[/] {words} [dim]({time.monotonic() - began:.0f} s)[/]")
+        return out
+
+    def run(self) -> bool:
+        """The whole demo; whether all that was hidden is named."""
+        self.console.print(f"[bold]A wire-driven arm with hidden physics[/] (seed {self.arm.seed})")
+        self.record()
+        verdict = self.step("diagnose it against the nominal simulation", self.diagnose)
+        self.say(verdict)
+        good = self.reveal(verdict["findings"])
+        self.judge(verdict)
+        self.console.print(f"[dim]{time.monotonic() - self.began:.0f} s in all[/]")
+        return good
+
+    def record(self) -> None:
+        """Two runs of the same arm with different motions."""
+        out, motion = self.folder, self.folder / "motion_2.yaml"
+        other_motion(motion, self.arm.seed, self.seconds)
+        self.step(
+            f"drive it over DDS with the real compensator, record {self.seconds:.0f} s of it",
+            lambda: drive(self.arm, out / "run_1", self.seconds, 1),
+        )
+        self.step(
+            "record a second run, another motion, to judge on",
+            lambda: drive(self.arm, out / "run_2", self.seconds, 2, "--trajectory", motion),
+        )
+
+    def diagnose(self) -> dict[str, Any]:
+        """diagnosis.json of the first run; all its files go to the output folder."""
+        found = self.folder / "diagnosis"
+        trunk("diagnose", self.folder / "run_1", "--output", found)
+        for file in found.iterdir():
+            file.rename(self.folder / file.name)
+        found.rmdir()
+        verdict: dict[str, Any] = json.loads((self.folder / "diagnosis.json").read_text())
+        return verdict
+
+    def say(self, verdict: dict[str, Any]) -> None:
+        """The verdict in its own words."""
+        self.console.print(f"\n[bold]Verdict: {verdict['verdict'].replace('_', ' ')}[/]")
+        for finding in verdict["findings"]:
+            self.console.print(
+                f"  [cyan]{finding['effect']}[/] ({finding['confidence']:.0%}): {finding['statement']}"
+            )
+            if finding["equivalents"]:
+                self.console.print(
+                    f"    [dim]these data cannot tell it from {', '.join(finding['equivalents'])}[/]"
+                )
+        for rest in verdict["unexplained"]:
+            self.console.print(f"  unexplained: {rest['statement']}")
+
+    def reveal(self, findings: list[dict[str, Any]]) -> bool:
+        """What was hidden beside what was said."""
+        given, extra = answers([h.told() for h in hide(self.arm.seed, self._effects())], findings)
+        self.console.print("\n[bold]What was hidden[/]")
+        self.console.print(table(given))
+        for one in extra:
+            self.console.print(f"  [yellow]{one['effect']}[/] was said, but is not there")
+        return all(answer.finding is not None for answer in given)
+
+    def judge(self, verdict: dict[str, Any]) -> None:
+        """The fitted model on the second run, in numbers and as a picture."""
+        servo = any(finding["stage"] == "servo" for finding in verdict["findings"])
+        source = "setpoints" if servo else "gearbox_states"
+        self.console.print()
+        comparison = self.step("simulate the second run, nominal and fitted", lambda: self.compare(source))
+        draw(comparison, self.folder / "demo.png")
+        before, after = (pooled(comparison.rms(x)) for x in (comparison.nominal, comparison.fitted))
+        self.console.print(
+            f"  error of the joint angles, mrad rms: "
+            f"[bold]{1e3 * before:.3f} before, {1e3 * after:.3f} after[/]; "
+            f"noise of the sensors {1e3 * NOISE:.3f}"
+        )
+        for name in ("demo.png", "report.html", "model.yaml"):
+            self.console.print(f"  {shown(self.folder / name)}")
+
+    def compare(self, source: str) -> Comparison:
+        """Runs both models over the second run."""
+        run = self.folder / "run_2"
+        for name, model in (("nominal", "trunk"), ("fitted", self.folder / "model.yaml")):
+            trunk("simulate", run, "--model", model, "--output", self.folder / name, "--from", source)
+        measured, nominal, fitted = (
+            read_angles(bag, "joint_states") for bag in (run, self.folder / "nominal", self.folder / "fitted")
+        )
+        kept = np.isin(measured.stamp, nominal.stamp) & np.isin(measured.stamp, fitted.stamp)
+        stamp = measured.stamp[kept]
+        a, b, c = (x.angle[np.isin(x.stamp, stamp)] for x in (measured, nominal, fitted))
+        return Comparison((stamp - stamp[0]) * 1e-9, a, b, c, NOISE)
+
+    def compensate(self) -> None:
+        """The second motion once more, with the fitted model in the compensator."""
+        motion = ("--trajectory", self.folder / "motion_2.yaml", "--model", self.folder / "model.yaml")
+        words = "run the second motion again with the fitted model in the compensator"
+        self.step(words, lambda: drive(self.arm, self.folder / "run_3", self.seconds, 3, *motion))
+        before, after = (self.true_error(name) for name in ("run_2", "run_3"))
+        self.console.print(
+            f"  true joint angle less reference, mrad rms: "
+            f"[bold]{1e3 * before:.3f} before, {1e3 * after:.3f} after[/]"
+        )
+
+    def true_error(self, run: str) -> float:
+        """Of the true joint angle against the reference, rad rms."""
+        wanted = read_angles(self.folder / run, "trunk/reference")
+        truth = np.load(self.folder / f"{run}_truth.npz")
+        _, ours, theirs = np.intersect1d(wanted.stamp, truth["stamp"], return_indices=True)
+        late = wanted.stamp[ours] - wanted.stamp[0] > SETTLED * 1e9
+        return float(np.sqrt(((truth["theta"][theirs] - wanted.angle[ours])[late] ** 2).mean()))
+
+
+def pooled(rms: Array) -> float:
+    """Over all joints."""
+    return float(np.sqrt((rms**2).mean()))
+
+
+def shown(path: Path) -> str:
+    """As short as it can be."""
+    here = Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
