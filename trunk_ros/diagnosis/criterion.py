@@ -33,7 +33,7 @@ def need(problem: Problem, column: int) -> float:
 
 
 def price(problem: Problem, term: Term) -> float:
-    """What a term must gain, over all its joints."""
+    """What a term must gain, over all its joints; a further source counts as a further effect."""
     needs = {c: need(problem, c) for c in term.columns if c in problem.columns}
     if not needs:
         return 0.0
@@ -42,8 +42,9 @@ def price(problem: Problem, term: Term) -> float:
     free = Explanation({term.effect: term}).free(list(term.columns))
     if effect(term.effect).everywhere:
         return max(needs.values()) + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)
+    words = sum(n * max(len(term.words.get(c, {})) - 1, 0) for c, n in needs.items())
     own_values = sum(1 for f in free if f.column is not None)
-    return sum(needs.values()) + FURTHER * max(own_values - len(needs), 0)
+    return sum(needs.values()) + words + FURTHER * max(own_values - len(needs), 0)
 
 
 def score(problem: Problem, state: Fit) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.unnamed import spectrum
@@ -59,4 +60,5 @@ def accounted(x: Array, residual: Array) -> float:
 def _variables(problem: Problem, column: int) -> list[str]:
     others = [j for k, j in enumerate(problem.joints) if k != column]
     load = ["load"] if problem.arm.has_load else []
-    return ["position", "direction", "speed", "time", *load, *others]
+    speed = ["speed"] if problem.step < SLOW else []
+    return ["position", "direction", *speed, "time", *load, *others]

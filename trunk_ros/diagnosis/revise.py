@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from trunk_ros.diagnosis.candidates import Screen, extended, given, usable
+from trunk_ros.diagnosis.candidates import UNNAMED, Screen, extended, given, usable
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.unnamed import UNKNOWN, curve_fit
@@ -105,6 +105,34 @@ def _joined_or_left(search: Search, now: Fit, name: str, column: int) -> Fit | N
         return None
     joined = extended(search.problem, now.explanation, replace(start, column=None, columns=(column,)))
     return search.refit_column(now, joined, column)
+
+
+def sources(search: Search, now: Fit) -> Fit:
+    """Leave out a joint's further sources, or find another effect in their place."""
+    for name in [n for n in now.explanation if effect(n).texts and n not in UNNAMED]:
+        for column in now.explanation[name].columns if name in now.explanation else ():
+            while len(now.explanation.get_words(name, column)) > 1:
+                trial = _less_a_source(search, now, name, column)
+                if search.score(trial) > search.score(now):
+                    break
+                now = trial
+    return now
+
+
+def _less_a_source(search: Search, now: Fit, name: str, column: int) -> Fit:
+    """Without the last source, alone or with what then explains most."""
+    bare = now.explanation.copy()
+    last = len(bare[name].words[column]) - 1
+    bare[name].words[column].pop(effect(name).texts[last])
+    bare[name].own[column].pop(effect(name).parameters[last].name)
+    best = search.refit_column(now, bare, column)
+    screen = Screen(search.problem, best.explanation, [column])
+    kinds = [k for k in search.local_kinds() if k.id != name and search.open(k.id, column, bare)]
+    for candidate in screen.ranked(kinds, column, 2):
+        trial = search.refit_column(now, extended(search.problem, best.explanation, candidate), column)
+        if search.credible(trial.explanation, column):
+            best = better(search, best, trial)
+    return best
 
 
 def incredible(search: Search, now: Fit) -> Fit:

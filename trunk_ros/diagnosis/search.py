@@ -95,6 +95,7 @@ class Search:
             revise.options,
             revise.members,
             revise.incredible,
+            revise.sources,
             revise.drop,
             revise.exchange,
             revise.exchange_everywhere,

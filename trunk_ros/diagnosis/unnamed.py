@@ -7,6 +7,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lombscargle
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
@@ -66,7 +67,8 @@ def variables(problem: Problem, column: int) -> list[str]:
     """What a curve may be drawn over: words of the effect ``unknown``."""
     others = [joint for k, joint in enumerate(problem.joints) if k != column]
     load = ["load"] if problem.arm.has_load else []
-    return ["position", "speed", "time", *load, *others]
+    speed = ["speed"] if problem.step < SLOW else []
+    return ["position", *speed, "time", *load, *others]
 
 
 def knot_names() -> list[str]:

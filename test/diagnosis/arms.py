@@ -1,0 +1,67 @@
+"""Recordings of arms with known physics, made with the package itself: for what the plants of
+test/concealed need not show.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.chain import Chain
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+RATE = 100.0
+NOISE = 1e-4
+
+
+def setpoints_of(seconds: float, joints: int, seed: int = 0) -> np.ndarray:
+    """(n, joints) gearbox angles: sums of sines with stops."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(int(seconds * RATE)) / RATE
+    out = np.zeros((len(t), joints))
+    for j in range(joints):
+        for _ in range(4):
+            out[:, j] += rng.uniform(0.05, 0.16) * np.sin(
+                2 * np.pi * rng.uniform(0.03, 0.5) * t + rng.uniform(0, 6)
+            )
+    return out
+
+
+def recorded(
+    effects: dict[str, dict[str, Any]] | None = None,
+    seconds: float = 40.0,
+    seed: int = 0,
+    noise: float = NOISE,
+    name: str = "made",
+) -> Recording:
+    """Setpoints, gearbox and joints of the nominal arm with some effects."""
+    nominal = load_model("trunk")
+    model = Model(nominal.arm, effects or {})
+    joints, stamp = nominal.arm.joints, np.arange(int(seconds * RATE)) / RATE
+    setpoints = setpoints_of(seconds, len(joints), seed)
+    phi, _ = Chain(model, "servo").run(setpoints, stamp)
+    step = 2 * np.pi / nominal.arm.counts_per_rev
+    theta, _ = Chain(model, "wire").run(phi, stamp)
+    theta = theta + np.random.default_rng(seed + 1).normal(size=theta.shape) * noise
+    velocity = np.gradient(phi, stamp, axis=0)
+    series = {
+        "setpoints": JointSeries(stamp, joints, setpoints),
+        "gearbox_states": JointSeries(stamp, joints, np.round(phi / step) * step, velocity),
+        "joint_states": JointSeries(stamp, joints, theta),
+    }
+    return Recording(name, 1_750_000_000_000_000_000, float(stamp[-1]), series)
+
+
+def on(joint: int, value: float) -> np.ndarray:
+    """A value on one joint (from 1), nothing on the others."""
+    out = np.zeros(5)
+    out[joint - 1] = value
+    return out
+
+
+def reshaped(recording: Recording, key: str, **changes: Any) -> Recording:
+    """A recording with one topic changed."""
+    return replace(recording, series={**recording.series, key: replace(recording.series[key], **changes)})

@@ -1,0 +1,128 @@
+"""What a diagnosis says of recordings whose physics is known."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded, reshaped
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.model import load_model
+from trunk_ros.simulate import simulate
+
+
+def test_an_arm_with_nothing_missing_has_no_finding() -> None:
+    result = diagnose([recorded()])
+    assert result.verdict == "no_mismatch"
+    assert result.findings == []
+    assert result.unexplained == []
+
+
+def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() -> None:
+    recording = recorded({"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}})
+    result = diagnose([recording])
+    named = {f.effect: f for f in result.findings}
+    assert set(named) == {"backlash", "ratio_error"}
+    assert named["backlash"].joints == ["joint_2"]
+    assert named["ratio_error"].joints == ["joint_4"]
+    width = named["backlash"].parameters["joint_2"]["half_width"]
+    assert width["value"] == pytest.approx(8e-4, abs=4 * width["std"])
+    assert width["unit"] == "rad"
+    assert result.verdict == "explained"
+
+
+def test_the_error_falls_to_the_noise_on_samples_that_the_fit_did_not_see() -> None:
+    result = diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})])
+    joint = result.stages["wire"]["joints"]["joint_2"]
+    assert joint["rmse_before"] > 5 * joint["noise_floor"]
+    assert joint["rmse_after"] == pytest.approx(joint["noise_floor"], rel=0.1)
+
+
+def test_the_model_found_predicts_another_run_of_the_same_arm() -> None:
+    effects = {"joint_coupling": {"gain": on(5, 0.01), "source": ["", "", "", "", "joint_3"]}}
+    result = diagnose([recorded(effects)])
+    other = recorded(effects, seed=7, noise=0.0)
+    measured = other.series["joint_states"].position[300:]
+    error = {
+        name: np.sqrt(
+            np.mean((simulate(other, model).series["joint_states"].position[300:, 4] - measured[:, 4]) ** 2)
+        )
+        for name, model in (("before", load_model("trunk")), ("after", result.model))
+    }
+    assert error["after"] < 0.05 * error["before"]
+
+
+def test_a_late_sensor_is_one_delay_of_the_whole_arm() -> None:
+    result = diagnose([recorded({"sensor_delay": {"delay": 0.02}})])
+    (found,) = result.findings
+    assert found.effect == "sensor_delay"
+    assert len(found.joints) == 5
+    assert found.parameters["arm"]["delay"]["value"] == pytest.approx(0.02, abs=5e-4)
+
+
+def test_a_slower_servo_is_blamed_on_the_servo_and_not_on_the_wire() -> None:
+    result = diagnose([recorded({"servo_bandwidth": {"relative": -0.2}})])
+    (found,) = result.findings
+    assert (found.effect, found.stage) == ("servo_bandwidth", "servo")
+    assert result.model.effects["servo_bandwidth"]["relative"] == pytest.approx(-0.2, abs=0.01)
+
+
+def test_a_bump_that_no_name_fits_is_unknown_and_its_curve_still_predicts() -> None:
+    recording = recorded()
+    joints = recording.series["joint_states"]
+    bump = 1e-3 * np.exp(-0.5 * ((joints.position[:, 2] - 0.05) / 0.05) ** 2)
+    position = joints.position.copy()
+    position[:, 2] += bump
+    result = diagnose([reshaped(recording, "joint_states", position=position)])
+    (found,) = result.findings
+    assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_3"], ["position"])
+    assert result.verdict == "unexplained"
+    wire = result.stages["wire"]["joints"]["joint_3"]
+    assert wire["rmse_after"] < 1.2 * wire["noise_floor"]
+
+
+def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
+    truth = {"backlash": {"half_width": on(1, 1e-3)}, "zero_offset": {"offset": on(3, 2e-3)}}
+    real = recorded(truth)
+    theirs = simulate(real, replace(load_model("trunk"), effects={"zero_offset": {"offset": on(3, 2e-3)}}))
+    result = diagnose([real], against=theirs)
+    assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_1"])]
+
+
+def test_several_recordings_are_one_arm() -> None:
+    effects = {"ratio_error": {"relative": on(2, 0.004)}}
+    result = diagnose([recorded(effects, 20.0), recorded(effects, 25.0, seed=3)])
+    assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_2"])]
+
+
+def test_a_joint_that_hardly_moves_is_said_to_be_silent() -> None:
+    recording = recorded()
+    still = {}
+    for key in ("setpoints", "gearbox_states", "joint_states"):
+        position = recording.series[key].position.copy()
+        position[:, 3] = position[0, 3]
+        still[key] = replace(recording.series[key], position=position)
+    result = diagnose([replace(recording, series={**recording.series, **still})])
+    assert result.stages["wire"]["silent"] == ["joint_4"]
+    assert all("joint_4" not in f.joints for f in result.findings if f.stage == "wire")
+
+
+def test_the_json_has_the_schema_that_programs_rely_on(tmp_path: Path) -> None:
+    result = diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})])
+    result.save(tmp_path)
+    said = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert said["schema"] == "trunk_ros/diagnosis/1"
+    assert said["verdict"] == "explained"
+    assert {"stages", "findings", "unexplained", "experiments"} <= set(said)
+    (finding,) = said["findings"]
+    assert set(finding["parameters"]["joint_2"]["half_width"]) == {"value", "std", "unit"}
+    assert 0.0 <= finding["confidence"] <= 1.0
+    assert finding["regime"] == "reversal"
+    assert {"unit", "rmse_before", "rmse_after", "noise_floor"} <= set(
+        said["stages"]["wire"]["joints"]["joint_2"]
+    )
+    assert load_model(tmp_path / "model.yaml").hash() == result.model.hash()
