@@ -76,7 +76,8 @@ class Demo:
 
     def __init__(self, arm: Arm, folder: Path, seconds: float):
         self.arm, self.folder, self.seconds = arm, folder.absolute(), seconds
-        self.console = Console(highlight=False, soft_wrap=True)
+        wide = None if sys.stdout.isatty() else 120
+        self.console = Console(highlight=False, soft_wrap=True, width=wide)
         self.began = time.monotonic()
 
     def check(self) -> None:

@@ -43,7 +43,9 @@ def table(given: list[Answer]) -> Table:
         for n, (joint, name, value) in enumerate(_parameters(answer.truth)):
             first = (answer.truth["effect"], answer.words) if n == 0 else ("", "")
             where = "all" if joint == "arm" else joint
-            out.add_row(first[0], where, name, _number(value), _found(answer.finding, joint, name), first[1])
+            # of another form than the contract's, the true value has no counterpart in what was found
+            true = _number(value) + ("" if answer.truth["same"] else f" ({answer.truth['form']})")
+            out.add_row(first[0], where, name, true, _found(answer.finding, joint, name), first[1])
     return out
 
 
