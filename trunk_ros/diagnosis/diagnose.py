@@ -22,6 +22,7 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.time_range import time_range
 
 Progress = Callable[[str], None]
 
@@ -40,7 +41,7 @@ def diagnose(
     model's.
     Raises RecordingError or ModelError in one line.
     """
-    read = [r if isinstance(r, Recording) else read_recording(r, from_time, until) for r in recordings]
+    read = [_read(r, from_time, until) for r in recordings]
     nominal = model if isinstance(model, Model) else load_model(model)
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
@@ -168,6 +169,12 @@ class Diagnoser:
             self.result.unexplained.append(
                 Unexplained("arm", [], "always", share, [], "The tip is not where the joints put it.")
             )
+
+
+def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
+    if isinstance(recording, Recording):
+        return recording.part(*time_range(recording.duration, from_time, until))
+    return read_recording(recording, from_time, until)
 
 
 def shifted(span: Span, model: Model, against: Recording) -> Span:

@@ -124,9 +124,8 @@ def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, float
         loss = 0.0
         for c in columns:
             trials = [x for x in promising[c] if x.effect == kind.id] or screen.forms(kind, c)[:1]
-            costs = [
-                search.refit_column(bare, extended(problem, bare.explanation, x), c).cost[c] for x in trials
-            ]
+            fits = [search.refit_column(bare, extended(problem, bare.explanation, x), c) for x in trials]
+            costs = [f.cost[c] for f in fits if search.credible(f.explanation, c)]
             loss += min(costs, default=bare.cost[c]) - state.cost[c]
         losses[kind.id] = float(loss)
     if effect(name).everywhere or len(columns) == len(problem.columns):

@@ -128,7 +128,8 @@ def _value(value: float, std: float | None, unit: str) -> dict[str, Any]:
 
 def title(kind: type[Effect]) -> str:
     """What an effect is, in the first line of its file."""
-    text = sys.modules[kind.__module__].__doc__ or kind.id
+    module = sys.modules.get(kind.__module__)
+    text = (module and module.__doc__) or kind.__doc__ or kind.id
     return text.strip().split("\n")[0].rstrip(".")
 
 

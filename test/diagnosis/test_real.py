@@ -1,0 +1,57 @@
+"""Real recordings, where they lie beside the project: a model found on one run predicts others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.recording.import_csv import read_csv
+from trunk_ros.recording.recording import Recording
+from trunk_ros.share import config_path
+from trunk_ros.simulate import simulate
+
+FOLDER = Path(__file__).parents[3] / "shared" / "real" / "dvrk-wrist"
+LINEAR = {"exp1": (0.121, 0.122), "exp2": (0.099, 0.103), "exp4": (0.141, 0.074)}
+"""rms [rad] of q5 and q6 under a linear map of all six commands, fitted on the first 70 % of train_random."""
+QUASI_STATIC = {"sensor_delay", "viscous_lag", "stribeck_friction", "link_resonance"}
+
+pytestmark = [
+    pytest.mark.skipif(not FOLDER.is_dir(), reason="no real recordings here"),
+    pytest.mark.timeout(600),
+]
+
+
+def read(name: str) -> Recording:
+    return read_csv(FOLDER / f"{name}.csv", config_path("import/dvrk-wrist"))
+
+
+@pytest.fixture(scope="module")
+def result() -> Diagnosis:
+    return diagnose([read("train_random")], model="direct", until="70%")
+
+
+def rms(result: Diagnosis, name: str) -> np.ndarray:
+    run = read(name)
+    predicted = simulate(run, result.model).series["joint_states"]
+    error = predicted.position - run.series["joint_states"].select(predicted.joints).position
+    return np.sqrt(np.nanmean(error**2, axis=0))[[predicted.joints.index("q5"), predicted.joints.index("q6")]]
+
+
+@pytest.mark.parametrize("name", sorted(LINEAR))
+def test_the_model_found_predicts_the_wrist_better_than_a_linear_map(result: Diagnosis, name: str) -> None:
+    assert np.all(rms(result, name) < LINEAR[name])
+
+
+def test_the_cross_talk_of_q5_and_q6_is_named(result: Diagnosis) -> None:
+    (coupling,) = [f for f in result.findings if f.effect == "joint_coupling"]
+    assert {"q5", "q6"} <= set(coupling.joints)
+    assert coupling.parameters["q5"]["source"]["value"] == "q6"
+    assert coupling.parameters["q6"]["source"]["value"] == "q5"
+
+
+def test_a_recording_that_stops_to_measure_shows_nothing_of_speed(result: Diagnosis) -> None:
+    assert not QUASI_STATIC & {f.effect for f in result.findings}
+    assert "high_speed" not in {f.regime for f in result.findings}

@@ -1,0 +1,320 @@
+"""The page: what it says, that it is one safe file, and that its curves show what was found."""
+
+import base64
+import re
+import time
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from test.diagnosis import made
+from trunk_ros.diagnosis.report import figure_before_after, render, write
+from trunk_ros.diagnosis.report.errors import culprit_spans
+from trunk_ros.diagnosis.report.signals import contributions, reversals, signals
+from trunk_ros.diagnosis.report.units import powers, quantity
+from trunk_ros.diagnosis.report.view import cloud, view_of
+from trunk_ros.diagnosis.result import Diagnosis, Unexplained
+
+TRAIN = Path(__file__).parents[3] / "shared" / "concealed" / "dev_two_0" / "train"
+
+PARTS = [
+    "Where", "Before and after", "When", "What was found", "Still unexplained", "What would settle it",
+    "Quality of the data", "To reproduce",
+]  # fmt: skip
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and the text of each kind of tag."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text: dict[str, list[str]] = {}
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data: str) -> None:
+        self.text.setdefault(self.tags[-1][0] if self.tags else "", []).append(data)
+
+
+def pictures(page: str) -> list[str]:
+    """The SVG of all images of a page."""
+    return [
+        base64.b64decode(x).decode()
+        for x in re.findall(r"data:image/svg\+xml;base64,([A-Za-z0-9+/=]+)", page)
+    ]
+
+
+def words(page: str) -> str:
+    """What a reader sees, in one line."""
+    text = re.sub(r"<style>.*?</style>", "", page, flags=re.S)
+    return " ".join(re.sub(r"<[^>]+>", " ", text).replace("\N{NO-BREAK SPACE}", " ").split())
+
+
+@pytest.fixture(scope="module")
+def found() -> Diagnosis:
+    return made.backlash()
+
+
+@pytest.fixture(scope="module")
+def page(found: Diagnosis) -> str:
+    return render(found)
+
+
+def test_the_first_heading_is_the_verdict_in_one_sentence(page: str) -> None:
+    tags = [tag for tag, _ in Page(page).tags]
+    assert next(tag for tag in tags if re.fullmatch(r"h\d", tag)) == "h1"
+    assert re.search(r"<h1>Missing in the simulation: backlash \(joint_3\)\. With it, .* falls from", page)
+
+
+def test_nothing_missing_is_said_only_of_what_was_judged() -> None:
+    clean = made.diagnosis({}, [])
+    assert "Nothing is missing" in render(clean)
+    clean.stages["wire"] = {"compared": True, "joints": {}, "silent": list(made.JOINTS)}
+    clean.plots = None
+    text = words(render(clean))
+    assert "Nothing is missing" not in text
+    assert "Nothing can be said" in text
+    assert "nothing judged" in text
+
+
+def test_a_joint_that_hardly_moves_is_said_to_be_unknown(found: Diagnosis) -> None:
+    stages = {**found.stages, "wire": {**found.stages["wire"], "silent": ["joint_6"]}}
+    assert "joint_6 hardly moves" in words(render(replace(found, stages=stages)))
+
+
+def test_the_page_needs_no_other_file_and_runs_no_script(page: str) -> None:
+    for tag, attributes in Page(page).tags:
+        assert tag not in ("script", "link", "iframe", "object", "embed")
+        assert all(not name.startswith("on") for name in attributes)
+        assert attributes.get("href") is None
+        assert (attributes.get("src") or "data:").startswith("data:")
+    assert "default-src 'none'" in page
+    assert "url(" not in page
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "<script>alert(1)</script>",
+        "</style><img src=x onerror=alert(1)>",
+        '"><u>',
+        "$x^{",
+        "a\x00\x1b",
+        "{{ 7*7 }}",
+    ],
+)
+def test_names_from_a_recording_are_never_markup(name: str) -> None:
+    joints = ("joint_1", "joint_2", name, "joint_4", "joint_5")
+    result = made.backlash(name, joints)
+    result.unexplained.append(Unexplained("wire", [name], "always", 0.2, [name], f"{name}: 20% is left."))
+    result.quality = {name: result.quality["run1"] | {"notes": [name]}}
+    result.provenance["bags"] = [name]
+    page = render(result)
+    plain = render(made.backlash())
+    assert {tag for tag, _ in Page(page).tags} <= {tag for tag, _ in Page(plain).tags} | {"ul", "li"}
+    drawn = [element.tag for picture in pictures(page) for element in ElementTree.fromstring(picture).iter()]
+    assert drawn
+    assert not any(tag.endswith(("}script", "}img", "}u")) for tag in drawn)
+    assert name.split("<")[-1].rstrip(">") in "".join(t for ts in Page(page).text.values() for t in ts)
+    assert "49" not in re.findall(r"<h1>.*</h1>", page)[0]
+
+
+def test_a_path_that_is_not_text_does_not_stop_the_report(found: Diagnosis, tmp_path: Path) -> None:
+    write(replace(found, provenance={"bags": ["run\udcff"]}), tmp_path / "report.html")
+    assert "run?" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_every_part_of_the_report_is_there(page: str) -> None:
+    text = words(page)
+    assert re.findall("<h2>(.*)</h2>", page) == PARTS
+    assert "trunk_ros diagnose run1 --output out" in text
+    assert "The end is cut off." in text
+    assert "1, longest 400.0 ms at 12.0 s" in text
+    assert "39" in text
+    assert "3 duplicates" in text
+    assert "100 Hz" in text
+
+
+def test_values_have_spreads_and_sensible_units(page: str) -> None:
+    assert "1.0000 ± 0.0023 mrad" in words(page)
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "unit", "text"),
+    [
+        (0.0123, 0.0004, "s", "12.30 ± 0.40 ms"),
+        (0.21, None, "rad", "12.03 °"),
+        (-2e-5, 1e-6, "rad", "−20.0 ± 1.0 µrad"),
+        (0.6159, 0.001, "rad/s", "0.6159 ± 0.0010 rad/s"),
+        (0.0279, None, "rad/(N*m)", "27.90 mrad/(N·m)"),
+        (0.0638, 0.0008, "kg", "63.80 ± 0.80 g"),
+        (float("nan"), None, "rad", "–"),
+        ("joint_1", None, "", "joint_1"),
+        (0.0, 0.0, "m", "0 µm"),
+    ],
+)
+def test_quantities_are_written_as_in_the_field(
+    value: object, std: float | None, unit: str, text: str
+) -> None:
+    assert quantity(value, std, unit).replace("\N{NO-BREAK SPACE}", " ") == text
+
+
+def test_large_losses_have_powers_of_ten() -> None:
+    assert powers(15628181.0) == "1.6 × 10⁷"
+
+
+def test_rivals_are_listed_nearest_first_with_what_they_would_show(found: Diagnosis) -> None:
+    card = found.findings[0]
+    evidence = {**card.evidence, "rivals": {"friction_wear": 5000.0, "presliding_hysteresis": 3.0}}
+    card = replace(card, evidence=evidence, equivalents=["presliding_hysteresis"])
+    text = words(render(replace(found, findings=[card])))
+    assert text.index("presliding hysteresis 0.00") < text.index("friction wear 0.8")
+    assert "would show: a square wave with the sign of the motion that grows with time" in text
+    assert "These data cannot tell it from presliding hysteresis." in text
+    assert "No experiment was designed" in text
+
+
+def test_an_experiment_says_what_to_run(found: Diagnosis) -> None:
+    proposal = {
+        "separates": ["backlash", "tension_error"],
+        "statement": "Compare joints.",
+        "trajectory": "a.yaml",
+    }
+    text = words(render(replace(found, experiments=[proposal])))
+    assert "Compare joints. Separates backlash from tension error." in text
+    assert "--trajectory a.yaml" in text
+
+
+def test_what_is_left_is_framed_in_the_map_and_named_in_the_verdict(found: Diagnosis) -> None:
+    wire = found.stages["wire"]["joints"]
+    left = {**wire, "joint_2": {**wire["joint_2"], "rmse_before": 3e-4, "rmse_after": 3e-4}}
+    stages = {**found.stages, "wire": {**found.stages["wire"], "joints": left}}
+    rest = [Unexplained("wire", ["joint_2"], "time", 0.5, ["time"], "joint_2: half of it is left.")]
+    page = render(replace(found, stages=stages, unexplained=rest))
+    assert page.count(" rest") >= 1
+    assert re.search(r'class="heat2 rest">3\.0', page)
+    assert "on joint_2 a rest is not explained." in words(page)
+    assert "joint_2: half of it is left." in words(page)
+
+
+def test_culprit_spans_are_where_the_nominal_error_is_well_above_the_noise() -> None:
+    result = made.diagnosis({}, [])
+    assert result.plots is not None
+    held = result.plots.signals["wire", "joint_1"]
+    held["measured"] = held["measured"] + np.where((held["stamp"] > 20) & (held["stamp"] < 30), 1e-3, 0.0)
+    assert culprit_spans(signals(result)[0]) == [pytest.approx((20.0, 30.0), abs=0.6)]
+    assert culprit_spans(signals(result)[1]) == []
+
+
+def test_the_signature_of_a_backlash_turns_from_plus_to_minus_its_width(
+    found: Diagnosis,
+) -> None:
+    signal = next(s for s in signals(found) if s.name == "joint_3")
+    view = view_of(found.findings[0], "joint_3")
+    part = contributions(found, found.findings[0])["joint_3"]
+    shown = cloud(found, view, signal, part)
+    assert shown.y_label == "error along the motion / mrad"
+    assert shown.curve_y[0] == pytest.approx(1.0, abs=0.3)
+    assert shown.curve_y[-1] == pytest.approx(-1.0, abs=0.01)
+    late = shown.y[shown.x > 10]
+    assert float(late.mean()) == pytest.approx(-1.0, abs=0.05)
+
+
+def test_two_effects_on_one_joint_are_drawn_apart() -> None:
+    ratio = made.finding("ratio_error", ["joint_3"], {"joint_3": {"relative": made.value(0.01, 1e-5, "1")}})
+    width = made.backlash().findings[0]
+    only = np.array([0.0, 0.0, 1.0, 0.0, 0.0])
+    both = {"ratio_error": {"relative": 0.01 * only}, "backlash": {"half_width": 1e-3 * only}}
+    result = made.diagnosis(both, [ratio, width])
+    signal = signals(result)[2]
+    shown = cloud(result, view_of(ratio, "joint_3"), signal, contributions(result, ratio)["joint_3"])
+    slope = np.polyfit(np.radians(shown.x), 1e-3 * shown.y, 1)[0]
+    assert slope == pytest.approx(0.01, rel=0.02)
+    assert np.ptp(contributions(result, width)["joint_3"]) == pytest.approx(2e-3, rel=0.1)
+
+
+def test_travel_starts_anew_at_each_reversal_and_noise_is_none() -> None:
+    u = np.concatenate([np.linspace(0, 1, 101), np.linspace(1, 0, 101)[1:]])
+    direction, travel = reversals(u + 1e-5 * np.random.default_rng(0).standard_normal(len(u)))
+    assert np.all(direction[:100] == 1)
+    assert np.all(direction[102:] == -1)
+    assert travel[-1] == pytest.approx(1.0, abs=1e-3)
+    assert travel[102] == pytest.approx(0.02, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "regime", ["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
+)
+def test_every_regime_has_a_signature_also_of_effects_that_nobody_knows(regime: str) -> None:
+    result = made.backlash()
+    unheard = replace(result.findings[0], effect="of_the_users_own", regime=regime, depends_on=[])
+    page = render(replace(result, findings=[unheard]))
+    assert 'alt="Signature of of the users own"' in page
+
+
+def test_findings_without_plots_are_told_all_the_same() -> None:
+    tilt = made.finding(
+        "base_tilt", [], {"arm": {"angle": made.value(2e-3, 1e-5)}}, stage="arm", regime="always"
+    )
+    result = made.diagnosis({}, [tilt])
+    tip = {"unit": "m", "rmse_before": 4e-4, "rmse_after": 3e-5, "noise_floor": 3e-5}
+    result.stages["arm"] = {"compared": True, "tip": {"y": tip}}
+    text = words(render(result))
+    assert "base tilt (the tip)" in text
+    assert "2.000 ± 0.010 mrad" in text
+    assert "13.3 → 1.0" in text
+    result.plots = None
+    assert "2.000 ± 0.010 mrad" in words(render(result))
+
+
+def test_joints_that_slide_are_in_millimetres(found: Diagnosis) -> None:
+    joints = {name: {**said, "unit": "m"} for name, said in found.stages["wire"]["joints"].items()}
+    stages = {**found.stages, "wire": {**found.stages["wire"], "joints": joints}}
+    drawn = "".join(pictures(render(replace(found, stages=stages))))
+    assert "error along the motion / mm" in drawn
+    assert "mrad" not in drawn
+
+
+def test_drawing_leaves_no_trace_in_matplotlib(found: Diagnosis) -> None:
+    before = dict(mpl.rcParams)
+    figure = figure_before_after(found)
+    render(found)
+    assert dict(mpl.rcParams) == before
+    assert len(figure.axes) == 1
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    assert pyplot.get_fignums() == []
+
+
+def test_the_same_diagnosis_gives_the_same_page(found: Diagnosis, page: str) -> None:
+    assert render(found) == page
+
+
+def test_five_joints_with_three_findings_are_drawn_in_three_seconds_and_two_megabytes() -> None:
+    every = np.ones(5)
+    effects = {"ratio_error": {"relative": 0.01 * every}, "backlash": {"half_width": 1e-3 * every}}
+    findings = [made.finding(name, list(made.JOINTS), {}) for name in (*effects, "unknown")]
+    result = made.diagnosis(effects, findings)
+    render(result)  # compiles
+    start = time.process_time()
+    page = render(result)
+    assert time.process_time() - start < 3.0
+    assert len(page) < 2_000_000
+
+
+@pytest.mark.skipif(not TRAIN.exists(), reason="the labelled recordings are not here")
+def test_a_real_diagnosis_fills_the_page(tmp_path: Path) -> None:
+    from trunk_ros.diagnosis import diagnose
+
+    result = diagnose([TRAIN])
+    write(result, tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert len(pictures(page)) == 2 + len(result.findings)
+    assert all(f.effect.replace("_", " ") in page for f in result.findings)
