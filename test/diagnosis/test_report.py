@@ -177,7 +177,7 @@ def test_rivals_are_listed_nearest_first_with_what_they_would_show(found: Diagno
     card = replace(card, evidence=evidence, equivalents=["presliding_hysteresis"])
     text = words(render(replace(found, findings=[card])))
     assert text.index("presliding hysteresis 0.00") < text.index("friction wear 0.8")
-    assert "would show: a square wave with the sign of the motion that grows with time" in text
+    assert "; would show: a square wave with the sign of the motion that grows with time" in text
     assert "These data cannot tell it from presliding hysteresis." in text
     assert "No experiment was designed" in text
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from trunk_ros.diagnosis.report.signals import concerns, signals
@@ -103,20 +104,25 @@ def per_sample(loss: float, samples: int) -> str:
 
 def rivals(finding: Finding, samples: int) -> list[dict[str, Any]]:
     """Effects that were put in its place, the nearest first, and by how much worse they explain the data."""
+    gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
     near = sorted(finding.evidence.get("rivals", {}).items(), key=lambda item: float(item[1]))
     return [
         {
             "name": spoken(name),
             "loss": per_sample(float(loss), samples),
-            "why": "explains these data as well" if name in finding.equivalents else _shows(name),
+            "why": "explains these data as well" if name in finding.equivalents else _why(name, loss, gain),
         }
         for name, loss in near
     ]
 
 
-def _shows(name: str) -> str:
-    """What would be seen if a rival were true."""
+def _why(name: str, loss: float, gain: float) -> str:
+    """How much of what there is to explain a rival explains, and what would be seen if it were true."""
+    share = min(max(1.0 - float(loss) / gain, 0.0), 0.9999) if gain > 0.0 else 0.0
+    head = (
+        f"explains {math.floor(1000 * share) / 10:g} % of it" if share > 0.005 else "explains nothing of it"
+    )
     if name not in registry():
-        return ""
+        return head
     text = effect(name).signature.rstrip(".")
-    return f"would show: {text[0].lower()}{text[1:]}"
+    return f"{head}; would show: {text[0].lower()}{text[1:]}"

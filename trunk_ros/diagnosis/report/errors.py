@@ -163,7 +163,7 @@ def _over_time(axis: Axes, signal: Signal) -> None:
         hair = 0.004 * 2 * factor * _size(before)  # so that a single value is seen too
         axis.fill_between(t, low - hair, high + hair, color=colour, lw=0.4)
     axis.axhline(0.0, color=INK, lw=0.4)
-    limits(axis, factor * before)
+    limits(axis, factor * np.concatenate([before, after]), np.zeros(1))
     axis.set_xlim(signal.stamp[0], signal.stamp[-1])
     axis.set_ylabel(unit)
     axis.set_title(f"{signal.stage} · {label(signal.name)}", pad=2)

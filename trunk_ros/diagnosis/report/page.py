@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.report.errors import (
 from trunk_ros.diagnosis.report.signals import Signal, signals
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import listed, spoken
-from trunk_ros.diagnosis.report.verdict import place, sentence, verdict_word
+from trunk_ros.diagnosis.report.verdict import sentence, verdict_word
 from trunk_ros.diagnosis.report.where import maps, not_compared
 from trunk_ros.diagnosis.result import Diagnosis
 
@@ -55,7 +55,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "quiet": quiet(result, shown),
         "well_above": WELL_ABOVE,
         "cards": cards(result),
-        "unexplained": [(u, place(result, u.stage, u.joints)) for u in result.unexplained],
+        "unexplained": result.unexplained,
         "unnamed": any(f.effect == "unknown" for f in result.findings),
         "experiments": result.experiments,
         "rivals_remain": any(f.equivalents for f in result.findings),

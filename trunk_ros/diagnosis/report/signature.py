@@ -37,10 +37,20 @@ def figure_signature(result: Diagnosis, finding: Finding) -> Figure | None:
         axis.set_title(label(signal.name), pad=3)
     for axis in axes[len(mine) :]:
         axis.set_visible(False)
-    for row in range(rows):
-        axes[row * columns].set_ylabel(clouds[row * columns].y_label)
-    figure.supxlabel(", ".join(sorted({label_of(c) for c in clouds})), fontsize=8.5, color=MUTED)
+    _label(figure, list(axes), clouds, columns)
     return figure
+
+
+def _label(figure: Figure, axes: list[Axes], clouds: list[Cloud], columns: int) -> None:
+    """Labels once where they are the same, else on each panel."""
+    across, up = {label_of(c) for c in clouds}, {c.y_label for c in clouds}
+    for k, (axis, held) in enumerate(zip(axes, clouds, strict=False)):
+        if len(up) > 1 or k % columns == 0:
+            axis.set_ylabel(held.y_label)
+        if len(across) > 1:
+            axis.set_xlabel(label_of(held))
+    if len(across) == 1:
+        figure.supxlabel(across.pop(), fontsize=8.5, color=MUTED)
 
 
 def label_of(held: Cloud) -> str:
@@ -57,7 +67,7 @@ def _panel(axis: Axes, held: Cloud) -> None:
     if held.log:
         axis.set_xscale("log")
         axis.xaxis.set_major_formatter(PLAIN)
-    limits(axis, np.concatenate([held.y, held.curve_y]))
+    limits(axis, held.y, held.curve_y, 0.01)
     axis.locator_params(axis="y", nbins=5)
     if not held.log:
         axis.locator_params(axis="x", nbins=4)

@@ -92,10 +92,11 @@ def envelope(stamp: Array, values: Array, cells: int = 400) -> tuple[Array, Arra
     return (edges[:-1] + edges[1:]) / 2, low, high
 
 
-def limits(axis: Axes, values: Array, share: float = 0.002) -> None:
-    """Let the y axis hold nearly all values, with some room."""
+def limits(axis: Axes, values: Array, whole: Array, share: float = 0.002) -> None:
+    """Let the y axis hold nearly all values, and the ``whole`` of others, with some room."""
     known = values[np.isfinite(values)]
-    if len(known):
-        low, high = np.quantile(known, [share, 1 - share])
+    held = np.concatenate([np.quantile(known, [share, 1 - share]) if len(known) else known, whole])
+    if len(held):
+        low, high = float(held.min()), float(held.max())
         room = 0.08 * (high - low) or 1.0
-        axis.set_ylim(float(low - room), float(high + room))
+        axis.set_ylim(low - room, high + room)

@@ -78,7 +78,8 @@ def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
         keep &= x > (max(1e-4 * float(np.nanmax(x)), 1e-9))
     x, y, drawn = x[keep], y[keep], (part * sign)[keep]
     factor, unit = multiple(float(np.quantile(np.abs(y), 0.99)) if len(y) else 1.0, signal.unit)
-    scale, x_label = _scaled(view, signal, x)
+    units = {s.name: s.unit for s in signals(result) if s.stage == signal.stage}
+    scale, x_label = _scaled(view, signal, units.get(view.over, signal.unit), x)
     curve = (x, drawn) if view.window else _means(x, drawn, log, CELLS_OVER.get(view.over, CELLS))
     few = np.linspace(0, len(x) - 1, min(len(x), POINTS)).astype(int)
     side = " along the motion" if view.along else ""
@@ -149,17 +150,15 @@ def _means(x: Array, y: Array, log: bool, cells: int) -> tuple[Array, Array]:
     return mean_x, mean_y
 
 
-def _scaled(view: View, signal: Signal, x: Array) -> tuple[float, str]:
-    """Factor and label of the abscissa."""
+def _scaled(view: View, signal: Signal, unit: str, x: Array) -> tuple[float, str]:
+    """Factor and label of the abscissa; ``unit`` of the joint that it is an angle of."""
     if view.over in LABELS:
-        return 1.0, LABELS[view.over] if signal.unit == "rad" else LABELS[view.over].replace(
-            "rad", signal.unit
-        )
+        return 1.0, LABELS[view.over].replace("rad", unit)
     size = 0.01 if view.over == "travel" else float(np.max(np.abs(x), initial=0.0))
-    factor, unit = multiple(size, signal.unit)
+    factor, label = multiple(size, unit)
     if view.over == "travel":
-        return factor, f"travel since the reversal / {unit}"
-    if unit == "mrad":
-        factor, unit = math.degrees(1.0), "°"
+        return factor, f"travel since the reversal / {label}"
+    if label == "mrad":
+        factor, label = math.degrees(1.0), "°"
     what = "gearbox angle" if signal.stage == "servo" else "joint angle asked for by the gearbox"
-    return factor, f"{what if view.over == 'position' else view.over} / {unit}"
+    return factor, f"{what if view.over == 'position' else view.over} / {label}"
