@@ -1,0 +1,149 @@
+"""``make proof``: arms with concealed physics, diagnosed without the answer, then scored. Resumable by seed.
+
+A part in at most ten minutes; ``FULL=1`` in the environment: everything. Both write ``proof/``: results.json,
+table.md and figures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from test.concealed.evidence import as_json, evidence, shares_removed
+from test.concealed.judge import ROOT, Task, code, judged, known_marks
+from test.concealed.proof_figures import draw_figures
+from test.concealed.proof_table import as_markdown
+from test.concealed.seeds import CLEAN, CONCEALED, in_turn
+
+PART_SECONDS = 510.0  # no case begins later in a part; the figures and the last case fit into ten minutes
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def parser() -> argparse.ArgumentParser:
+    """Arguments; FULL=1 in the environment is --full."""
+    asked = argparse.ArgumentParser(prog="python -m test.concealed.proof", description=__doc__)
+    asked.add_argument("--full", action="store_true", default=os.environ.get("FULL", "") not in ("", "0"))
+    asked.add_argument("--output", type=Path, default=ROOT / "proof")
+    asked.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1))
+    asked.add_argument(
+        "--seconds", type=float, help="begin no case later, default 510 for the part, none for all"
+    )
+    asked.add_argument("--cases", type=int, help="only so many, in the order of the proof")
+    return asked
+
+
+def _running(todo: list[Task], workers: int, deadline: float) -> Iterator[dict[str, Any]]:
+    """Marks as they come; none begins after the deadline."""
+    context = multiprocessing.get_context("spawn")  # nothing of this process but the code
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        left = iter(todo)
+        running: set[Future[dict[str, Any]]] = set()
+        while True:
+            while len(running) < workers and time.monotonic() < deadline:
+                task = next(left, None)
+                if task is None:
+                    break
+                running.add(pool.submit(judged, task))
+            if not running:
+                return
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            yield from (future.result() for future in done)
+
+
+def _bar(console: Console) -> Progress:
+    words = TextColumn("{task.description}")
+    return Progress(
+        words, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(), console=console
+    )
+
+
+def prove(tasks: list[Task], workers: int, seconds: float, console: Console) -> list[dict[str, Any]]:
+    """Marks of the tasks that are done, those from before included."""
+    kept = {task.kept.stem: known_marks(task) for task in tasks}
+    marks = {name: one for name, one in kept.items() if one is not None}
+    todo = [task for task in tasks if task.kept.stem not in marks]
+    with _bar(console) as bar:
+        shown = bar.add_task("concealed cases", total=len(tasks), completed=len(marks))
+        for one in _running(todo, workers, time.monotonic() + seconds):
+            marks[one["name"]] = one
+            bar.update(shown, advance=1, description=f"{one['name']:18}")
+    return [marks[task.kept.stem] for task in tasks if task.kept.stem in marks]
+
+
+def _about(cases: list[dict[str, Any]]) -> str:
+    done = [c for c in cases if "not_drawn" not in c]
+    clean = sum(c["kind"] in CLEAN for c in done)
+    planned = [sum(map(len, group.values())) for group in (CONCEALED, CLEAN)]
+    kinds = ", ".join(f"{sum(c['kind'] == k for c in done)} {k}" for k in {**CONCEALED, **CLEAN})
+    return (
+        f"{len(done) - clean} of {planned[0]} concealed cases and {clean} of {planned[1]} clean arms ran "
+        f"({kinds}); code {code()}. In brackets: 95 % intervals (Wilson; bootstrap over cases for F1, means "
+        "and percentiles)."
+    )
+
+
+def write(cases: list[dict[str, Any]], output: Path) -> str:
+    """Writes results.json, table.md and the figures; gives the table."""
+    found = evidence(cases)
+    table = as_markdown(found, cases, _about(cases))
+    results = {
+        "schema": "trunk_ros/proof/1",
+        "code": code(),
+        "seeds": _seeds(),
+        **as_json(found),
+        "cases": cases,
+    }
+    (output / "results.json").write_text(json.dumps(results, indent=1))
+    (output / "table.md").write_text(table)
+    draw_figures(found, shares_removed([c for c in cases if "not_drawn" not in c]), output)
+    return table
+
+
+def _seeds() -> dict[str, list[int]]:
+    return {kind: [some.start, some.stop] for kind, some in {**CONCEALED, **CLEAN}.items()}
+
+
+def main(argv: list[str] | None = None) -> int:
+    """0 when the files are written, 1 where no case could be done."""
+    asked = parser().parse_args(argv)
+    console = Console(stderr=True)
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
+    for left in ("open", "sealed", "answers"):  # of a round that was stopped
+        shutil.rmtree(asked.output / left, ignore_errors=True)
+    asked.output.mkdir(parents=True, exist_ok=True)
+    tasks = [Task(kind, seed, asked.output) for kind, seed in in_turn(asked.full)][: asked.cases]
+    seconds = asked.seconds or (float("inf") if asked.full else PART_SECONDS)
+    try:
+        cases = prove(tasks, asked.workers, seconds, console)
+    except KeyboardInterrupt:
+        console.print("stopped; the same command goes on where this ended")
+        return 130
+    if not cases:
+        console.print("no case was done in the time given")
+        return 1
+    print(write(cases, asked.output))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,105 @@
+"""The proof's figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from test.concealed.demo_picture import FITTED, INK, LINE, MUTED, NOMINAL, SHADE
+from test.concealed.intervals import Estimate
+
+STYLE: dict[str, Any] = {
+    "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": LINE,
+    "xtick.color": MUTED, "ytick.color": MUTED, "text.color": INK, "axes.labelcolor": MUTED,
+    "axes.titlelocation": "left", "axes.titlesize": 10,
+}  # fmt: skip
+
+
+def _errors(axis: Any, x: list[float], some: list[Estimate], **how: Any) -> None:
+    y = np.array([e.value for e in some])
+    bars = np.abs([y - [e.low for e in some], [e.high for e in some] - y])
+    axis.errorbar(x, y, yerr=bars, fmt="o", ms=4, capsize=2, lw=1.2, **how)
+    for at, e in zip(x, some, strict=True):
+        axis.annotate(f"{e.n}", (at, e.value), (5, 4), textcoords="offset points", fontsize=7, color=MUTED)
+
+
+def _strength(axis: Any, found: dict[str, Any]) -> None:
+    some = [(low, high, e) for low, high, e in found["strength"] if e.n]
+    places = [float(np.sqrt(max(low, 0.25) * min(high, 32.0))) for low, high, _ in some]
+    _errors(axis, places, [e for _, _, e in some], color=FITTED)
+    axis.set(xscale="log", ylim=(-0.03, 1.05), xlabel="strength [noise of the sensor]", ylabel="recall")
+    axis.set_xticks([0.5, 1, 2, 4, 8, 16], ["0.5", "1", "2", "4", "8", "16"])
+    axis.set_title("Recall over strength, all effects of the table")
+
+
+def _calibration(axis: Any, found: dict[str, Any]) -> None:
+    axis.plot([0, 1], [0, 1], color=LINE, lw=1)
+    some = [(said, e) for said, e in found["calibration"] if e.n]
+    _errors(axis, [said for said, _ in some], [e for _, e in some], color=FITTED)
+    axis.set(xlim=(0, 1.03), ylim=(-0.03, 1.05), xlabel="confidence said", ylabel="share that was right")
+    axis.set_title("Calibration: on the line is as often right as said")
+
+
+def _effects(axis: Any, found: dict[str, Any]) -> None:
+    names = list(found["effects"])[::-1]
+    for key, color, off in (("recall", FITTED, 0.15), ("precision", NOMINAL, -0.15)):
+        for row, name in enumerate(names):
+            e = found["effects"][name][key]
+            axis.plot([e.low, e.high], [row + off] * 2, color=color, lw=1.2)
+            axis.plot(e.value, row + off, "o", ms=4, color=color, label=key if row == 0 else None)
+    axis.set_yticks(range(len(names)), names)
+    axis.set(xlim=(0, 1.02), title="Recall and precision per effect, 95 % intervals")
+    axis.legend(frameon=False, loc="lower left")
+
+
+def _confusion(axis: Any, found: dict[str, Any]) -> None:
+    count = found["confusion"]
+    rows, columns = (sorted({pair[k] for pair in count}) for k in (0, 1))
+    for (hidden, said), n in count.items():
+        at, color = (columns.index(said), rows.index(hidden)), SHADE if hidden == said else "#f6dcc9"
+        axis.add_patch(_square(at, color))
+        axis.text(*at, str(n), ha="center", va="center", fontsize=7)
+    axis.set(xlim=(-0.6, len(columns) - 0.4), ylim=(len(rows) - 0.4, -0.6))
+    axis.set_xticks(range(len(columns)), columns, rotation=90)
+    axis.set_yticks(range(len(rows)), rows)
+    axis.set(title="Hidden (rows) and said (columns); - is nothing")
+
+
+def _square(at: tuple[int, int], color: str) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((at[0] - 0.5, at[1] - 0.5), 1, 1, color=color, lw=0)
+
+
+def _removed(axis: Any, shares: list[float]) -> None:
+    shown = np.sort(np.clip(shares, -0.5, 1.0))
+    axis.step(shown, np.arange(1, len(shown) + 1) / max(len(shown), 1), where="post", color=FITTED)
+    axis.set(xlim=(-0.52, 1.02), ylim=(0, 1.02), ylabel="share of cases")
+    axis.set(xlabel="share of the removable error removed on another motion (below -0.5 drawn there)")
+    axis.set_title("Error removed: cases with at most so much")
+
+
+def _save(path: Path, size: tuple[float, float], draw: Callable[[Any], None]) -> None:
+    from matplotlib import pyplot as plt
+
+    figure, axis = plt.subplots(figsize=size, layout="constrained")
+    draw(axis)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def draw_figures(found: dict[str, Any], shares: list[float], folder: Path) -> None:
+    """Writes proof-*.png into the folder. found: what `evidence` gives."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    style: Any = STYLE  # its keys are a closed set to mypy
+    with matplotlib.rc_context(style):
+        _save(folder / "proof-strength.png", (6, 3.6), lambda axis: _strength(axis, found))
+        _save(folder / "proof-calibration.png", (5, 4), lambda axis: _calibration(axis, found))
+        _save(folder / "proof-effects.png", (7, 7.5), lambda axis: _effects(axis, found))
+        _save(folder / "proof-confusion.png", (8, 8), lambda axis: _confusion(axis, found))
+        _save(folder / "proof-removed.png", (6, 3.6), lambda axis: _removed(axis, shares))

@@ -1,0 +1,47 @@
+"""The seeds of the proof, and what is drawn from each. No seed of these was used to build the diagnosis."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from test.concealed.case import Case, draw_case
+from test.concealed.wire_case import KINDS, draw_wire_case
+
+CONCEALED = {
+    "singles": range(50_000, 50_270),  # ten rounds of the 27 effects, from half the noise to ten times it
+    "pairs": range(51_000, 51_090),
+    "triples": range(52_000, 52_060),
+    "unknown": range(53_000, 53_078),  # physics outside the table, six rounds of 13
+    "hard": range(54_000, 54_060),  # one to four effects; coloured noise, 25 Hz, losses, drifting clock …
+    "wire": range(55_000, 55_042),  # finite-element wires
+}
+CLEAN = {
+    "clean": range(60_000, 60_210),
+    "clean_hard": range(61_000, 61_060),
+    "clean_wire": range(62_000, 62_030),
+}
+KNOBS: dict[str, dict[str, Any]] = {
+    "singles": {"count": 1, "level": (0.5, 10.0)}, "pairs": {"count": 2}, "triples": {"count": 3},
+    "unknown": {"unknown": True}, "hard": {"count": None, "hard": True},
+    "clean": {"count": 0}, "clean_hard": {"count": 0, "hard": True},
+}  # fmt: skip
+PART = 150
+
+
+def drawn(kind: str, seed: int) -> Case:
+    """The arm of a seed. Raises RuntimeError where it does not come out at its strength."""
+    if kind == "clean_wire":
+        return draw_wire_case(seed, "clean")
+    if kind == "wire":
+        return draw_wire_case(seed, KINDS[1:][seed % len(KINDS[1:])])
+    return draw_case(seed, **KNOBS[kind])
+
+
+def in_turn(full: bool) -> list[tuple[str, int]]:
+    """(kind, seed) so that any first part holds all kinds in their shares; the part or everything."""
+    both = {**CONCEALED, **CLEAN}
+    placed = [
+        ((n + 0.5) / len(some), kind, seed) for kind, some in both.items() for n, seed in enumerate(some)
+    ]
+    order = [(kind, seed) for _, kind, seed in sorted(placed)]
+    return order if full else order[:PART]
