@@ -16,7 +16,7 @@ STEPS = 3.0  # times the power of the encoder's steps that an effect must have
 SHARE = (
     0.05  # of what is left above the noise that an effect must explain, so that a misfit is not cut in slices
 )
-FURTHER = 12.0  # price of each further value of an effect
+FURTHER = 20.0  # price of each further value of an effect
 LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
 CURVE = 2.5  # price of a curve without a name, in effects
 

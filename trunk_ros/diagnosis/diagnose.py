@@ -12,17 +12,20 @@ from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmProblem, tip_data
 from trunk_ros.diagnosis.evidence import evidence, spreads
 from trunk_ros.diagnosis.explanation import Explanation
-from trunk_ros.diagnosis.findings import arm_findings, findings, left_over
+from trunk_ros.diagnosis.findings import arm_findings, findings, left_over, unknown_arm_finding
 from trunk_ros.diagnosis.heldout import held_out
 from trunk_ros.diagnosis.problem import Problem, ServoProblem, WireProblem
 from trunk_ros.diagnosis.quality import quality_of_recording
-from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots, Unexplained
+from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
+
+ARM_REST = 0.3  # of the noise power that lengths and tilt may leave at the tip
+ARM_SHARE = 0.02  # of the misfit, likewise
 
 Progress = Callable[[str], None]
 
@@ -159,16 +162,15 @@ class Diagnoser:
                 for k, s in enumerate(SIGNALS)
             },
         }
-        arm, values = arm_findings(problem, done)
-        self.result.findings += arm
-        self.effects |= values
         power = (after / problem.noise) ** 2
-        if float(power.mean()) > 1.3:
-            misfit = float(((before / problem.noise) ** 2).mean())
-            share = float(np.clip((power.mean() - 1.0) / max(misfit, power.mean()), 0.0, 1.0))
-            self.result.unexplained.append(
-                Unexplained("arm", [], "always", share, [], "The tip is not where the joints put it.")
-            )
+        misfit = float(np.mean((before / problem.noise) ** 2)) - 1.0
+        rest = float(power.mean()) - 1.0
+        if rest > ARM_REST and rest > ARM_SHARE * misfit:
+            self.result.findings.append(unknown_arm_finding(problem, rest / max(misfit, rest)))
+            return
+        found, values = arm_findings(problem, done)
+        self.result.findings += found
+        self.effects |= values
 
 
 def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:

@@ -17,7 +17,9 @@ from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import effect
 
 RIVALS = 3
-SCATTER = 1.5  # of the stated spreads: steps of the encoder and of time are not in the noise
+LATE = 0.01  # of the time between samples: what lies between them is guessed
+TIMES = ("delay", "time_constant")
+SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
 
 
 @dataclass
@@ -60,16 +62,17 @@ def _deviations(
     size = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-12)
     inverse = np.linalg.pinv((jacobian / size).T @ (jacobian / size), rcond=1e-10)
     std = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size
+    late = LATE * residuals.problem.step
     return {
-        (f.effect, f.parameter.name, f.column): _natural(f, explanation, float(s))
+        (f.effect, f.parameter.name, f.column): _natural(f, explanation, float(s), late)
         for f, s in zip(residuals.free, std, strict=True)
     }
 
 
-def _natural(f: Free, explanation: Explanation, std: float) -> float:
+def _natural(f: Free, explanation: Explanation, std: float, late: float) -> float:
     """From the fitted scale to the parameter's own unit."""
     if f.parameter.scale == "linear":
-        return std
+        return float(np.hypot(std, late)) if f.parameter.name in TIMES else std
     term = explanation[f.effect]
     value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
     return value * std

@@ -11,7 +11,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.arm_stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.explanation import Explanation, Term
-from trunk_ros.diagnosis.leftover import depends_on, rests
+from trunk_ros.diagnosis.leftover import accounted, depends_on, rests
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.result import Finding, Unexplained
 from trunk_ros.diagnosis.unnamed import knot_names
@@ -223,3 +223,30 @@ def arm_findings(problem: ArmProblem, done: ArmFit) -> tuple[list[Finding], dict
             )
         )
     return out, values
+
+
+def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
+    """The tip is off in a way that neither lengths nor tilt explain: on which joints' angles it depends."""
+    residual = np.concatenate([r[:, 0] for r in problem.residual({})])
+    theta = np.concatenate([d.theta for d in problem.data])
+    told = {joint: accounted(theta[:, c], residual) for c, joint in enumerate(problem.arm.joints)}
+    varies = sorted(told, key=lambda joint: -told[joint])[:2]
+    said = f"the tip is off in a way that no name fits, most with the angle of {' and '.join(varies)}"
+    return Finding(
+        effect="unknown",
+        stage="arm",
+        joints=varies[:1],
+        regime="posture",
+        confidence=0.9,
+        equivalents=[],
+        parameters={},
+        depends_on=["position", *varies],
+        statement=f"{said}; {share:.0%} of it is left by lengths and tilt.",
+        evidence={
+            "strength": float(np.sqrt(np.mean((residual / problem.noise[0]) ** 2))),
+            "gain": {},
+            "rivals": {},
+            "form": "",
+            "signature": "The tip is not where the joints put it.",
+        },
+    )

@@ -51,6 +51,11 @@ class LinkResonance(Effect):
     forms = ("absolute", "relative")
     confused_with = (("viscous_lag", "stop abruptly: a lag does not ring"),)
 
+    def credible(self, now: Now) -> bool:
+        """It rings, and the samples are close enough to show it."""
+        step = float(np.median(now.dt[1:])) if len(now.dt) > 1 else 0.0
+        return bool(np.all((self["damping"] < 0.4) & (self["frequency"] * step < 0.5)))
+
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
