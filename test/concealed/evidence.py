@@ -89,6 +89,21 @@ def made_worse(cases: list[Marks]) -> list[str]:
     return [c["name"] for c in some if c["after"] > c["before"] + 0.1 * c["noise"]]
 
 
+def _refitted(cases: list[Marks]) -> dict[str, Estimate]:
+    """The diagnosis beside a refit of nominal parameters, on the same cases (physics of the wire)."""
+    some = [c for c in cases if "refit" in c and c.get("before") is not None]
+    some = [c for c in some if min(c["before"], c["refit"]["fitted_before"]) > REMOVABLE * c["noise"]]
+    ways = {
+        "diagnosis, another run": [1 - c["after"] / c["before"] for c in some],
+        "refit, the fitted run": [1 - c["refit"]["fitted_after"] / c["refit"]["fitted_before"] for c in some],
+        "refit, another run": [1 - c["refit"]["after"] / c["refit"]["before"] for c in some],
+    }
+    medians = {f"{k}, median removed": bootstrap(v, lambda x: float(np.median(x))) for k, v in ways.items()}
+    mostly = {f"{k}, at least 80 %": _share([s >= 0.8 for s in v]) for k, v in ways.items()}
+    worse = {f"{k}, made worse": _share([s < 0.0 for s in v]) for k, v in ways.items()}
+    return {**medians, **mostly, **worse}
+
+
 def _share(values: list[bool]) -> Estimate:
     return wilson(sum(values), len(values))
 
@@ -136,6 +151,7 @@ def evidence(cases: list[Marks]) -> dict[str, Any]:
         "removed": _removed(done),
         "removed_worst": min(shares_removed(done), default=None),
         "removed_from": {k: _removed(of[k])["removed, median"] for k in kinds if not k.startswith("clean")},
+        "refit": _refitted(done),
         "false_alarms": {
             "all": _share([bool(c["false"]) for c in clean]),
             **{k: _share([bool(c["false"]) for c in of[k]]) for k in kinds if k.startswith("clean")},

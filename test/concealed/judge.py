@@ -16,6 +16,7 @@ from typing import Any
 
 from test.concealed.marks import marked
 from test.concealed.protocol import Answer, Concealed, conceal, kept_shut, reveal
+from test.concealed.refit import refit
 from test.concealed.removed import removable
 from test.concealed.seeds import drawn
 
@@ -83,6 +84,15 @@ def _removal(where: Concealed, out: Path, answer: Answer) -> dict[str, float]:
     return {"before": before, "after": after}
 
 
+def _refitted(where: Concealed, answer: Answer) -> dict[str, Any]:
+    """Errors of the baseline on both runs, beside the tool's."""
+    runs = (where.folder / "run_1", where.folder / "run_2")
+    try:
+        return {"refit": refit(*runs, answer.clean, answer.told["noise"]["noise"])}
+    except (ValueError, IndexError, FloatingPointError) as error:  # not the tool's fault: said, not scored
+        return {"refit_failed": str(error)}
+
+
 def _about(answer: Answer) -> dict[str, Any]:
     told = answer.told
     return {"count": len(told["truth"]), "known": told["known"], "motion": told["train"],
@@ -104,6 +114,8 @@ def _marks(where: Concealed, out: Path) -> dict[str, Any]:
         }
     answer = reveal(where)
     marks = {**_about(answer), **marked(answer.told["truth"], diagnosis), "seconds": took}
+    if all(one["stage"] == "wire" for one in answer.told["truth"]):
+        marks |= _refitted(where, answer)
     try:
         return {**marks, **_removal(where, out, answer)}
     except Exception as error:  # a model that does not run on another motion has removed nothing

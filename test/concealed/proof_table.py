@@ -65,6 +65,8 @@ def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str) 
         _named(("what", "share"), found["removed"]),
         f"Worst case: {'–' if worst is None else f'{worst:.2f}'} (of {n}).",
         _named(("kind", "removed, median"), found["removed_from"]),
+        "### Against a refit of nominal parameters (ratio, dead band; physics of the wire alone)",
+        _named(("what", "share"), found["refit"]),
         "### False alarms on clean arms",
         _named(("arms", "with any finding"), found["false_alarms"]),
         "### Physics outside the table",
