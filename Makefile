@@ -33,7 +33,7 @@ lint: setup
 
 # The nodes' tests measure time, so nothing runs beside them.
 pytest: setup
-	$(PYTHON) -m pytest -q --timeout 120 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 120 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
 	$(PYTHON) -m pytest -q --timeout 120 test/nodes
 
 bench: setup

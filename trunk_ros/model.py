@@ -262,7 +262,7 @@ def _tree(content: Any) -> dict[str, Any]:
     return {key: value for key, value in tree.items() if key != "use_sim_time"}
 
 
-def save_model(model: Model, path: Path) -> None:
+def save_model(model: Model, path: str | Path) -> None:
     """Write a model as a ROS 2 parameter file."""
     tree: dict[str, Any] = {}
     for key, value in model.parameters().items():
@@ -274,7 +274,7 @@ def save_model(model: Model, path: Path) -> None:
     text = yaml.safe_dump(
         {"/**": {"ros__parameters": tree}}, sort_keys=False, default_flow_style=None, width=120
     )
-    path.write_text(text)
+    Path(path).write_text(text)
 
 
 def _flatten(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:

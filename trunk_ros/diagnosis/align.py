@@ -17,6 +17,9 @@ SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known 
 SAME = 1e-6  # s: stamps closer than this are one
 LONGEST_GAP = 0.12  # s without a sample after which the comparison pauses
 MOVED = 3e-4  # rad
+STANDS = 1e-4  # rad, more than the encoder's steps
+FIRST = 40  # samples that the angle at the start is the median of
+LONG = 100  # samples that a joint has to stand before it moves for them to tell anything
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,8 @@ class Span:
     target: Array
     valid: np.ndarray
     gearbox: Array
+    start: Array
+    """(joints,) the target while the joint stands as it began, NaN where unknown."""
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -56,8 +61,10 @@ def wire_span(recording: Recording, model: Model) -> Span:
     phi, velocity = resample(gearbox, grid)
     valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)
-    valid &= _engaged(phi * model.for_joints(joints).arm.only(joints).ratio, rows)
-    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi)
+    u = phi * model.for_joints(joints).arm.only(joints).ratio
+    start = _start(u, rows, target, valid)
+    valid &= _counted(u, rows, start)
+    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start)
 
 
 def servo_span(recording: Recording, model: Model) -> Span:
@@ -71,9 +78,9 @@ def servo_span(recording: Recording, model: Model) -> Span:
     measured = gearbox.position[kept]
     valid = np.isfinite(measured) & ~_after_gaps(setpoints.stamp, grid)[rows][:, None]
     phi, velocity = resample(gearbox, grid)
-    return Span(
-        recording.name, joints, grid, source, velocity, rows, np.where(valid, measured, 0.0), valid, phi
-    )
+    target = np.where(valid, measured, 0.0)
+    unknown = np.full(len(joints), np.nan)
+    return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown)
 
 
 def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:
@@ -193,14 +200,29 @@ def _after_gaps(stamp: Array, grid: Array) -> np.ndarray:
     return out
 
 
-def _engaged(u: Array, rows: np.ndarray) -> np.ndarray:
-    """(n, joints): from where the joint has moved enough for the unknown state at the start to be
-    forgotten.
+def _counted(u: Array, rows: np.ndarray, start: Array) -> np.ndarray:
+    """(n, joints): where the state of the play is known: from where a joint has moved enough for that at
+    the start
+    to be forgotten, and before where it was seen to stand as it began. A joint that hardly moves counts
+    nowhere.
     """
-    travel = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
-    span = np.ptp(u, axis=0)
-    wanted = np.maximum(0.15 * span, MOVED)
-    return np.asarray((travel > wanted)[rows])
+    far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
+    engaged = far > np.maximum(0.15 * np.ptp(u, axis=0), MOVED)
+    standing = (far < STANDS) & engaged.any(axis=0) & np.isfinite(start)
+    return np.asarray((engaged | standing)[rows])
+
+
+def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> Array:
+    """(joints,) measured angle at the start of joints that stand long before they move; NaN for the
+    others.
+    """
+    still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
+    out = np.full(target.shape[1], np.nan)
+    for j in range(target.shape[1]):
+        seen = np.flatnonzero(still[:, j] & valid[:, j])
+        if len(seen) >= LONG:
+            out[j] = np.median(target[seen[:FIRST], j])
+    return out
 
 
 def without(span: Span, blind: np.ndarray) -> Span:

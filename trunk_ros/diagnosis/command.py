@@ -62,6 +62,9 @@ def say(result: Diagnosis, output: Path) -> None:
         print(f"  {finding.effect} ({finding.confidence:.0%}): {finding.statement}")
         if finding.equivalents:
             print(f"    these data cannot tell it from {', '.join(finding.equivalents)}")
+    for stage, compared in result.stages.items():
+        if compared.get("silent"):
+            print(f"  {stage}: nothing can be said of {', '.join(compared['silent'])}, which hardly moves")
     for rest in result.unexplained:
         print(f"  unexplained: {rest.statement}")
     print(f"{output}: diagnosis.json, model.yaml, report.html")

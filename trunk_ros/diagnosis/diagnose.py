@@ -12,7 +12,13 @@ from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmProblem, tip_data
 from trunk_ros.diagnosis.evidence import evidence, spreads
 from trunk_ros.diagnosis.explanation import Explanation
-from trunk_ros.diagnosis.findings import arm_findings, findings, left_over, unknown_arm_finding
+from trunk_ros.diagnosis.findings import (
+    arm_findings,
+    findings,
+    left_over,
+    unknown_arm_finding,
+    without_a_name,
+)
 from trunk_ros.diagnosis.heldout import held_out
 from trunk_ros.diagnosis.problem import Problem, ServoProblem, WireProblem
 from trunk_ros.diagnosis.quality import quality_of_recording
@@ -92,12 +98,12 @@ class Diagnoser:
             self.result.stages["servo"] = {"compared": False, "joints": {}}
             return
         self.say("servo")
-        self._stage(ServoProblem(spans, self.model))
+        self._stage(ServoProblem(spans, self.model, self.recordings[0].units))
 
     def wire(self) -> None:
         """Gearbox to joint."""
         self.say("wire")
-        self._stage(WireProblem(self.spans, self.model))
+        self._stage(WireProblem(self.spans, self.model, self.recordings[0].units))
 
     def _stage(self, problem: Problem) -> None:
         search = Search(problem, lambda text: self.say(f"{problem.stage}: {text}"))
@@ -122,7 +128,9 @@ class Diagnoser:
             "silent": [problem.joints[c] for c in range(len(problem.joints)) if c not in problem.columns],
         }
         self.result.findings += findings(problem, state.explanation, found, std)
-        self.result.unexplained += left_over(problem, state.explanation)
+        rests = left_over(problem, state.explanation)
+        self.result.unexplained += rests
+        self.result.findings += [f for f in map(without_a_name, rests) if f is not None]
         self._plot(problem, state.explanation)
 
     def _plot(self, problem: Problem, explanation: Explanation) -> None:
@@ -182,6 +190,7 @@ def _read(recording: Recording | str | Path, from_time: str | None, until: str |
 def shifted(span: Span, model: Model, against: Recording) -> Span:
     """Targets as if the model's own prediction were the other simulator's: its difference is taken off."""
     said = against.require("joint_states").select(span.joints)
+    span = replace(span, start=np.full(len(span.joints), np.nan))
     problem = WireProblem([span], model)
     target, valid = span.target.copy(), span.valid.copy()
     inside = (span.stamp >= said.stamp[0]) & (span.stamp <= said.stamp[-1])

@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import effect
 
 RIVALS = 3
+BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 TIMES = ("delay", "time_constant")
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
@@ -59,9 +60,12 @@ def groups(search: Search, explanation: Explanation) -> list[list[int]]:
 def _deviations(
     residuals: Residuals, jacobian: np.ndarray, explanation: Explanation, power: float
 ) -> dict[tuple[str, str, int | None], float]:
-    size = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-12)
-    inverse = np.linalg.pinv((jacobian / size).T @ (jacobian / size), rcond=1e-10)
-    std = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size
+    size = np.linalg.norm(jacobian, axis=0)
+    told = size > BLIND
+    scaled = jacobian[:, told] / size[told]
+    inverse = np.linalg.inv(scaled.T @ scaled + 1e-12 * np.eye(scaled.shape[1]))
+    std = np.full(len(size), np.inf)
+    std[told] = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size[told]
     late = LATE * residuals.problem.step
     return {
         (f.effect, f.parameter.name, f.column): _natural(f, explanation, float(s), late)

@@ -36,6 +36,9 @@ REGIME_OF = {
     "direction": "reversal",
 }
 ARM = "arm"
+SURE = 4.0  # spreads that the size of an effect must have on one joint
+MOSTLY = 0.5  # share of the misfit
+LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
 
 Spreads = dict[tuple[str, str, int | None], float]
 
@@ -81,7 +84,7 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
         stage=kind.stage,
         joints=joints,
         regime=REGIME_OF.get(variable, "posture") if unnamed else kind.regime,
-        confidence=round(found.confidence, 3),
+        confidence=round(min(found.confidence, _settled(kind, term, std)), 3),
         equivalents=found.equivalents,
         parameters=parameters,
         depends_on=varies,
@@ -95,6 +98,17 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
         },
         curve=_curve(problem, term, variable) if unnamed else {},
     )
+
+
+def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
+    """1 where the effect's size is well above its spread on its surest joint, less where it is not."""
+    lead = kind.own_parameters(term.form)[0]
+    sizes = [
+        abs(values[lead.name] - lead.null) / max(std.get((term.effect, lead.name, c), 0.0), 1e-300)
+        for c, values in term.own.items()
+        if lead.name in values and not term.given
+    ]
+    return 1.0 if not sizes or max(sizes) > SURE else 0.5
 
 
 def _varies_with(kind: type[Effect], term: Term) -> list[str]:
@@ -114,7 +128,8 @@ def _parameters(
             )
         for c in term.columns:
             if p.name in term.own[c]:
-                value = _value(term.own[c][p.name], std.get((term.effect, p.name, c)), p.unit)
+                unit = p.unit.replace("rad", problem.units.get(problem.joints[c], "rad"))
+                value = _value(term.own[c][p.name], std.get((term.effect, p.name, c)), unit)
                 out.setdefault(problem.joints[c], {})[p.name] = value
     for c, words in term.words.items():
         for text, word in words.items():
@@ -123,7 +138,7 @@ def _parameters(
 
 
 def _value(value: float, std: float | None, unit: str) -> dict[str, Any]:
-    return {"value": value, "std": std, "unit": unit}
+    return {"value": value, "std": std if std is not None and np.isfinite(std) else None, "unit": unit}
 
 
 def title(kind: type[Effect]) -> str:
@@ -171,6 +186,8 @@ def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
         varies = depends_on(problem, explanation, column)
         before = float(np.mean(problem.whitened(Explanation(), column) ** 2))
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
+        if share < LITTLE and power < 1.0:
+            continue
         joint = problem.joints[column]
         if tuple(varies) in out:
             rest = out[tuple(varies)]
@@ -183,6 +200,33 @@ def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
         on = f", and varies with {' and '.join(rest.depends_on)}" if rest.depends_on else ""
         rest.statement = f"{', '.join(rest.joints)}: {rest.share:.1%} of the misfit is left{on}."
     return list(out.values())
+
+
+def without_a_name(rest: Unexplained) -> Finding | None:
+    """A rest that is most of the misfit is a finding, even where no curve could stand in for it."""
+    if rest.share < MOSTLY:
+        return None
+    evidence = {
+        "strength": 0.0,
+        "gain": {},
+        "rivals": {},
+        "form": "",
+        "signature": "No effect and no curve explains it.",
+    }
+    statement = f"{', '.join(rest.joints)}: physics that no name and no smooth curve fits"
+    on = f"; it varies with {' and '.join(rest.depends_on)}." if rest.depends_on else "."
+    return Finding(
+        "unknown",
+        rest.stage,
+        rest.joints,
+        rest.regime,
+        0.9,
+        [],
+        {},
+        rest.depends_on,
+        statement + on,
+        evidence,
+    )
 
 
 def arm_findings(problem: ArmProblem, done: ArmFit) -> tuple[list[Finding], dict[str, Values]]:

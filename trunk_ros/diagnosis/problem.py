@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -13,8 +13,10 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import SLOW, Span
 from trunk_ros.diagnosis.explanation import Explanation, payload_of
 from trunk_ros.diagnosis.noise import Noise, noise_of
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
+from trunk_ros.stage import Order, State, through
 
 CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
 
@@ -59,9 +61,13 @@ class Problem(ABC):
     rest = 0.1
     """Share of the noise power above which a residual is more than noise."""
 
-    def __init__(self, spans: list[Span], model: Model):
+    units: dict[str, str]
+    """SI unit of joints that are not in rad."""
+
+    def __init__(self, spans: list[Span], model: Model, units: dict[str, str] | None = None):
         """``model``: the nominal one, with the effects it already has."""
         self.joints = spans[0].joints
+        self.units = units or {}
         self.model = model.for_joints(self.joints)
         self.arm = self.model.loaded_arm().only(self.joints)
         self.views = [self._view(span) for span in spans]
@@ -170,8 +176,12 @@ class WireProblem(Problem):
         view = self.views[index]
         now = self.now(index, column, payload_of(explanation))
         width = self.arm.dead_band[None, column : column + 1]
+        blocks = explanation.bound(column)
+        state = None
+        if np.isfinite(view.span.start[column]):
+            state = begun(now, blocks, width, float(view.span.start[column]))
         core = Core(nominal_width=width, width=width)
-        shown, _, _ = wire_pass(now.gearbox, now, explanation.bound(column), core, None)
+        shown, _, _ = wire_pass(now.gearbox, now, blocks, core, state)
         return np.asarray(shown[view.span.rows, 0])
 
     def look_again(self, explanation: Explanation) -> None:
@@ -194,11 +204,24 @@ class WireProblem(Problem):
         return len(self._known) - 1
 
 
+def begun(now: Now, blocks: list[Effect], width: Array, measured: float) -> State:
+    """The state in which the friction element shows a measured angle at the first sample, as far as its
+    play lets it.
+    """
+    cut = {f.name: getattr(now, f.name)[:1] for f in fields(now) if f.name not in ("joints", "ratio")}
+    first, core = replace(now, **cut), Core(nominal_width=width, width=width)
+    shown, true, _ = wire_pass(first.gearbox, first, blocks, core, None)
+    u = through(first.gearbox * first.ratio, Order.of(blocks).path, first, {}, {})
+    element = core.rounding or SharpPlay()
+    _, memory = element.run(np.vstack([u + measured - shown, u]), core.width[:1], None)
+    return State(float(first.stamp[0]), first.gearbox[0], true[0], {}, memory)
+
+
 class ServoProblem(Problem):
     """Setpoint to gearbox angle."""
 
     stage = "servo"
-    rest = 0.5  # the encoder's steps are no noise of a steady size
+    rest = 3.0  # a joint that stands shows one step of the encoder, up to three times its mean power
 
     def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""

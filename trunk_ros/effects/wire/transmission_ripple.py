@@ -66,7 +66,7 @@ class TransmissionRipple(Effect):
         return np.asarray(self["amplitude"] * wave)
 
     def credible(self, now: Now) -> bool:
-        """A good period and a half has to lie within the motion, or it is no more than a bent curve."""
+        """A good period has to lie within the motion, or it is no more than a bent curve."""
         return bool(
             np.all(
                 self["cycles_per_rev"] * np.ptp(now.gearbox, axis=0) / (2 * np.pi)
