@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,8 @@ class Candidate:
     gain: float = 0.0
     columns: tuple[int, ...] = ()
     """Where ``column`` is None: the joints that would gain, if not all."""
+    own: dict[int, dict[str, Any]] = field(default_factory=dict)
+    """Start values of joints that begin elsewhere than at ``start``."""
 
 
 def usable(problem: Problem) -> list[type[Effect]]:
@@ -68,7 +70,7 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
         if column in term.own and kind.texts:
             _add_source(term, kind, column, candidate.start)
         else:
-            _add(term, kind, problem, column, candidate.start)
+            _add(term, kind, problem, column, candidate.own.get(column, candidate.start))
     return out
 
 
@@ -172,9 +174,11 @@ class Screen:
     def everywhere(self, kind: type[Effect]) -> Candidate | None:
         """The most promising start of an effect that acts on all joints alike."""
         best: Candidate | None = None
+        columns = self.problem.columns
         for form in kind.forms:
-            for start in self._starts(kind, form, self.problem.columns[0]):
-                trial = Candidate(kind.id, form, None, start)
+            each = [list(self._starts(kind, form, c)) for c in columns]
+            for starts in zip(*each, strict=False):
+                trial = Candidate(kind.id, form, None, starts[0], own=dict(zip(columns, starts, strict=True)))
                 better = self._on_those_that_gain(kind, trial)
                 if better is not None and (best is None or better.gain > best.gain):
                     best = better
@@ -191,7 +195,14 @@ class Screen:
             return None
         sums = np.sum(list(each.values()), axis=0)
         found = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.problem))
-        return None if found is None else replace(found, columns=tuple(each))
+        if found is None:
+            return None
+        lead = kind.own_parameters(trial.form)[0].name
+        own = {
+            c: {**start, lead: found.start[lead]} if kind.scalable else start
+            for c, start in trial.own.items()
+        }
+        return replace(found, columns=tuple(each), own=own)
 
     def _starts(self, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         problem = self.problem
@@ -219,11 +230,7 @@ def _scaled(
     if kind.vanishes is not None:
         lead, off = kind.parameter(kind.vanishes[0]), kind.vanishes[1]
     if not kind.scalable or lead.name in known:
-        return (
-            Candidate(trial.effect, trial.form, trial.column, trial.start, 2 * rd - dd)
-            if 2 * rd > dd
-            else None
-        )
+        return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None
     factor = rd / dd
     value = off + (trial.start[lead.name] - off) * factor
     low, high = lead.bounds
@@ -233,4 +240,4 @@ def _scaled(
     gain = factor * (2 * rd - factor * dd)
     if gain <= 0.0 or factor == 0.0:
         return None
-    return Candidate(trial.effect, trial.form, trial.column, {**trial.start, lead.name: value}, gain)
+    return replace(trial, start={**trial.start, lead.name: value}, gain=gain)

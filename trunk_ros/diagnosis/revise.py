@@ -77,10 +77,23 @@ def options(search: Search, now: Fit) -> Fit:
 
 
 def _toggled(search: Search, now: Fit, name: str, parameter: Parameter) -> Fit:
+    """With a shared option if it was without, and the other way round.
+
+    A value of a joint that has made up for a missing payload does not find back: so the joints start anew as
+    well.
+    """
     trial = now.explanation.copy()
-    if trial[name].shared.pop(parameter.name, None) is None:
-        trial[name].shared[parameter.name] = parameter.typical
-    return search.refit(trial)
+    if trial[name].shared.pop(parameter.name, None) is not None:
+        return search.refit(trial)
+    trial[name].shared[parameter.name] = parameter.typical
+    best = search.refit(trial)
+    bare = now.explanation.without(name)
+    start = Screen(search.problem, bare).everywhere(effect(name))
+    if start is not None and start.form == now.explanation[name].form:
+        anew = extended(search.problem, bare, start)
+        anew[name].shared[parameter.name] = parameter.typical
+        best = min(best, search.refit(anew), key=search.score)
+    return best
 
 
 def members(search: Search, now: Fit) -> Fit:
