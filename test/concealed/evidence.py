@@ -78,8 +78,9 @@ def confusion(cases: list[Marks]) -> Counter[tuple[str, str]]:
 
 
 def shares_removed(cases: list[Marks]) -> list[float]:
-    """Share of the removable error removed on the other motion, of cases that have any."""
-    some = [c for c in cases if c.get("before") is not None and c["before"] > REMOVABLE * c["noise"]]
+    """Share of the removable error removed on the other motion, of concealed cases that have any."""
+    some = [c for c in cases if c["count"] and c.get("before") is not None]
+    some = [c for c in some if c["before"] > REMOVABLE * c["noise"]]
     return [1 - c["after"] / c["before"] for c in some]
 
 
@@ -91,7 +92,7 @@ def made_worse(cases: list[Marks]) -> list[str]:
 
 def _refitted(cases: list[Marks]) -> dict[str, Estimate]:
     """The diagnosis beside a refit of nominal parameters, on the same cases (physics of the wire)."""
-    some = [c for c in cases if "refit" in c and c.get("before") is not None]
+    some = [c for c in cases if c["count"] and "refit" in c and c.get("before") is not None]
     some = [c for c in some if min(c["before"], c["refit"]["fitted_before"]) > REMOVABLE * c["noise"]]
     ways = {
         "diagnosis, another run": [1 - c["after"] / c["before"] for c in some],
