@@ -105,14 +105,6 @@ class Explanation(dict[str, Term]):
             if column in term.words:
                 mine.words[column] = dict(term.words[column])
 
-    def only_everywhere(self, column: int) -> Explanation:
-        """Without the effects that are on a column alone."""
-        out = self.copy()
-        for term in self.on(column):
-            if not effect(term.effect).everywhere:
-                out = out.without(term.effect, column)
-        return out
-
     def key(self, column: int) -> tuple[object, ...]:
         """What a prediction of one joint depends on, for caches."""
         return (payload_of(self), *(term.key(column) for term in self.on(column)))
