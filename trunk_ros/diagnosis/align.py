@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
@@ -16,6 +16,8 @@ FINE = 0.0125  # s: a moving arm is computed at least this often
 SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known of what lies between
 SAME = 1e-6  # s: stamps closer than this are one
 LONGEST_GAP = 0.12  # s without a sample after which the comparison pauses
+FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
+SETTLING = 0.3  # s in which a servo forgets how it began
 MOVED = 3e-4  # rad
 STANDS = 1e-4  # rad, more than the encoder's steps
 FIRST = 40  # samples that the angle at the start is the median of
@@ -63,7 +65,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     target = np.where(valid, measured.position[kept], 0.0)
     u = phi * model.for_joints(joints).arm.only(joints).ratio
     start = _start(u, rows, target, valid)
-    valid &= _counted(u, rows, start)
+    valid &= _counted(u, rows, start) & ~_forgotten(u, grid, gearbox.stamp)[rows]
     return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start)
 
 
@@ -76,7 +78,8 @@ def servo_span(recording: Recording, model: Model) -> Span:
     held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     source = fill(setpoints.position)[held]
     measured = gearbox.position[kept]
-    valid = np.isfinite(measured) & ~_after_gaps(setpoints.stamp, grid)[rows][:, None]
+    unsettled = _after_gaps(setpoints, grid, model.for_joints(joints).arm.v_max) | (grid < grid[0] + SETTLING)
+    valid = np.isfinite(measured) & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = np.full(len(joints), np.nan)
@@ -140,7 +143,24 @@ def resample(series: JointSeries, grid: Array) -> tuple[Array, Array]:
         spline = CubicHermiteSpline(t, position, fill(np.asarray(series.velocity)))
     else:
         spline = CubicSpline(t, position)
-    return spline(inside), spline(inside, 1)
+    values, slope = spline(inside), spline(inside, 1)
+    for after, before in _gaps(t):
+        guessed = (inside > t[after]) & (inside < t[before])
+        step = (position[before] - position[after]) / (t[before] - t[after])
+        values[guessed] = position[after] + (inside[guessed] - t[after])[:, None] * step
+        slope[guessed] = step
+    return values, slope
+
+
+def _gaps(stamp: Array) -> list[tuple[int, int]]:
+    """Samples on both sides of gaps too long to be bridged by a curve: it would swing far out in them."""
+    usual = longest_gap(stamp)
+    return [(int(k), int(k) + 1) for k in np.flatnonzero(np.diff(stamp) > usual)]
+
+
+def longest_gap(stamp: Array) -> float:
+    """Time without a sample [s] that can still be bridged."""
+    return max(LONGEST_GAP, 4.0 * float(np.median(np.diff(stamp)))) if len(stamp) > 1 else LONGEST_GAP
 
 
 def _velocity(series: JointSeries, position: Array) -> Array:
@@ -179,11 +199,7 @@ def fill(values: Array) -> Array:
 def _in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
     """(m, joints): where the input is guessed across a gap too long to be bridged."""
     out = np.zeros((len(grid), len(series.joints)), dtype=bool)
-    usual = (
-        max(LONGEST_GAP, 4.0 * float(np.median(np.diff(series.stamp))))
-        if len(series.stamp) > 1
-        else LONGEST_GAP
-    )
+    usual = longest_gap(series.stamp)
     for j in range(len(series.joints)):
         known = series.stamp[np.isfinite(series.position[:, j])]
         for k in np.flatnonzero(np.diff(known) > usual):
@@ -191,12 +207,14 @@ def _in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
     return out
 
 
-def _after_gaps(stamp: Array, grid: Array) -> np.ndarray:
-    """(m,): where setpoints may have been lost, and a little after."""
+def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray:
+    """(m,): where setpoints may have been lost, and until the servo has caught up with those after."""
+    stamp, position = setpoints.stamp, fill(setpoints.position)
     out = np.zeros(len(grid), dtype=bool)
     usual = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
     for k in np.flatnonzero(np.diff(stamp) > usual):
-        out[(grid > stamp[k] + usual / 2) & (grid < stamp[k + 1] + 0.3)] = True
+        catching_up = 2.0 * float(np.abs(position[k + 1] - position[k]).max()) / v_max
+        out[(grid > stamp[k] + usual / 2) & (grid < stamp[k + 1] + SETTLING + catching_up)] = True
     return out
 
 
@@ -212,6 +230,18 @@ def _counted(u: Array, rows: np.ndarray, start: Array) -> np.ndarray:
     return np.asarray((engaged | standing)[rows])
 
 
+def _forgotten(u: Array, grid: Array, stamp: Array) -> np.ndarray:
+    """(m, joints): where the state of the play is unknown after a gap, until the joint has moved on."""
+    out = np.zeros(u.shape, dtype=bool)
+    least = np.maximum(0.15 * np.ptp(u, axis=0), MOVED)
+    for _, before in _gaps(stamp):
+        if stamp[before] - stamp[before - 1] > FORGETS:
+            first = int(np.searchsorted(grid, stamp[before] - SAME))
+            far = np.maximum.accumulate(np.abs(u[first:] - u[first]), axis=0)
+            out[first:] |= far < least
+    return out
+
+
 def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> Array:
     """(joints,) measured angle at the start of joints that stand long before they move; NaN for the
     others.
@@ -223,8 +253,3 @@ def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> Arra
         if len(seen) >= LONG:
             out[j] = np.median(target[seen[:FIRST], j])
     return out
-
-
-def without(span: Span, blind: np.ndarray) -> Span:
-    """The same span with rows (n,) that do not count."""
-    return replace(span, valid=span.valid & ~blind[:, None])

@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import longest_gap
 from trunk_ros.diagnosis.criterion import FURTHER, RELEVANT, SIGNIFICANT
 from trunk_ros.diagnosis.noise import noise_of
 from trunk_ros.effects import Effect, effect, registry
@@ -44,8 +45,10 @@ class ArmFit:
     gain: dict[tuple[str, int], float] = field(default_factory=dict)
 
 
-def tip_data(recording: Recording, model: Model) -> TipData | None:
-    """What the arm stage is judged on; None where the tip, link lengths or a joint are missing."""
+def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData | None:
+    """What the arm stage is judged on, joint readings being ``delay`` s old; None where the tip, link
+    lengths or a joint are missing.
+    """
     joints = recording.series.get("joint_states")
     if recording.tip is None or joints is None or not model.arm.has_geometry:
         return None
@@ -55,8 +58,10 @@ def tip_data(recording: Recording, model: Model) -> TipData | None:
     known = np.isfinite(joints.position).all(axis=1)
     if known.sum() < 4:
         return None
-    at, pose = joints.stamp[known], recording.tip
-    inside = (pose.stamp >= at[0]) & (pose.stamp <= at[-1]) & np.isfinite(pose.position).all(axis=1)
+    at, pose = joints.stamp[known] - delay, recording.tip
+    inside = _seen(at, pose.stamp) & np.isfinite(np.hstack([pose.position, pose.orientation])).all(axis=1)
+    if inside.sum() < 4:
+        return None
     theta = np.column_stack(
         [np.interp(pose.stamp[inside], at, joints.position[known, j]) for j in range(len(joints.joints))]
     )
@@ -66,6 +71,13 @@ def tip_data(recording: Recording, model: Model) -> TipData | None:
     heading = theta.sum(axis=1)
     roll += 2 * np.pi * np.round((heading - roll) / (2 * np.pi))
     return TipData(model.arm, pose.stamp[inside], theta, np.column_stack([pose.position[inside, 1:3], roll]))
+
+
+def _seen(at: Array, stamp: Array) -> np.ndarray:
+    """(n,) whether samples at stamps ``at`` lie close on both sides of each of ``stamp`` (n,)."""
+    before = np.clip(np.searchsorted(at, stamp, side="right") - 1, 0, len(at) - 2)
+    inside = (stamp >= at[0]) & (stamp <= at[-1])
+    return np.asarray(inside & (at[before + 1] - at[before] <= longest_gap(at)))
 
 
 class ArmProblem:

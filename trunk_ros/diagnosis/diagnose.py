@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +21,11 @@ from trunk_ros.diagnosis.findings import (
     without_a_name,
 )
 from trunk_ros.diagnosis.heldout import held_out
-from trunk_ros.diagnosis.problem import Problem, ServoProblem, WireProblem
+from trunk_ros.diagnosis.problem import LEAST, Problem, ServoProblem, WireProblem
 from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.search import Search
+from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
 from trunk_ros.recording.read import read_recording
@@ -71,7 +73,14 @@ class Diagnoser:
         if any(s.joints != joints for s in spans):
             raise RecordingError("the recordings have different joints: they are not of one arm")
         self.model = model.for_joints(joints)
-        self.spans = spans if against is None else [shifted(s, self.model, against) for s in spans]
+        self.spans = (
+            spans
+            if against is None
+            else [
+                shifted(s, self.model, on_the_clock(against, r))
+                for s, r in zip(spans, recordings, strict=True)
+            ]
+        )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.effects: dict[str, Values] = {}
 
@@ -80,11 +89,20 @@ class Diagnoser:
         self.servo()
         self.wire()
         self.tip()
+        self._refuse_if_nothing_was_seen()
         longest = max(r.duration for r in self.recordings)
         kept = {**self.model.effects, **self.effects}
         self.result.model = replace(self.model, effects=kept, duration=longest)
-        self.result.quality = {r.name: quality_of_recording(r) for r in self.recordings}
+        self.result.quality = _by_name(self.recordings)
         return self.result
+
+    def _refuse_if_nothing_was_seen(self) -> None:
+        stages = self.result.stages.values()
+        if not any(stage.get("joints") or stage.get("tip") for stage in stages):
+            raise RecordingError(
+                f"{', '.join(r.name for r in self.recordings)}: no joint moves for {LEAST} samples or more: "
+                "record a motion that moves the joints, over a longer time"
+            )
 
     def servo(self) -> None:
         """Setpoint to gearbox, where setpoints were recorded and nothing else stands for the simulation."""
@@ -106,12 +124,18 @@ class Diagnoser:
         self._stage(WireProblem(self.spans, self.model, self.recordings[0].units))
 
     def _stage(self, problem: Problem) -> None:
+        if not problem.columns:
+            self.result.stages[problem.stage] = {
+                "compared": False, "joints": {}, "silent": list(problem.joints)
+            }  # fmt: skip
+            return
         search = Search(problem, lambda text: self.say(f"{problem.stage}: {text}"))
         state = search.run()
         found = evidence(search, state)
         std = spreads(search, state)
         errors = held_out(search, state.explanation)
-        self.effects |= state.explanation.model_effects(len(problem.joints))
+        effects = state.explanation.model_effects(len(problem.joints))
+        self.effects |= on_the_arm(effects, problem.joints, self.model.arm.joints)
         self.result.stages[problem.stage] = {
             "compared": True,
             "joints": {
@@ -150,12 +174,11 @@ class Diagnoser:
 
     def tip(self) -> None:
         """Joint to tip."""
-        data = [d for d in (tip_data(r, self.model) for r in self.recordings) if d is not None]
-        if not data or self.against is not None:
+        problem = self._tip_problem() if self.against is None else None
+        if problem is None:
             self.result.stages["arm"] = {"compared": False, "tip": {}}
             return
         self.say("arm")
-        problem = ArmProblem(data)
         done = problem.run()
         before, after = np.concatenate(problem.residual({})), problem.held_out(list(done.values))
         self.result.stages["arm"] = {
@@ -180,11 +203,64 @@ class Diagnoser:
         self.result.findings += found
         self.effects |= values
 
+    def _tip_problem(self) -> ArmProblem | None:
+        """Joint angles and tip at the same moments: a late joint sensor is not blamed on the arm."""
+        late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
+        problems = []
+        for delay in {0.0, late}:  # a simulated tip may be as late as the joints
+            data = [d for d in (tip_data(r, self.model, delay) for r in self.recordings) if d is not None]
+            problems += [ArmProblem(data)] if data else []
+        return min(problems, key=_power, default=None)
+
+
+def _power(problem: ArmProblem) -> float:
+    rest = problem.whitened({})
+    return float(np.mean(rest**2))
+
 
 def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
     if isinstance(recording, Recording):
         return recording.part(*time_range(recording.duration, from_time, until))
     return read_recording(recording, from_time, until)
+
+
+def on_the_arm(
+    effects: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
+) -> dict[str, Values]:
+    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``."""
+
+    def spread(name: str, key: str, value: Any) -> Any:
+        if isinstance(value, (str, float)):
+            return value
+        here = dict(zip(seen, value, strict=True))
+        if isinstance(value, list):
+            return [here.get(joint, "") for joint in joints]
+        return np.array([here.get(joint, effect(name).parameter(key).null) for joint in joints])
+
+    return {
+        name: {key: spread(name, key, v) for key, v in values.items()} for name, values in effects.items()
+    }
+
+
+def _by_name(recordings: list[Recording]) -> dict[str, Any]:
+    """Quality by name of recording; those of one name are numbered."""
+    out: dict[str, Any] = {}
+    for number, recording in enumerate(recordings, start=1):
+        name = recording.name if recording.name not in out else f"{recording.name} ({number})"
+        out[name] = quality_of_recording(recording)
+    return out
+
+
+def on_the_clock(other: Recording, recording: Recording) -> Recording:
+    """Another recording of a motion with its stamps counted from the start of ``recording``.
+
+    Where their stamps are not of the same time, both starts are taken as one moment.
+    """
+    off = (other.start_ns - recording.start_ns) / 1e9
+    if not off or abs(off) >= recording.duration:
+        return other
+    series = {key: replace(each, stamp=each.stamp + off) for key, each in other.series.items()}
+    return replace(other, start_ns=recording.start_ns, series=series)
 
 
 def shifted(span: Span, model: Model, against: Recording) -> Span:
@@ -207,7 +283,8 @@ def _completed(recording: Recording, other: Recording | None) -> Recording:
     if other is None or "gearbox_states" in recording.series or "gearbox_states" not in other.series:
         return recording
     note = f"gearbox angles were not recorded: those of {other.name} are used"
-    series = {**recording.series, "gearbox_states": other.series["gearbox_states"]}
+    gearbox = on_the_clock(other, recording).series["gearbox_states"]
+    series = {**recording.series, "gearbox_states": gearbox}
     return replace(recording, series=series, notes=(*recording.notes, note))
 
 

@@ -18,6 +18,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.stage import Order, State, through
 
+LEAST = 50  # valid samples without which a joint cannot be judged
 CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
 
 
@@ -82,12 +83,13 @@ class Problem(ABC):
     @property
     def step(self) -> float:
         """Usual time between two samples of the target [s]."""
-        return float(np.median(np.diff(self.views[0].span.stamp)))
+        steps = np.concatenate([np.diff(view.span.stamp) for view in self.views])
+        return float(np.median(steps)) if len(steps) else 0.0
 
     @property
     def columns(self) -> list[int]:
         """Columns that can be judged: enough valid samples."""
-        return [c for c in range(len(self.joints)) if self.count(c) >= 50]
+        return [c for c in range(len(self.joints)) if self.count(c) >= LEAST]
 
     def count(self, column: int) -> int:
         """Valid samples of a column."""

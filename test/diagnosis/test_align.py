@@ -1,0 +1,137 @@
+"""What counts when a recording is compared with a model: gaps, lower rates, other clocks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.arm_stage import ArmProblem, tip_data
+from trunk_ros.diagnosis.diagnose import on_the_clock
+from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.problem import Problem, ServoProblem, WireProblem
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
+from trunk_ros.simulate import simulate
+
+TRUNK = load_model("trunk")
+
+
+def kept(recording: Recording, keep: dict[str, np.ndarray]) -> Recording:
+    """A recording with some samples (masks) of some topics."""
+
+    def of(series: JointSeries, mask: np.ndarray) -> JointSeries:
+        velocity = None if series.velocity is None else series.velocity[mask]
+        return replace(series, stamp=series.stamp[mask], position=series.position[mask], velocity=velocity)
+
+    series = {k: of(s, keep[k]) if k in keep else s for k, s in recording.series.items()}
+    return replace(recording, series=series)
+
+
+def with_gap(recording: Recording, *keys: str) -> Recording:
+    stamp = recording.series["joint_states"].stamp
+    return kept(recording, dict.fromkeys(keys, (stamp < 5.0) | (stamp > 10.0)))
+
+
+def worst(problem: Problem) -> float:
+    columns = range(len(problem.joints))
+    return max(float(np.abs(problem.residual(0, Explanation(), c)).max()) for c in columns)
+
+
+def wire(recording: Recording) -> Span:
+    return wire_span(recording, TRUNK)
+
+
+def test_a_prediction_does_not_swing_out_where_gearbox_angles_are_missing() -> None:
+    recording = recorded(seconds=15.0)
+    whole = np.abs(simulate(recording, TRUNK).series["joint_states"].position).max()
+    predicted = simulate(with_gap(recording, "gearbox_states"), TRUNK)
+    assert np.abs(predicted.series["joint_states"].position).max() < 1.01 * whole
+
+
+def test_after_a_long_gap_a_nominal_arm_shows_no_misfit() -> None:
+    recording = with_gap(recorded(seconds=15.0), "gearbox_states", "joint_states", "setpoints")
+    assert worst(WireProblem([wire(recording)], TRUNK)) < 6e-4
+    assert worst(ServoProblem([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
+
+
+def test_a_servo_seen_rarely_is_not_blamed_for_its_unknown_start() -> None:
+    recording = recorded(seconds=15.0)
+    rare = np.arange(len(recording.series["gearbox_states"].stamp)) % 10 == 3
+    recording = kept(recording, {"gearbox_states": rare})
+    assert worst(ServoProblem([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
+
+
+def test_another_simulator_whose_bag_starts_later_is_no_delay() -> None:
+    recording = recorded(seconds=15.0)
+    said = simulate(recording, TRUNK)
+    joints = said.series["joint_states"]
+    later = replace(joints, stamp=joints.stamp[3:] - joints.stamp[3], position=joints.position[3:])
+    said = replace(said, start_ns=said.start_ns + 30_000_000, series={"joint_states": later})
+    moved = on_the_clock(said, recording).series["joint_states"]
+    assert moved.stamp == pytest.approx(joints.stamp[3:])
+
+
+def test_another_simulator_with_a_clock_of_its_own_starts_together_with_the_recording() -> None:
+    recording = recorded(seconds=5.0)
+    said = replace(simulate(recording, TRUNK), start_ns=0)
+    assert on_the_clock(said, recording) is said
+
+
+def test_what_is_found_on_some_joints_is_a_model_of_the_whole_arm() -> None:
+    recording = recorded({"backlash": {"half_width": on(2, 8e-4)}}, 15.0)
+    two = recording.series["gearbox_states"].select(("joint_1", "joint_2"))
+    recording = replace(recording, series={**recording.series, "gearbox_states": two})
+    model = diagnose([recording]).model
+    assert model.effects["backlash"]["half_width"] == pytest.approx(on(2, 8e-4), abs=5e-5)
+    assert simulate(recorded(seconds=5.0), model).series["joint_states"].joints == model.arm.joints
+
+
+def test_recordings_of_one_name_keep_a_quality_each() -> None:
+    result = diagnose([recorded(seconds=10.0), recorded(seconds=8.0, seed=4)])
+    assert list(result.quality) == ["made", "made (2)"]
+
+
+def test_a_recording_in_which_nothing_can_be_judged_is_refused() -> None:
+    recording = recorded(seconds=0.3)
+    with pytest.raises(RecordingError, match="no joint moves for 50 samples"):
+        diagnose([recording])
+
+
+def with_tip(recording: Recording) -> Recording:
+    joints = recording.series["joint_states"]
+    y, z, roll = TRUNK.arm.forward_kinematics(joints.position).T
+    nothing = np.zeros_like(roll)
+    position = np.column_stack([nothing, y, z])
+    orientation = np.column_stack([np.sin(roll / 2), nothing, nothing, np.cos(roll / 2)])
+    return replace(recording, tip=PoseSeries(joints.stamp, position, orientation))
+
+
+def test_the_tip_is_not_compared_with_joint_angles_that_were_not_recorded() -> None:
+    recording = with_gap(with_tip(recorded(seconds=15.0)), "joint_states")
+    data = tip_data(recording, TRUNK)
+    assert data is not None
+    assert np.abs(ArmProblem([data]).residual({})[0]).max() < 1e-9
+    assert not np.any((data.stamp > 5.0) & (data.stamp < 10.0))
+
+
+def test_a_late_joint_sensor_is_not_blamed_on_the_arm() -> None:
+    true = with_tip(recorded(seconds=15.0, noise=1e-6))
+    late = recorded({"sensor_delay": {"delay": 0.02}}, 15.0)
+    result = diagnose([replace(late, tip=true.tip)])
+    assert [(f.effect, f.stage) for f in result.findings] == [("sensor_delay", "wire")]
+
+
+def test_poses_without_an_orientation_do_not_count() -> None:
+    recording = with_tip(recorded(seconds=15.0))
+    assert recording.tip is not None
+    orientation = recording.tip.orientation.copy()
+    orientation[40:60] = np.nan
+    data = tip_data(replace(recording, tip=replace(recording.tip, orientation=orientation)), TRUNK)
+    assert data is not None
+    assert len(data.stamp) == len(orientation) - 20
