@@ -172,11 +172,13 @@ def _curve(problem: Problem, term: Term, variable: str) -> dict[str, Any]:
     names = knot_names()
     curves = {}
     for c in term.columns:
-        own = term.own[c]
-        x = np.linspace(own["low"], own["high"], len(names))
-        curves[problem.joints[c]] = {"x": x, "y": np.array([own[n] for n in names])}
-    unit = {"time": "s", "speed": "rad/s", "load": "N*m"}.get(variable, "rad")
-    return {"on": variable, "x_unit": unit, "y_unit": "rad", "joints": curves}
+        values = term.own[c]
+        x = np.linspace(values["low"], values["high"], len(names))
+        curves[problem.joints[c]] = {"x": x, "y": np.array([values[n] for n in names])}
+    own = problem.units.get(problem.joints[term.columns[0]], "rad")
+    over = problem.units.get(variable, "rad") if variable in problem.joints else own
+    unit = {"time": "s", "speed": f"{own}/s", "load": "N*m"}.get(variable, over)
+    return {"on": variable, "x_unit": unit, "y_unit": own, "joints": curves}
 
 
 def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
