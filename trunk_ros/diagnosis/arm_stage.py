@@ -11,7 +11,7 @@ from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import longest_gap
 from trunk_ros.diagnosis.criterion import FURTHER, RELEVANT, SIGNIFICANT
-from trunk_ros.diagnosis.noise import noise_of
+from trunk_ros.diagnosis.noise import Noise, noise_of
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
@@ -86,12 +86,14 @@ class ArmProblem:
     def __init__(self, data: list[TipData]):
         self.data = data
         self.arm = data[0].arm
-        self.noise = [self._noise(k) for k in range(3)]
+        found = [self._noise(k) for k in range(3)]
+        self.noise = [noise.std for noise in found]
+        self.memory = max(noise.correlation for noise in found)
         self.count = sum(len(d.stamp) for d in data)
 
-    def _noise(self, signal: int) -> float:
+    def _noise(self, signal: int) -> Noise:
         residuals = [d.tip[:, signal] - self._predict(d, {})[:, signal] for d in self.data]
-        return noise_of(residuals, [np.ones(len(r), dtype=bool) for r in residuals]).std
+        return noise_of(residuals, [np.ones(len(r), dtype=bool) for r in residuals])
 
     def _predict(self, d: TipData, values: dict[tuple[str, int], float]) -> Array:
         dt = np.diff(d.stamp, prepend=d.stamp[:1])
@@ -135,7 +137,9 @@ class ArmProblem:
         ]
         keys: list[tuple[str, int]] = []
         cost = self.solve([])[2]
-        need = max(SIGNIFICANT + FURTHER, RELEVANT * self.count)
+        # Noise with a memory repeats itself: so many samples are worth one.
+        alike = (1.0 + self.memory) / (1.0 - self.memory)
+        need = max((SIGNIFICANT + FURTHER) * alike, RELEVANT * self.count)
         while True:
             trials = {k: self.solve([*keys, k])[2] for k in candidates if k not in keys}
             best = min(trials, key=lambda k: trials[k], default=None)

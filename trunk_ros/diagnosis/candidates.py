@@ -176,13 +176,23 @@ class Screen:
         best: Candidate | None = None
         columns = self.problem.columns
         for form in kind.forms:
-            each = [list(self._starts(kind, form, c)) for c in columns]
-            for starts in zip(*each, strict=False):
+            for starts in self._starts_of_all(kind, form):
                 trial = Candidate(kind.id, form, None, starts[0], own=dict(zip(columns, starts, strict=True)))
                 better = self._on_those_that_gain(kind, trial)
                 if better is not None and (best is None or better.gain > best.gain):
                     best = better
         return best
+
+    def _starts_of_all(self, kind: type[Effect], form: str) -> list[tuple[dict[str, Any], ...]]:
+        """Start values of all joints at once: each joint's own, or, where all is shared, those of one for
+        all.
+        """
+        columns = self.problem.columns
+        each = [list(self._starts(kind, form, c)) for c in columns]
+        if any(not p.shared for p in kind.own_parameters(form)):
+            return list(zip(*each, strict=False))
+        different = {tuple(start.items()): start for starts in each for start in starts}
+        return [(start,) * len(columns) for start in different.values()]
 
     def _on_those_that_gain(self, kind: type[Effect], trial: Candidate) -> Candidate | None:
         """On all joints; where a joint has values of its own, on those that a linear look finds better

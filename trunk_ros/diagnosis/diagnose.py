@@ -21,6 +21,7 @@ from trunk_ros.diagnosis.findings import (
     without_a_name,
 )
 from trunk_ros.diagnosis.heldout import held_out
+from trunk_ros.diagnosis.leftover import rests as powers
 from trunk_ros.diagnosis.problem import LEAST, Problem, ServoProblem, WireProblem
 from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
@@ -32,7 +33,7 @@ from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 
-ARM_REST = 0.3  # of the noise power that lengths and tilt may leave at the tip
+ARM_REST = 1.0  # of the noise power that lengths and tilt may leave at the tip
 ARM_SHARE = 0.02  # of the misfit, likewise
 
 Progress = Callable[[str], None]
@@ -154,7 +155,9 @@ class Diagnoser:
         self.result.findings += findings(problem, state.explanation, found, std)
         rests = left_over(problem, state.explanation)
         self.result.unexplained += rests
-        self.result.findings += [f for f in map(without_a_name, rests) if f is not None]
+        strong = {problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > 1.0}
+        nameless = [without_a_name(rest) for rest in rests if strong & set(rest.joints)]
+        self.result.findings += [f for f in nameless if f is not None]
         self._plot(problem, state.explanation)
 
     def _plot(self, problem: Problem, explanation: Explanation) -> None:

@@ -18,7 +18,7 @@ TELLS = 0.05  # share of the rest's power that a variable must account for
 def rests(problem: Problem, explanation: Explanation) -> dict[int, float]:
     """Columns whose residual is above the noise: power over the noise's, less one."""
     power = {c: float(np.mean(problem.whitened(explanation, c) ** 2)) - 1.0 for c in problem.columns}
-    return {c: p for c, p in power.items() if p > problem.rest}
+    return {c: p for c, p in power.items() if p > problem.rest(c)}
 
 
 def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[str]:

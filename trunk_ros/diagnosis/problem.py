@@ -19,6 +19,7 @@ from trunk_ros.model import Model
 from trunk_ros.stage import Order, State, through
 
 LEAST = 50  # valid samples without which a joint cannot be judged
+OFTEN = 0.02  # s between samples that show what lies between them
 CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
 
 
@@ -59,9 +60,6 @@ class Problem(ABC):
     """What a stage must offer to be diagnosed: predictions of one column, and weights from its noise."""
 
     stage: str
-    rest = 0.1
-    """Share of the noise power above which a residual is more than noise."""
-
     units: dict[str, str]
     """SI unit of joints that are not in rad."""
 
@@ -94,6 +92,13 @@ class Problem(ABC):
     def count(self, column: int) -> int:
         """Valid samples of a column."""
         return int(sum(view.span.valid[:, column].sum() for view in self.views))
+
+    def rest(self, column: int) -> float:
+        """Share of the noise power above which a residual is more than noise: coloured or rarely sampled
+        noise is
+        known less well.
+        """
+        return 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
 
     def resolution(self, column: int) -> float:
         """Standard deviation of the encoder's steps, on the side of the target [rad]."""
@@ -223,11 +228,14 @@ class ServoProblem(Problem):
     """Setpoint to gearbox angle."""
 
     stage = "servo"
-    rest = 3.0  # a joint that stands shows one step of the encoder, up to three times its mean power
 
     def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""
         return Noise(max(noise_of(residuals, masks).std, self.resolution(0)))
+
+    def rest(self, column: int) -> float:
+        """A joint that stands shows one step of the encoder, up to three times its mean power."""
+        return 3.0
 
     def resolution(self, column: int) -> float:
         return float(2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0))

@@ -246,7 +246,7 @@ def unname(search: Search, now: Fit) -> Fit | None:
 def _unnamed(search: Search, now: Fit, column: int) -> Fit:
     local = _local(now, column)
     rest = now.cost[column] / search.problem.count(column) - 1.0
-    if UNKNOWN in local or (len(local) < 2 and rest < search.problem.rest):
+    if UNKNOWN in local or (len(local) < 2 and rest < search.problem.rest(column)):
         return now
     alone = now.explanation
     for name in local:

@@ -38,8 +38,8 @@ class VelocitySaturation(Effect):
         core.v_max = np.minimum(core.v_max, self["v_max"])
 
     def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
-        fast = float(np.quantile(np.abs(_speed(now)), 0.998))
-        return tuple(max(share * fast, 2e-3) for share in (0.98, 0.85, 0.7))
+        fast = float(np.abs(_speed(now)).max())
+        return tuple(max(share * fast, 2e-3) for share in (0.995, 0.97, 0.85, 0.7))
 
 
 def _speed(now: Now) -> Array:
