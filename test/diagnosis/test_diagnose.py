@@ -126,3 +126,19 @@ def test_the_json_has_the_schema_that_programs_rely_on(tmp_path: Path) -> None:
         said["stages"]["wire"]["joints"]["joint_2"]
     )
     assert load_model(tmp_path / "model.yaml").hash() == result.model.hash()
+
+
+def test_what_the_model_has_already_is_no_finding_and_stays_in_it() -> None:
+    believed = {"backlash": {"half_width": on(2, 8e-4)}}
+    model = replace(load_model("trunk"), effects=believed)
+    result = diagnose([recorded(believed)], model=model)
+    assert (result.verdict, result.findings) == ("no_mismatch", [])
+    assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(8e-4, rel=0.03)
+
+
+def test_what_the_model_has_not_is_found_beside_what_it_has() -> None:
+    model = replace(load_model("trunk"), effects={"backlash": {"half_width": on(2, 8e-4)}})
+    truth = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}}
+    result = diagnose([recorded(truth)], model=model)
+    assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_4"])]
+    assert set(result.model.effects) == {"backlash", "ratio_error"}

@@ -33,8 +33,12 @@ def need(problem: Problem, column: int) -> float:
 
 
 def price(problem: Problem, term: Term) -> float:
-    """What a term must gain, over all its joints; a further source counts as a further effect."""
-    needs = {c: need(problem, c) for c in term.columns if c in problem.columns}
+    """What a term must gain, over all its joints; a further source counts as a further effect.
+
+    What the model has already costs nothing.
+    """
+    known = problem.known[term.effect].columns if term.effect in problem.known else []
+    needs = {c: need(problem, c) for c in term.columns if c in problem.columns and c not in known}
     if not needs:
         return 0.0
     if term.effect == UNKNOWN:

@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.findings import (
     arm_findings,
     findings,
+    is_known,
     left_over,
     unknown_arm_finding,
     without_a_name,
@@ -92,7 +93,8 @@ class Diagnoser:
         self.tip()
         self._refuse_if_nothing_was_seen()
         longest = max(r.duration for r in self.recordings)
-        kept = {**self.model.effects, **self.effects}
+        judged = {s for s, told in self.result.stages.items() if told["compared"] and s != "arm"}
+        kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
         self.result.model = replace(self.model, effects=kept, duration=longest)
         self.result.quality = _by_name(self.recordings)
         return self.result
@@ -152,7 +154,8 @@ class Diagnoser:
             },
             "silent": [problem.joints[c] for c in range(len(problem.joints)) if c not in problem.columns],
         }
-        self.result.findings += findings(problem, state.explanation, found, std)
+        new = [f for f in findings(problem, state.explanation, found, std) if not is_known(problem, f)]
+        self.result.findings += new
         rests = left_over(problem, state.explanation)
         self.result.unexplained += rests
         strong = {problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > 1.0}
@@ -168,7 +171,7 @@ class Diagnoser:
                 "stamp": span.stamp,
                 "measured": span.target[:, c],
                 "valid": span.valid[:, c],
-                "before": problem.predict(0, Explanation(), c),
+                "before": problem.predict(0, problem.known, c),
                 "after": problem.predict(0, explanation, c),
                 "gearbox": span.gearbox[span.rows, c],
                 "velocity": span.velocity[span.rows, c],
@@ -276,7 +279,7 @@ def shifted(span: Span, model: Model, against: Recording) -> Span:
     for c in range(len(span.joints)):
         known = np.isfinite(said.position[:, c])
         there = np.interp(span.stamp, said.stamp[known], said.position[known, c])
-        target[:, c] += problem.predict(0, Explanation(), c) - there
+        target[:, c] += problem.predict(0, problem.known, c) - there
         valid[:, c] &= inside
     return replace(span, target=target, valid=valid)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -122,6 +122,33 @@ class Explanation(dict[str, Term]):
     def model_effects(self, joints: int) -> dict[str, Values]:
         """The effects as a model holds them."""
         return {name: _model_values(self[name], joints) for name in registry() if name in self}
+
+
+def explanation_of(effects: Mapping[str, Values], stage: str, joints: int) -> Explanation:
+    """The effects that a model of so many joints has in a stage, as terms that a fit can move."""
+    out = Explanation()
+    for name, values in effects.items():
+        kind = effect(name)
+        if kind.stage == stage:
+            out[name] = _term_of(kind, values, joints)
+    return out
+
+
+def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
+    form = str(values.get("form", kind.forms[0]))
+    used = [p for p in kind.own_parameters(form) if p.name in values]
+    own = {p.name: np.broadcast_to(values[p.name], joints) for p in used if not p.shared}
+    nulls = kind.null()
+    on = [j for j in range(joints) if not own or any(v[j] != nulls[n] for n, v in own.items())]
+    words = {j: {t: values[t][j] for t in kind.texts if t in values and values[t][j]} for j in on}
+    return Term(
+        kind.id,
+        form,
+        {p.name: float(values[p.name]) for p in used if p.shared},
+        {j: {n: float(v[j]) for n, v in own.items()} for j in on},
+        {j: said for j, said in words.items() if said},
+        frozenset(own) if kind.id.startswith("unknown") else frozenset(),
+    )
 
 
 def bind_column(term: Term, column: int) -> Effect:

@@ -36,6 +36,7 @@ REGIME_OF = {
     "direction": "reversal",
 }
 ARM = "arm"
+UNCHANGED = 0.05  # of a value that a model has: a change that is none
 SURE = 4.0  # spreads that the size of an effect must have on one joint
 MOSTLY = 0.5  # share of the misfit
 LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
@@ -186,7 +187,7 @@ def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
     out: dict[tuple[str, ...], Unexplained] = {}
     for column, power in rests(problem, explanation).items():
         varies = depends_on(problem, explanation, column)
-        before = float(np.mean(problem.whitened(Explanation(), column) ** 2))
+        before = float(np.mean(problem.whitened(problem.known, column) ** 2))
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
         if share < LITTLE and power < 1.0:
             continue
@@ -202,6 +203,29 @@ def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
         on = f", and varies with {' and '.join(rest.depends_on)}" if rest.depends_on else ""
         rest.statement = f"{', '.join(rest.joints)}: {rest.share:.1%} of the misfit is left{on}."
     return list(out.values())
+
+
+def is_known(problem: Problem, finding: Finding) -> bool:
+    """Whether the model has the effect already, on these joints and in this size."""
+    if finding.effect not in problem.known:
+        return False
+    term = problem.known[finding.effect]
+    if {problem.joints[c] for c in term.columns} != set(finding.joints):
+        return False
+    believed = {ARM: term.shared} | {problem.joints[c]: own for c, own in term.own.items()}
+    return all(
+        _unchanged(found, believed.get(owner, {}).get(name))
+        for owner, named in finding.parameters.items()
+        for name, found in named.items()
+    )
+
+
+def _unchanged(found: dict[str, Any], believed: float | None) -> bool:
+    """Whether a value is the one that the model has, within its spread."""
+    if believed is None or isinstance(found["value"], str):
+        return True
+    near = max(SURE * (found["std"] or 0.0), UNCHANGED * abs(believed))
+    return bool(abs(found["value"] - believed) <= near)
 
 
 def without_a_name(rest: Unexplained) -> Finding | None:

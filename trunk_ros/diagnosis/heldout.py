@@ -45,7 +45,7 @@ def held_out(search: Search, explanation: Explanation) -> dict[int, Error]:
     problem.version = version
     problem.look_again(explanation)
     before = {
-        c: _blocks(problem, Explanation(), c, 0) + _blocks(problem, Explanation(), c, 1)
+        c: _blocks(problem, problem.known, c, 0) + _blocks(problem, problem.known, c, 1)
         for c in problem.columns
     }
     return {c: Error(*_rms(before[c]), *_rms(after[c]), problem.noise[c].std) for c in problem.columns}

@@ -11,7 +11,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import SLOW, Span
-from trunk_ros.diagnosis.explanation import Explanation, payload_of
+from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload_of
 from trunk_ros.diagnosis.noise import Noise, noise_of
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
@@ -76,7 +76,10 @@ class Problem(ABC):
         self.unexplained: dict[int, float] = {}
         """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
         self._known = [self.views[0].angles]
-        self.estimate_noise(Explanation())
+        self.known = explanation_of(self.model.only(self.joints).effects, self.stage, len(self.joints))
+        """The effects that the model has already: what a finding adds to."""
+        self.look_again(self.known)
+        self.estimate_noise(self.known)
 
     @property
     def step(self) -> float:

@@ -39,7 +39,7 @@ class Search:
 
     def run(self, start: Explanation | None = None) -> Fit:
         """The explanation that no single change improves by what is needed."""
-        now = self.refit(start or Explanation())
+        now = self.refit(start or self.problem.known)
         self.weigh(now)
         for _ in range(ROUNDS):
             grown = self.grow(now) or revise.unname(self, now)
