@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.against import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmProblem, tip_data
 from trunk_ros.diagnosis.evidence import evidence, spreads
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.findings import (
-    arm_findings,
     findings,
     is_known,
     left_over,
-    unknown_arm_finding,
     without_a_name,
 )
 from trunk_ros.diagnosis.heldout import held_out
@@ -59,7 +59,7 @@ def diagnose(
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
-    read = [_completed(r, other) for r in read]
+    read = [completed(r, other) for r in read]
     return Diagnoser(read, nominal, other, progress).run()
 
 
@@ -255,43 +255,6 @@ def _by_name(recordings: list[Recording]) -> dict[str, Any]:
         name = recording.name if recording.name not in out else f"{recording.name} ({number})"
         out[name] = quality_of_recording(recording)
     return out
-
-
-def on_the_clock(other: Recording, recording: Recording) -> Recording:
-    """Another recording of a motion with its stamps counted from the start of ``recording``.
-
-    Where their stamps are not of the same time, both starts are taken as one moment.
-    """
-    off = (other.start_ns - recording.start_ns) / 1e9
-    if not off or abs(off) >= recording.duration:
-        return other
-    series = {key: replace(each, stamp=each.stamp + off) for key, each in other.series.items()}
-    return replace(other, start_ns=recording.start_ns, series=series)
-
-
-def shifted(span: Span, model: Model, against: Recording) -> Span:
-    """Targets as if the model's own prediction were the other simulator's: its difference is taken off."""
-    said = against.require("joint_states").select(span.joints)
-    span = replace(span, start=np.full(len(span.joints), np.nan))
-    problem = WireProblem([span], model)
-    target, valid = span.target.copy(), span.valid.copy()
-    inside = (span.stamp >= said.stamp[0]) & (span.stamp <= said.stamp[-1])
-    for c in range(len(span.joints)):
-        known = np.isfinite(said.position[:, c])
-        there = np.interp(span.stamp, said.stamp[known], said.position[known, c])
-        target[:, c] += problem.predict(0, problem.known, c) - there
-        valid[:, c] &= inside
-    return replace(span, target=target, valid=valid)
-
-
-def _completed(recording: Recording, other: Recording | None) -> Recording:
-    """A recording without gearbox angles takes them from the other simulator's."""
-    if other is None or "gearbox_states" in recording.series or "gearbox_states" not in other.series:
-        return recording
-    note = f"gearbox angles were not recorded: those of {other.name} are used"
-    gearbox = on_the_clock(other, recording).series["gearbox_states"]
-    series = {**recording.series, "gearbox_states": gearbox}
-    return replace(recording, series=series, notes=(*recording.notes, note))
 
 
 def _rms(values: np.ndarray) -> float:

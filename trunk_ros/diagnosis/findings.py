@@ -7,16 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.arm_stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.explanation import Explanation, Term
-from trunk_ros.diagnosis.leftover import accounted, depends_on, rests
+from trunk_ros.diagnosis.leftover import depends_on, rests
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.result import Finding, Unexplained
 from trunk_ros.diagnosis.unnamed import knot_names
 from trunk_ros.effects import Effect, effect
-from trunk_ros.model import Values
 
 UNNAMED = ("unknown", "unknown_servo")
 VARIES_WITH: dict[str, list[str]] = {
@@ -89,7 +86,7 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
         equivalents=found.equivalents,
         parameters=parameters,
         depends_on=varies,
-        statement=_statement(kind, joints, parameters, variable),
+        statement=statement_of(kind, joints, parameters, variable),
         evidence={
             "strength": found.strength,
             "gain": {problem.joints[c]: g for c, g in found.gain.items()},
@@ -124,13 +121,13 @@ def _parameters(
     out: dict[str, dict[str, dict[str, Any]]] = {}
     for p in kind.own_parameters(term.form):
         if p.name in term.shared:
-            out.setdefault(ARM, {})[p.name] = _value(
+            out.setdefault(ARM, {})[p.name] = value_of(
                 term.shared[p.name], std.get((term.effect, p.name, None)), p.unit
             )
         for c in term.columns:
             if p.name in term.own[c]:
                 unit = p.unit.replace("rad", problem.units.get(problem.joints[c], "rad"))
-                value = _value(term.own[c][p.name], std.get((term.effect, p.name, c)), unit)
+                value = value_of(term.own[c][p.name], std.get((term.effect, p.name, c)), unit)
                 out.setdefault(problem.joints[c], {})[p.name] = value
     for c, words in term.words.items():
         for text, word in words.items():
@@ -138,7 +135,7 @@ def _parameters(
     return out
 
 
-def _value(value: float, std: float | None, unit: str) -> dict[str, Any]:
+def value_of(value: float, std: float | None, unit: str) -> dict[str, Any]:
     return {"value": value, "std": std if std is not None and np.isfinite(std) else None, "unit": unit}
 
 
@@ -149,7 +146,7 @@ def title(kind: type[Effect]) -> str:
     return text.strip().split("\n")[0].rstrip(".")
 
 
-def _statement(
+def statement_of(
     kind: type[Effect], joints: list[str], parameters: dict[str, dict[str, dict[str, Any]]], variable: str
 ) -> str:
     where = ", ".join(joints) if joints else "the arm"
@@ -252,71 +249,4 @@ def without_a_name(rest: Unexplained) -> Finding | None:
         rest.depends_on,
         statement + on,
         evidence,
-    )
-
-
-def arm_findings(problem: ArmProblem, done: ArmFit) -> tuple[list[Finding], dict[str, Values]]:
-    """Findings of the arm stage, and their values for the model."""
-    out, values = [], {}
-    joints = problem.arm.joints
-    for name in dict.fromkeys(name for name, _ in done.values):
-        kind, p = effect(name), effect(name).parameters[0]
-        mine = {c: v for (n, c), v in done.values.items() if n == name}
-        named = [joints[c] for c in mine if c >= 0]
-        parameters = {
-            (joints[c] if c >= 0 else ARM): {p.name: _value(v, done.std[name, c], p.unit)}
-            for c, v in sorted(mine.items())
-        }
-        column: Array = np.zeros(len(joints))
-        for c, v in mine.items():
-            column[c] = v
-        values[name] = {p.name: mine.get(-1, column)}
-        gain = sum(done.gain[name, c] for c in mine)
-        out.append(
-            Finding(
-                name,
-                "arm",
-                sorted(named),
-                kind.regime,
-                0.97,
-                [],
-                parameters,
-                [],
-                _statement(kind, sorted(named), parameters, ""),
-                {
-                    "strength": float(np.sqrt(gain / (3 * problem.count))),
-                    "gain": {ARM: gain},
-                    "rivals": {},
-                    "form": "",
-                    "signature": kind.signature,
-                },
-            )
-        )
-    return out, values
-
-
-def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
-    """The tip is off in a way that neither lengths nor tilt explain: on which joints' angles it depends."""
-    residual = np.concatenate([r[:, 0] for r in problem.residual({})])
-    theta = np.concatenate([d.theta for d in problem.data])
-    told = {joint: accounted(theta[:, c], residual) for c, joint in enumerate(problem.arm.joints)}
-    varies = sorted(told, key=lambda joint: -told[joint])[:2]
-    said = f"the tip is off in a way that no name fits, most with the angle of {' and '.join(varies)}"
-    return Finding(
-        effect="unknown",
-        stage="arm",
-        joints=varies[:1],
-        regime="posture",
-        confidence=0.9,
-        equivalents=[],
-        parameters={},
-        depends_on=["position", *varies],
-        statement=f"{said}; {share:.0%} of it is left by lengths and tilt.",
-        evidence={
-            "strength": float(np.sqrt(np.mean((residual / problem.noise[0]) ** 2))),
-            "gain": {},
-            "rivals": {},
-            "form": "",
-            "signature": "The tip is not where the joints put it.",
-        },
     )
