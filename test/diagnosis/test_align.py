@@ -9,9 +9,9 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.against import on_the_clock
 from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.arm_stage import ArmProblem, tip_data
-from trunk_ros.diagnosis.against import on_the_clock
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.problem import Problem, ServoProblem, WireProblem
 from trunk_ros.errors import RecordingError
