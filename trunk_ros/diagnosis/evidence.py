@@ -40,21 +40,13 @@ class Evidence:
 def spreads(search: Search, state: Fit) -> dict[tuple[str, str, int | None], float]:
     """Standard deviation of each fitted value, in its own unit, by (effect, parameter, column)."""
     out: dict[tuple[str, str, int | None], float] = {}
-    for group in groups(search, state.explanation):
+    for group in search.groups(state.explanation):
         residuals = Residuals(search.problem, state.explanation, group)
         if residuals.free:
             x = np.clip(state.explanation.get(residuals.free), *bounds(residuals.free))
             rest = np.concatenate(residuals.parts(x))
             out |= _deviations(residuals, residuals.jacobian(x), state.explanation, float(np.mean(rest**2)))
     return out
-
-
-def groups(search: Search, explanation: Explanation) -> list[list[int]]:
-    """Columns that have to be fitted together."""
-    columns = search.problem.columns
-    shared = {c for t in explanation.values() if set(t.shared) - t.given for c in t.columns}
-    together = sorted(shared & set(columns))
-    return ([together] if together else []) + [[c] for c in columns if c not in shared]
 
 
 def _deviations(

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.candidates import UNNAMED
 from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.leftover import depends_on, rests
@@ -15,7 +16,6 @@ from trunk_ros.diagnosis.result import Finding, Unexplained
 from trunk_ros.diagnosis.unnamed import knot_names
 from trunk_ros.effects import Effect, effect
 
-UNNAMED = ("unknown", "unknown_servo")
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
     "posture": ["position"],

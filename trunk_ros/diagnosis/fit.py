@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.explanation import Explanation, Free, bounds, scales
+from trunk_ros.diagnosis.explanation import Explanation, bounds, scales
 from trunk_ros.diagnosis.problem import Problem
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
@@ -24,8 +24,6 @@ class Fit:
     explanation: Explanation
     cost: dict[int, float]
     """Sum of squares by column."""
-    free: list[Free]
-    jacobian: Array
 
     @property
     def total(self) -> float:
@@ -78,15 +76,14 @@ def fit(problem: Problem, explanation: Explanation, columns: list[int], rounds: 
     """
     residuals = Residuals(problem, explanation, columns)
     x = explanation.get(residuals.free)
-    jacobian = np.zeros((0, 0))
     if len(x):
-        x, jacobian = minimise(residuals, np.clip(x, *bounds(residuals.free)), rounds)
+        x = minimise(residuals, np.clip(x, *bounds(residuals.free)), rounds)
     cost = {c: float(part @ part) for c, part in zip(columns, residuals.parts(x), strict=True)}
-    return Fit(explanation.put(residuals.free, x), cost, residuals.free, jacobian)
+    return Fit(explanation.put(residuals.free, x), cost)
 
 
-def minimise(residuals: Residuals, x: Array, rounds: int) -> tuple[Array, Array]:
-    """Levenberg-Marquardt within bounds, and the last derivative.
+def minimise(residuals: Residuals, x: Array, rounds: int) -> Array:
+    """Levenberg-Marquardt within bounds.
 
     Few values against many samples: the normal equations cost a tenth of the decompositions that
     ``scipy.optimize.least_squares`` makes of the whole derivative.
@@ -94,7 +91,6 @@ def minimise(residuals: Residuals, x: Array, rounds: int) -> tuple[Array, Array]
     low, high = bounds(residuals.free)
     rest = residuals(x)
     cost, damping = float(rest @ rest), DAMPING
-    jacobian = np.zeros((len(rest), len(x)))
     for _ in range(rounds):
         jacobian = residuals.jacobian(x)
         slope, normal = jacobian.T @ rest, jacobian.T @ jacobian
@@ -108,7 +104,7 @@ def minimise(residuals: Residuals, x: Array, rounds: int) -> tuple[Array, Array]
             damping = max(damping, 1e-6) * 6.0
         if before - cost < max(ENOUGH, ENOUGH * 1e-4 * cost):
             break
-    return x, jacobian
+    return x
 
 
 def _step(normal: Array, slope: Array, damping: float, x: Array, low: Array, high: Array) -> Array:

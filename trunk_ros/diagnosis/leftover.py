@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.problem import Problem
-from trunk_ros.diagnosis.unnamed import spectrum
+from trunk_ros.diagnosis.unnamed import spectrum, variables
 from trunk_ros.effects.curve import abscissa
 
 CELLS = 20
@@ -32,7 +31,7 @@ def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[
     )
     if len(residual) < 10 * CELLS or not np.any(residual):
         return []
-    for name in _variables(problem, column):
+    for name in ("direction", *variables(problem, column)):
         parts = []
         for i, view in enumerate(problem.views):
             now = problem.now(i, column, 0.0)
@@ -55,10 +54,3 @@ def accounted(x: Array, residual: Array) -> float:
     between = float(np.sum(sums[counts > 0] ** 2 / counts[counts > 0]) - residual.sum() ** 2 / len(residual))
     total = float(np.sum((residual - residual.mean()) ** 2))
     return between / total if total > 0 else 0.0
-
-
-def _variables(problem: Problem, column: int) -> list[str]:
-    others = [j for k, j in enumerate(problem.joints) if k != column]
-    load = ["load"] if problem.arm.has_load else []
-    speed = ["speed"] if problem.step < SLOW else []
-    return ["position", "direction", *speed, "time", *load, *others]

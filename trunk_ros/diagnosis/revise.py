@@ -259,7 +259,7 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
             bare = bare if name in kept else bare.without(name, column)
         trial = curve_fit(search.problem, bare, column)
         if trial is not None:
-            best = better(search, best, Fit(trial.explanation, now.cost | trial.cost, [], trial.jacobian))
+            best = better(search, best, Fit(trial.explanation, now.cost | trial.cost))
     gained = now.cost[column] - best.cost[column]
     simpler = len(local) >= 3
     return best if simpler or gained > CLEARER * (nominal - now.cost[column]) else now

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from trunk_ros.diagnosis import revise
 from trunk_ros.diagnosis.candidates import Screen, extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, need, score
@@ -60,20 +58,24 @@ class Search:
         return done
 
     def _refit(self, explanation: Explanation) -> Fit:
-        problem = self.problem
-        shared = {c for term in explanation.values() if _shares(term) for c in term.columns}
-        together = sorted(shared & set(problem.columns))
         cost: dict[int, float] = {}
-        for group in ([together] if together else []) + [[c] for c in problem.columns if c not in shared]:
-            done = fit(problem, explanation, group)
+        for group in self.groups(explanation):
+            done = fit(self.problem, explanation, group)
             explanation = done.explanation
             cost |= done.cost
-        return Fit(explanation, cost, [], np.zeros((0, 0)))
+        return Fit(explanation, cost)
+
+    def groups(self, explanation: Explanation) -> list[list[int]]:
+        """Columns that have to be fitted together: those that share values, and each of the others alone."""
+        columns = self.problem.columns
+        shared = {c for term in explanation.values() if set(term.shared) - term.given for c in term.columns}
+        together = sorted(shared & set(columns))
+        return ([together] if together else []) + [[c] for c in columns if c not in shared]
 
     def refit_column(self, now: Fit, explanation: Explanation, column: int) -> Fit:
         """Fit one joint's own values, the rest as it is."""
         trial = fit(self.problem, explanation, [column])
-        return Fit(trial.explanation, now.cost | trial.cost, [], np.zeros((0, 0)))
+        return Fit(trial.explanation, now.cost | trial.cost)
 
     def weigh(self, now: Fit) -> None:
         """Note what an explanation leaves, which further effects are measured by."""
@@ -161,11 +163,7 @@ class Search:
         for column, trial in trials.items():
             out.take(column, trial.explanation)
         out[name].shared = shared
-        return (
-            self.refit(out)
-            if shared
-            else Fit(out, now.cost | {c: t.cost[c] for c, t in trials.items()}, [], np.zeros((0, 0)))
-        )
+        return self.refit(out) if shared else Fit(out, now.cost | {c: t.cost[c] for c, t in trials.items()})
 
     def grow_everywhere(self, now: Fit) -> list[Fit]:
         """Explanations with a further effect that acts on all joints alike."""
@@ -221,7 +219,3 @@ def weight(explanation: Explanation, column: int) -> float:
     """How many effects a joint has of its own; beside a curve there is room for none."""
     own = [t for t in explanation.on(column) if not effect(t.effect).everywhere]
     return sum(MOST if t.effect == UNKNOWN else 1.0 for t in own)
-
-
-def _shares(term: Term) -> bool:
-    return any(name not in term.given for name in term.shared)

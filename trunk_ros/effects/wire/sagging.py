@@ -1,0 +1,43 @@
+"""What the effects share by which a joint sags under its load other than in proportion."""
+
+from abc import abstractmethod
+from typing import Any, ClassVar
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.parameter import Parameter
+
+
+class Sagging(Effect):
+    """theta += sag(tau), bent at a moment of load that is the first parameter; includes the stretch."""
+
+    stage, place, regime = "wire", 200, "posture"
+    scalable = False
+    needs = ("load",)
+    everywhere = True
+    replaces = ("load_elasticity",)
+
+    levels: ClassVar[tuple[float, ...]]
+    """Quantiles of the load that a fit starts the bend at."""
+
+    @abstractmethod
+    def sag(self, now: Now) -> Array:
+        """(n, columns) rad that the load adds."""
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x + self.sag(now), None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y - self.sag(now), None
+
+    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+        if parameter is not self.parameters[0]:
+            return super().grid(parameter, now, column)
+        return tuple(max(1.5e-3, q) for q in np.quantile(np.abs(now.load[:, column]), self.levels))
+
+
+def bend(name: str, meaning: str, typical: float) -> Parameter:
+    """The moment [N m] at which the sag bends; out of reach where it is absent."""
+    return Parameter(name, "N*m", (1e-3, 1e3), meaning, typical=typical, null=1e3, scale="log")
