@@ -33,6 +33,8 @@ class Evidence:
     """Root mean square of the effect over the sensor noise, over its joints."""
     rivals: dict[str, float] = field(default_factory=dict)
     """Loss if another effect stood in its place, refitted to the same data."""
+    fitted: dict[str, Explanation] = field(default_factory=dict)
+    """The explanation with each rival in its place."""
     equivalents: list[str] = field(default_factory=list)
     confidence: float = 0.0
 
@@ -86,7 +88,9 @@ def _evidence(search: Search, state: Fit, name: str) -> Evidence:
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
     out = Evidence(gain, strength(search, state.explanation, name))
     if name != UNKNOWN:
-        out.rivals = _rivals(search, state, name, bare)
+        fits = _rivals(search, state, name, bare)
+        out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
+        out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         limit = sum(need(problem, c) for c in gain)
         near = sorted((loss, rival) for rival, loss in out.rivals.items() if loss < limit)
         out.equivalents = [rival for _, rival in near][:RIVALS]
@@ -108,31 +112,33 @@ def strength(search: Search, explanation: Explanation, name: str) -> float:
     return float(np.sqrt(np.mean(power))) if power else 0.0
 
 
-def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, float]:
-    """Loss of each promising effect in the place of one, on the same joints."""
+def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Explanation]]:
+    """Loss of each promising effect in the place of one, on the same joints, and the explanation with it."""
     problem, columns = (
         search.problem,
         [c for c in state.explanation[name].columns if c in search.problem.columns],
     )
     others = [k for k in usable(problem) if k.id not in state.explanation]
     screen = Screen(problem, bare.explanation, columns)
-    losses: dict[str, float] = {}
+    losses: dict[str, tuple[float, Explanation]] = {}
     local = [k for k in others if not k.everywhere]
     promising = {c: screen.ranked(local, c, RIVALS) for c in columns}
     for kind in {effect(candidate.effect) for found in promising.values() for candidate in found}:
-        loss = 0.0
+        loss, fitted = 0.0, bare.explanation.copy()
         for c in columns:
             trials = [x for x in promising[c] if x.effect == kind.id] or screen.forms(kind, c)[:1]
             fits = [search.refit_column(bare, extended(problem, bare.explanation, x), c) for x in trials]
-            costs = [f.cost[c] for f in fits if search.credible(f.explanation, c)]
-            loss += min(costs, default=bare.cost[c]) - state.cost[c]
-        losses[kind.id] = float(loss)
+            fits = [f for f in fits if search.credible(f.explanation, c)]
+            best = min(fits, key=lambda f: f.cost[c], default=bare)
+            loss += best.cost[c] - state.cost[c]
+            fitted.take(c, best.explanation)
+        losses[kind.id] = float(loss), fitted
     if effect(name).everywhere or len(columns) == len(problem.columns):
         for kind in (k for k in others if k.everywhere):
             candidate = Screen(problem, bare.explanation).everywhere(kind)
             if candidate is not None:
                 trial = search.refit(extended(problem, bare.explanation, candidate))
-                losses[kind.id] = float(trial.total - state.total)
+                losses[kind.id] = float(trial.total - state.total), trial.explanation
     return losses
 
 
