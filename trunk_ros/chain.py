@@ -14,18 +14,17 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core
+from trunk_ros.effects.effect import Core, Effect
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import ModelError
 from trunk_ros.look import Look
 from trunk_ros.model import Model
+from trunk_ros.passes import Passes
 from trunk_ros.stage import Memory, Order, State, back, friction, run_servo, through, tip_pass, wire_pass
 
 # Wire effects from this place on end the motion or show it: neither load nor coupling depends on them.
 STOP = 600
-PASSES = 30  # joints that drag each other are computed until they agree
-AGREED = 1e-7  # rad, a hundredth of what an encoder tells
-CALMEST = 0.002  # a pass never counts for less of the one before
+AGREED_BACK = 3e-8  # rad: on the way back a reversal makes more of what is left, and blocks would show
 AHEAD = 0.1  # s over which the last sample's trend is trusted
 REMEMBERED = 0.6  # s of past setpoints, longer than any servo delay
 BLOCK = 40_000  # joint-steps that are worked on at once, so that they stay in the processor's cache
@@ -159,18 +158,46 @@ class Chain:
         true = back(y, self._outer, now, old, new)
         now.follow(true)
         x = (true - self._deflection(stamp, state)) / self.arm.ratio
-        passes, settled = Passes(state), False
-        while not settled:
-            now.see(x, true)
-            core = self._core()
-            for e in self.order.core:
-                e.adjust(core, now)
-            u = back(true, self._inner, now, old, new)
-            u, memory = (core.rounding or SharpPlay()).invert(u, core.width, begun)
+        now.see(x, true)
+        inside, inner = self._known_back(true, now, old, new)
+        passes, again = Passes(state, AGREED_BACK), True
+        while True:
+            if again:
+                u, memory = self._friction_back(inside, inner, now, begun, old, new)
+                again = "gearbox" in now.asked
             better = back(u, self.order.path, now, old, new) / self.arm.ratio
             settled = "gearbox" not in now.asked or passes.agree(better, x)
             x = better
+            if settled:
+                break
+            now.see(x, true)
         return x, true, self._after(stamp, x, true, state, passes.calm, new, memory)
+
+    def _known_back(self, true: Array, now: Look, old: Memory, new: Memory) -> tuple[Array, list[Effect]]:
+        """The joints' angles as far back as nothing depends on the gearbox yet, and the effects before
+        that.
+        """
+        inner = list(self._inner)
+        while inner:
+            further = back(true, inner[-1:], now, old, new)
+            if "gearbox" in now.asked:
+                break
+            true = further
+            inner.pop()
+        return true, inner
+
+    def _friction_back(
+        self, y: Array, inner: list[Effect], now: Look, begun: Any, old: Memory, new: Memory
+    ) -> tuple[Array, Any]:
+        """What the wire has to take in for ``y`` to come out of ``inner``, and the friction element's
+        memory.
+        """
+        core = self._core()
+        for e in self.order.core:
+            e.adjust(core, now)
+        u = back(y, inner, now, old, new)
+        moved: tuple[Array, Any] = (core.rounding or SharpPlay()).invert(u, core.width, begun)
+        return moved
 
     def _deflection(self, stamp: Array, state: State | None) -> Array | float:
         """A first guess of how far the joints are from where the gearbox alone would have them."""
@@ -217,21 +244,3 @@ class Chain:
         kept = max(int(np.searchsorted(stamps, stamps[-1] - REMEMBERED)) - 1, 0)
         core = stamps[kept:], setpoints[kept:], after
         return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], {}, core, calm=passes.calm)
-
-
-class Passes:
-    """Repeats a computation until its result no longer changes what it was computed from."""
-
-    def __init__(self, state: State | None):
-        self.calm = state.calm if state else 1.0
-        self._change = 0.0
-        self._left = PASSES
-
-    def agree(self, better: Array, before: Array) -> bool:
-        """Whether the next pass would change less than AGREED, going by how the changes shrank so far."""
-        change = float(np.abs(better - before).max())
-        if self._change > 0.0:
-            self.calm = min(max(change / self._change, CALMEST), 1.0)
-        self._change = change
-        self._left -= 1
-        return self.calm * change < AGREED or not self._left

@@ -137,12 +137,10 @@ def test_block_by_block_equals_all_at_once(name: str, form: str, cuts: set[int],
     stage, model = registry()[name].stage, model_of(name, form)
     stamp = 0.012 * (np.arange(800) + np.random.default_rng(jitter).uniform(-0.4, 0.4, 800))
     x = input_of(model, stage, motion(stamp))
-    # Joints that drag each other by friction come together step by step, to a tenth of an encoder's step.
-    close = 5 * AGREED if form == "drag" else AGREED
     for backward in (False, True) if (name, form) in COMPENSABLE else (False,):
         whole = in_blocks(Chain(model, stage), backward, x, stamp, [])
         got = in_blocks(Chain(model, stage), backward, x, stamp, sorted(cuts))
-        assert got == pytest.approx(whole, abs=close)
+        assert got == pytest.approx(whole, abs=AGREED)
 
 
 @pytest.mark.parametrize(("name", "form"), COMPENSABLE)
