@@ -10,6 +10,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 from trunk_ros.compiled import Array
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
+from trunk_ros.recording.fill import fill as fill
 from trunk_ros.recording.recording import JointSeries, Recording
 
 FINE = 0.0125  # s: a moving arm is computed at least this often
@@ -180,20 +181,6 @@ def _fits(series: JointSeries, position: Array) -> bool:
     slope, given = _slope(series.stamp, position), fill(series.velocity)
     off, size = float(np.sqrt(np.mean((slope - given) ** 2))), float(np.sqrt(np.mean(slope**2)))
     return off < 0.5 * size + 1e-9
-
-
-def fill(values: Array) -> Array:
-    """(n, joints) with missing values held from the last one known."""
-    if np.isfinite(values).all():
-        return np.ascontiguousarray(values)
-    out = values.copy()
-    for j in range(values.shape[1]):
-        known = np.flatnonzero(np.isfinite(values[:, j]))
-        if len(known):
-            out[:, j] = np.interp(np.arange(len(values)), known, values[known, j])
-        else:
-            out[:, j] = 0.0
-    return out
 
 
 def _in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
