@@ -9,6 +9,7 @@ from test.nodes.graph import bag_messages
 from trunk_ros.errors import ArgumentError
 from trunk_ros.nodes import bag_writer
 from trunk_ros.nodes.bag_writer import BagWriter, Channel, Entry, Options
+from trunk_ros.recording.mcap_write import COMPRESSION
 from trunk_ros.recording.message_types import RELIABLE, definition
 from trunk_ros.recording.metadata import read_metadata
 
@@ -30,11 +31,11 @@ def write(path: Path, options: Options, count=500, size=8):
     writer, talk = BagWriter(path, options), channel()
     writer.add_channel(talk)
     kept = [writer.put(entry) for entry in entries(talk, count, size)]
-    writer.close({"trunk_ros.loss": "{}"})
+    writer.close(lambda: {"trunk_ros.loss": "{}"})
     return writer, kept
 
 
-@pytest.mark.parametrize("compression", bag_writer.COMPRESSION)
+@pytest.mark.parametrize("compression", COMPRESSION)
 def test_every_compression_is_read_back(tmp_path, compression):
     write(tmp_path / "bag", Options(compression=compression))
     assert len(bag_messages(tmp_path / "bag")["/talk"]) == 500
@@ -68,7 +69,7 @@ def test_a_full_disk_ends_the_recording_with_what_it_has(tmp_path, monkeypatch):
     wait_until(lambda: writer.failure)
     assert "full" in writer.failure
     assert not writer.put(entries(talk, 1)[0])
-    writer.close({})
+    writer.close(dict)
     assert len(bag_messages(tmp_path / "bag")["/talk"]) >= 100
 
 
@@ -80,7 +81,7 @@ def wait_until(condition):
 
 
 def test_a_bag_without_messages_can_be_opened(tmp_path):
-    BagWriter(tmp_path / "bag", Options()).close({})
+    BagWriter(tmp_path / "bag", Options()).close(dict)
     assert bag_messages(tmp_path / "bag") == {}
 
 

@@ -1,26 +1,29 @@
-"""Writes a bag beside the node's loop: bounded queue, thread, MCAP chunks on disk within half a second."""
+"""Writes a bag beside the node's loop: bounded queue, thread, MCAP chunks written within half a second."""
 
 from __future__ import annotations
 
+import fcntl
 import os
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mcap.writer import CompressionType, Writer
-
-from trunk_ros.errors import ArgumentError
+from trunk_ros.errors import ArgumentError, RecordingError
 from trunk_ros.recording import plain_yaml
+from trunk_ros.recording.mcap_write import ChunkWriter
 from trunk_ros.recording.message_types import qos_text
 from trunk_ros.recording.metadata import BagFile, Topic, information, write_metadata
+from trunk_ros.recording.recover import recover, unfinished
 
 PAUSE = 0.05  # s between two looks into the queue
 FLUSH = 0.4  # s that a message may wait for the disk
 ROOM = 2 << 20  # bytes that stay free, so that a bag can be ended in good order
-COMPRESSION = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
+LATEST = 2**63 - 1
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Options:
 
 @dataclass
 class Channel:
-    """One topic of the bag."""
+    """One topic of the bag; ``count``: its messages in the files of the bag, known when they are closed."""
 
     name: str
     type: str
@@ -62,17 +65,13 @@ class Part:
     """One file of the bag."""
 
     path: Path
-    writer: Any
-    stream: Any
+    writer: ChunkWriter
     ids: dict[str, int] = field(default_factory=dict)
-    schemas: dict[str, int] = field(default_factory=dict)
-    first_ns: int = 2**63 - 1
-    last_ns: int = 0
-    count: int = 0
+    first_ns: int | None = None
 
     def describe(self) -> BagFile:
         """The file's entry in metadata.yaml."""
-        return BagFile(self.path.name, self.first_ns if self.count else 0, self.last_ns, self.count)
+        return BagFile(self.path.name, *self.writer.span, sum(self.writer.counts.values()))
 
 
 class BagWriter:
@@ -83,6 +82,7 @@ class BagWriter:
         self.folder = Path(folder).absolute()
         self.options = options
         self.failure = ""
+        self._crash: Exception | None = None
         self._put_bytes = self._taken_bytes = 0  # each written by one thread alone
         self._channels: list[Channel] = []
         self._queue: deque[Entry] = deque()
@@ -114,38 +114,77 @@ class BagWriter:
         """What waits for the disk."""
         return self._put_bytes - self._taken_bytes
 
-    def close(self, custom: dict[str, str]) -> None:
-        """Write what is queued, the indexes, and metadata.yaml with ``custom`` entries."""
+    def close(self, custom: Callable[[], dict[str, str]]) -> None:
+        """Write what is queued, the indexes, and metadata.yaml with entries that are asked for at the end.
+
+        Where there is no room for that, the last chunks give way. Raises what was wrong with our own doing.
+        """
         self._ending.set()
         self._thread.join()
+        if self._crash is not None:
+            raise self._crash
+        last = self._parts[-1].writer
+        self._flush(last)
+        while not self._finished(last, custom) and last.drop_last():
+            pass
+        last.close()
+
+    def _finished(self, last: ChunkWriter, custom: Callable[[], dict[str, str]]) -> bool:
+        self._count()
+        noted = custom()
+        described = self._describe(noted)
+        text = {"serialized_metadata": plain_yaml.dump(described)}
         try:
-            described = self._describe(custom)
-            for part in self._parts[-1:]:
-                part.writer.add_metadata("rosbag2", {"serialized_metadata": plain_yaml.dump(described)})
-                part.writer.add_metadata("trunk_ros", custom)
-                part.writer.finish()
-                part.stream.close()
+            last.finish({"rosbag2": text, "trunk_ros": noted})
+        except OSError as error:
+            self._fail(error)
+            return False
+        try:
             write_metadata(self.folder, described)
         except OSError as error:
-            self.failure = self.failure or f"{self.folder} cannot be written: {error.strerror}"
+            self._fail(error)
+            last.unfinish()
+            return False
+        return True
+
+    def _count(self) -> None:
+        """Note how many messages of each topic the files hold."""
+        for channel in self._channels:
+            written = [part.writer.counts[part.ids.get(channel.name, 0)] for part in self._parts]
+            channel.count = sum(written)
+
+    def _fail(self, error: OSError) -> None:
+        self.failure = self.failure or f"{self.folder} cannot be written: {error.strerror}"
 
     # The thread
 
     def _work(self) -> None:
+        try:
+            self._write_all()
+        except Exception as error:  # a fault of ours: the node raises it where it is seen
+            self._crash, self.failure = error, f"{type(error).__name__}: {error}"
+        self._queue.clear()
+
+    def _write_all(self) -> None:
         flushed = time.monotonic()
-        while True:
+        last = False
+        while not last and not self.failure:
             last = self._ending.wait(PAUSE)
             try:
                 self._drain()
-                if time.monotonic() - flushed > FLUSH:
-                    self._parts[-1].writer.flush()
-                    flushed = time.monotonic()
             except OSError as error:
-                self.failure = f"{self.folder} cannot be written: {error.strerror}"
-            if self.failure:
-                self._queue.clear()
-            if last:
-                return
+                self._fail(error)
+                self._parts[-1].writer.give_up_chunk()
+            if time.monotonic() - flushed > FLUSH:
+                self._flush(self._parts[-1].writer)
+                flushed = time.monotonic()
+
+    def _flush(self, writer: ChunkWriter) -> None:
+        try:
+            writer.flush()
+        except OSError as error:
+            self._fail(error)
+            writer.give_up_chunk()
 
     def _drain(self) -> None:
         while self._queue and not self.failure:
@@ -166,49 +205,42 @@ class BagWriter:
     def _write(self, entry: Entry) -> None:
         part = self._parts[-1]
         if self._is_full(part, entry):
-            part.writer.finish()
-            part.stream.close()
+            full = part.writer
+            full.finish({})
             part = self._begin_part()
-        part.writer.add_message(
-            self._channel_id(part, entry.channel),
-            entry.log_ns,
-            entry.data,
-            entry.publish_ns,
-            entry.number & 0xFFFFFFFF,
-        )
-        entry.channel.count += 1
-        part.count += 1
-        part.first_ns, part.last_ns = min(part.first_ns, entry.log_ns), max(part.last_ns, entry.log_ns)
+            full.close()
+        log_ns = min(max(entry.log_ns, 0), LATEST)  # a clock may show anything
+        publish_ns = min(max(entry.publish_ns, 0), LATEST)
+        number = self._channel_id(part, entry.channel)
+        part.writer.add_message(number, log_ns, publish_ns, entry.number & 0xFFFFFFFF, entry.data)
+        part.first_ns = log_ns if part.first_ns is None else min(part.first_ns, log_ns)
+        if part.writer.open_bytes >= self.options.chunk_bytes:
+            part.writer.flush()
 
     def _is_full(self, part: Part, entry: Entry) -> bool:
-        options = self.options
-        if options.split_bytes and part.stream.tell() > options.split_bytes:
-            return True
-        return bool(
-            options.split_seconds
-            and part.count
-            and entry.log_ns - part.first_ns >= options.split_seconds * 1e9
-        )
+        if part.first_ns is None:
+            return False
+        seconds, size = self.options.split_seconds, self.options.split_bytes
+        if not (size and part.writer.size + part.writer.open_bytes > size) and not (
+            seconds and entry.log_ns - part.first_ns >= seconds * 1e9
+        ):
+            return False
+        part.writer.flush()
+        return True
 
     def _begin_part(self) -> Part:
         path = self.folder / f"{self.folder.name}_{len(self._parts)}.mcap"
-        stream = path.open("xb")
-        writer = Writer(
-            stream, chunk_size=self.options.chunk_bytes, compression=COMPRESSION[self.options.compression]
-        )
-        writer.start(profile="ros2", library="trunk_ros")
-        self._parts.append(Part(path, writer, stream))
+        writer = ChunkWriter(path, self.options.compression)
+        with suppress(OSError):  # where a file system knows no locks
+            fcntl.flock(writer.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        self._parts.append(Part(path, writer))
         return self._parts[-1]
 
     def _channel_id(self, part: Part, channel: Channel) -> int:
         if channel.name not in part.ids:
-            if channel.type not in part.schemas:
-                text = channel.definition.encode()
-                part.schemas[channel.type] = part.writer.register_schema(channel.type, "ros2msg", text)
             noted = {"offered_qos_profiles": qos_text(channel.qos), "topic_type_hash": channel.hash}
-            part.ids[channel.name] = part.writer.register_channel(
-                channel.name, "cdr", part.schemas[channel.type], noted
-            )
+            described = (channel.name, channel.type, channel.definition, noted)
+            part.ids[channel.name] = part.writer.add_channel(*described)
         return part.ids[channel.name]
 
     def _describe(self, custom: dict[str, str]) -> dict[str, Any]:
@@ -217,11 +249,23 @@ class BagWriter:
 
 
 def create_folder(folder: Path) -> None:
-    """Make a bag's folder. Raises ArgumentError where it exists or cannot be made."""
+    """Make a bag's folder. One that a killed recorder left there is repaired, and refused as well.
+
+    Raises ArgumentError.
+    """
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir()
     except FileExistsError:
-        raise ArgumentError(f"{folder} exists: give another output") from None
+        raise ArgumentError(f"{folder} exists{_repaired(folder)}: give another output") from None
     except OSError as error:
         raise ArgumentError(f"{folder} cannot be written: {error.strerror}") from None
+
+
+def _repaired(folder: Path) -> str:
+    try:
+        if not unfinished(folder):
+            return ""
+        return f", an unfinished recording that has been repaired ({'; '.join(recover(folder))})"
+    except RecordingError as error:
+        return f" ({str(error).removeprefix(str(folder)).lstrip(': ')})"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 SECOND = 1_000_000_000
 
@@ -67,3 +69,17 @@ class Tally:
             "sent_before_recording": self.before,
             "longest_gap_s": self.longest_gap_ns / SECOND,
         }
+
+
+def in_words(bag: str, losses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """What a run is summed up with: messages in the bag, and what each topic lacks."""
+    kept = sum(int(each["received"] - each["dropped"]) for each in losses.values())
+    missing = sum(int(each["lost"] + each["dropped"]) for each in losses.values())
+    lines = [f"{bag}: {kept} messages on {len(losses)} topics, {missing or 'none'} lost"]
+    for topic, each in losses.items():
+        if each["lost"] or each["dropped"]:
+            lines.append(
+                f"  {topic}: of {each['expected']:.0f} messages {each['lost']:.0f} lost on the way, "
+                f"{each['dropped']:.0f} not written; longest gap {each['longest_gap_s']:.3g} s"
+            )
+    return lines

@@ -54,3 +54,18 @@ def recorded(profiles: Sequence[Any], depth: int) -> Any:
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
+
+
+def unique(publishers: Sequence[Any]) -> list[dict[str, Any]]:
+    """The publishers' profiles in the words of rosbag2's metadata, each once."""
+    found: list[dict[str, Any]] = []
+    for each in publishers:
+        profile = described(each.qos_profile)
+        if profile not in found:
+            found.append(profile)
+    return found
+
+
+def stricter(old: Any, new: Any) -> bool:
+    """Whether an old profile shuts out publishers that a new one hears."""
+    return bool(old.reliability != new.reliability or old.durability != new.durability)

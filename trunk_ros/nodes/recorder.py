@@ -8,21 +8,22 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from trunk_ros.errors import TrunkError
-from trunk_ros.model import Declaration
-from trunk_ros.nodes.bag_writer import COMPRESSION, BagWriter, Channel, Entry, Options
+from trunk_ros.nodes.bag_writer import BagWriter, Channel, Entry
 from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.health import ERROR
 from trunk_ros.nodes.interfaces import message_class, message_definition
-from trunk_ros.nodes.losses import Tally
+from trunk_ros.nodes.losses import Tally, in_words
 from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.qos import described, hearing_all
-from trunk_ros.nodes.ros import SubscriptionEventCallbacks, rclpy
+from trunk_ros.nodes.qos import hearing_all, stricter, unique
+from trunk_ros.nodes.recorder_parameters import MIB, PARAMETERS, bag_options
+from trunk_ros.nodes.ros import LifecycleState, SubscriptionEventCallbacks, TransitionCallbackReturn, rclpy
+from trunk_ros.nodes.run_notes import WallClock, manifest
 
 LOOK = 0.1  # s between two looks at the graph
 TAKE = 0.004  # s between two looks for messages
 AT_ONCE = 2000  # messages of one topic taken before the next topic has its turn
-QUIET = 3  # empty looks after which everything has arrived
-MIB = float(1 << 20)
+QUIET = 10  # empty looks after which everything has arrived
+LAST = 1.0  # s after which no more is waited for
 
 
 @dataclass
@@ -41,43 +42,19 @@ class Recorder(TrunkNode):
 
     NAME = "recorder"
     needs_model = False
-    OWN = (
-        Declaration("output", "", "", None, "folder of the bag; must not exist"),
-        Declaration("topics", [""], "", None, "topics to record; empty: all"),
-        Declaration("exclude", [""], "", None, "topics to leave out"),
-        Declaration("compression", "zstd", "", None, f"of chunks: {', '.join(COMPRESSION)}"),
-        Declaration(
-            "chunk_size",
-            1.0,
-            "MiB",
-            (0.001, 64.0),
-            "size at which a chunk is closed; every 0.4 s at the latest",
-        ),
-        Declaration(
-            "buffer_size",
-            64.0,
-            "MiB",
-            (0.1, 4096.0),
-            "messages that may wait for the disk; more is counted as loss",
-        ),
-        Declaration("depth", 5000.0, "1", (1.0, 1e6), "messages of a topic that may wait in the middleware"),
-        Declaration("split_size", 0.0, "MiB", (0.0, 1e6), "size at which a new file is begun; 0: never"),
-        Declaration("split_duration", 0.0, "s", (0.0, 1e6), "time after which a new file is begun; 0: never"),
-        Declaration("manifest", "{}", "", None, "JSON about the run, kept in the bag"),
-    )
+    recording = False
+    OWN = PARAMETERS
 
     def configure(self) -> None:
         """Open the bag. Raises TrunkError where that is impossible."""
-        if not self.value("output"):
-            raise TrunkError("give the bag's folder: --ros-args -p output:=FOLDER")
-        if self.value("compression") not in COMPRESSION:
-            raise TrunkError(
-                f"unknown compression {self.value('compression')!r}: choose {', '.join(COMPRESSION)}"
-            )
+        options = bag_options(self)
+        self.manifest = manifest(self)
         self.ears: dict[str, Ear] = {}
-        self.refused: set[str] = set()
+        self.refused: dict[str, str] = {}
         self.early: list[Entry] = []
-        self.writer: BagWriter | None = BagWriter(self.value("output"), self.options())
+        self.wall = WallClock()
+        self.ending = 0
+        self.writer: BagWriter | None = BagWriter(self.value("output"), options)
         self.taker = rclpy.create_node(
             f"_{self.get_name()}_taker", context=self.context, use_global_arguments=False
         )
@@ -87,16 +64,6 @@ class Recorder(TrunkNode):
         for period, function in ((LOOK, self.look), (TAKE, self.take)):
             self.every(period, function)
         self.look()
-
-    def options(self) -> Options:
-        """The parameters about the bag."""
-        return Options(
-            self.value("compression"),
-            int(self.value("chunk_size") * MIB),
-            int(self.value("buffer_size") * MIB),
-            int(self.value("split_size") * MIB),
-            self.value("split_duration"),
-        )
 
     # Finding topics
 
@@ -111,8 +78,8 @@ class Recorder(TrunkNode):
             try:
                 self.hear(topic, kinds[0], publishers)
             except TrunkError as error:
-                self.refused.add(topic)
-                self.health.note(f"{topic} is not recorded: {error}")
+                self.refused[topic] = f"{topic} is not recorded: {error}"
+                self.health.note(self.refused[topic])
 
     def is_wanted(self, topic: str) -> bool:
         """Whether a topic is to be recorded; hidden ones only where they are named."""
@@ -156,28 +123,32 @@ class Recorder(TrunkNode):
 
     def take(self) -> int:
         """Take what has arrived; returns how many messages."""
+        if jump := self.wall.look():
+            self.health.note(jump)
         total = 0
         for topic, ear in self.ears.items():
             for _ in range(AT_ONCE):
                 taken = ear.subscription.handle.take_message(ear.kind, True)
                 if taken is None:
                     break
-                self.keep(topic, ear, *taken)
-                total += 1
+                total += self.keep(topic, ear, *taken)
         if self.writer is not None and self.writer.failure and not self.fault:
             self.fault = self.writer.failure
             self.health.note(self.fault, ERROR)
         return total
 
-    def keep(self, topic: str, ear: Ear, data: bytes, info: dict[str, Any]) -> None:
-        """Count a message and queue it for the disk."""
+    def keep(self, topic: str, ear: Ear, data: bytes, info: dict[str, Any]) -> bool:
+        """Count a message and queue it for the disk; False for one that was sent after the end."""
         number, arrival = info["publication_sequence_number"], info["received_timestamp"]
+        if self.ending and info["source_timestamp"] > self.ending:
+            return False
         self.progress.received[topic] += 1
-        if self.active:
-            missing = ear.tally.note(number, self.now() if self.simulated else arrival)
+        if self.recording:
+            missing = ear.tally.note(number, self.now() if self.simulated else self.wall.steady(arrival))
             if missing:
                 self.health.note(f"{missing} messages of {topic} lost")
             self.file(ear, arrival, info["source_timestamp"], number or 0, data)
+        return True
 
     def file(self, ear: Ear, arrival: int, sent: int, number: int, data: bytes) -> None:
         """Hand a message to the writer. In simulated time what comes before the clock begins waits for it."""
@@ -218,41 +189,57 @@ class Recorder(TrunkNode):
             self.progress.matched["<" + topic] = ear.subscription.get_publisher_count()
         super()._heartbeat()
 
+    # Life cycle
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin to record."""
+        self.recording = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Pause, with all that has arrived so far."""
+        self.take()
+        self.recording = False
+        return super().on_deactivate(state)
+
+    def end(self) -> None:
+        """Record all that has been sent up to now, and end the bag."""
+        self.ending = time.time_ns()
+        super().end()
+
     def release(self) -> None:
-        """Take what is still on its way, and end the bag."""
+        """Take what is still on its way, and end the bag. Sums up, where no bringup does."""
         if getattr(self, "writer", None) is None:
             return
-        quiet = 0
-        while quiet < QUIET and not self.fault:
-            quiet = 0 if self.take() else quiet + 1
-            time.sleep(TAKE)
+        self.ending = self.ending or time.time_ns()
+        self.take_the_last()
         self.file_early()
         writer, self.writer = self.writer, None
         assert writer is not None
-        writer.close(
-            {"trunk_ros.loss": json.dumps(self.losses()), "trunk_ros.manifest": self.value("manifest")}
-        )
+        writer.close(self.noted)
         self.fault = self.fault or writer.failure
         self.taker.destroy_node()
+        if self.listener is None:
+            print("\n".join(in_words(self.value("output"), self.losses())), flush=True)
+
+    def take_the_last(self) -> None:
+        """Take until nothing comes any more that was sent before the end."""
+        quiet, begun = 0, time.monotonic()
+        while quiet < QUIET and not self.fault and time.monotonic() - begun < LAST:
+            quiet = 0 if self.take() else quiet + 1
+            time.sleep(TAKE)
+
+    def noted(self) -> dict[str, str]:
+        """What the bag says of its making."""
+        for ear in self.ears.values():
+            ear.tally.dropped = ear.tally.received - ear.channel.count
+        notes = [*self.wall.jumps, *self.refused.values()]
+        said = {"trunk_ros.loss": json.dumps(self.losses()), "trunk_ros.manifest": self.manifest}
+        return said | ({"trunk_ros.notes": json.dumps(notes)} if notes else {})
 
     def losses(self) -> dict[str, Any]:
         """Per topic: messages expected, received, lost, and the longest gap."""
         return {topic: ear.tally.summary() for topic, ear in sorted(self.ears.items())}
-
-
-def unique(publishers: list[Any]) -> list[dict[str, Any]]:
-    """The publishers' profiles, each once."""
-    found: list[dict[str, Any]] = []
-    for each in publishers:
-        profile = described(each.qos_profile)
-        if profile not in found:
-            found.append(profile)
-    return found
-
-
-def stricter(old: Any, new: Any) -> bool:
-    """Whether an old profile shuts out publishers that a new one hears."""
-    return bool(old.reliability != new.reliability or old.durability != new.durability)
 
 
 def ignore(message: Any) -> None:

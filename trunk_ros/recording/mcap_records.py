@@ -11,7 +11,8 @@ from trunk_ros.recording.block import LARGEST_CHUNK, DamageError, unzstd
 
 MAGIC = b"\x89MCAP0\r\n"
 FRAME = 9  # bytes of kind and length before each record
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06
+METADATA, DATA_END = 0x0C, 0x0F
 
 Buffer: TypeAlias = bytes | memoryview
 _FRAME = struct.Struct("<BQ")

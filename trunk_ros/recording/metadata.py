@@ -93,8 +93,13 @@ def _message_counts(information: dict[str, Any]) -> dict[str, int]:
 
 
 def write_metadata(folder: Path, content: dict[str, Any]) -> None:
-    """Write metadata.yaml with what `information` gave."""
-    (folder / FILE).write_text(plain_yaml.dump({_KEY: content}))
+    """Write metadata.yaml with what `information` gave; it is whole or as it was before. Raises OSError."""
+    draft = folder / f".{FILE}"
+    try:
+        draft.write_text(plain_yaml.dump({_KEY: content}))
+        draft.replace(folder / FILE)
+    finally:
+        draft.unlink(missing_ok=True)
 
 
 def information(

@@ -15,7 +15,8 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.bag import mcap_files
-from trunk_ros.recording.block import DamageError
+from trunk_ros.recording.block import DamageError, mapped
+from trunk_ros.recording.mcap_records import HEADER, MAGIC, record_at
 from trunk_ros.recording.mcap_repair import is_whole, repair
 from trunk_ros.recording.metadata import (
     FILE,
@@ -57,6 +58,7 @@ def _recover_files(files: Sequence[Path]) -> tuple[list[str], list[Path]]:
     lost: dict[Path, DamageError] = {}
     for file in files:
         _refuse_live(file)
+    for file in files:
         try:
             said += _recover_file(file)
         except DamageError as error:
@@ -78,13 +80,32 @@ def _recover_file(file: Path) -> list[str]:
         return []
     with new_file(file, overwrite=True) as draft:
         loss = repair(file, draft)
-        if not loss.messages:
+        if not loss.messages and not _just_begun(file):
             raise DamageError("holds no whole message")
         if loss.skipped:  # somebody may get more out of the damaged chunks
             _damaged(file).unlink(missing_ok=True)
             os.link(file, _damaged(file))
     kept = f"; the old file is kept as {_damaged(file).name}" if loss.skipped else ""
     return [f"{file}: repaired, {loss.sentence()}{kept}"]
+
+
+def _just_begun(file: Path) -> bool:
+    """Whether there is a head and nothing else whole: its recorder was killed before the first chunk."""
+    data = mapped(file)
+    head = record_at(data, len(MAGIC), len(data))
+    following = head and record_at(data, head.end, len(data))
+    return head is not None and head.kind == HEADER and (following is None or following.end > len(data))
+
+
+def unfinished(folder: Path) -> bool:
+    """Whether a folder holds a bag that needs ``recover``. RecordingError: it is being recorded."""
+    files = mcap_files(folder)
+    try:
+        for file in files:
+            _refuse_live(file)
+        return bool(files) and not ((folder / FILE).is_file() and all(map(is_whole, files)))
+    except (DamageError, OSError) as error:
+        raise RecordingError(f"{folder}: {error}") from None
 
 
 def _refuse_live(file: Path) -> None:
