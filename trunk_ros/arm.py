@@ -9,9 +9,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
+from trunk_ros.inertia import inertial_moments
 from trunk_ros.moment import moments
 
 GRAVITY = 9.81  # m/s^2, along -z
+LOADS = ("weight", "weight_and_inertia", "effort")
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,8 @@ class Arm:
     v_max: float = 1.5
     counts_per_rev: float = 131072.0
     wire: Wire | None = field(default=None)
+    load_from: str = "weight"
+    """One of LOADS: what the joints' moment is taken from. See trunk_ros/resistance.py."""
 
     def __post_init__(self) -> None:
         for name in ("ratio", "dead_band", "lower", "upper"):
@@ -130,6 +134,23 @@ class Arm:
         out = np.zeros(theta.shape, order="F")
         if self.has_geometry:
             moments(theta, self.gravity * self.link_length, out)
+        return out
+
+    def inertia(self, theta: Array, speed: Array, acceleration: Array) -> Array:
+        """Moment of inertia forces about each joint [N m], (n, joints), payload included: -(M q'' + C q').
+
+        Positive where it tends to increase the joint angle. Zeros where the arm has no masses.
+        """
+        return self._inertia(theta, speed, acceleration, self.link_mass, self.payload)
+
+    def inertial_lever(self, theta: Array, speed: Array, acceleration: Array) -> Array:
+        """Moment of inertia forces about each joint per kilogram at the tip [N m/kg], (n, joints)."""
+        return self._inertia(theta, speed, acceleration, 0.0 * self.link_mass, 1.0)
+
+    def _inertia(self, theta: Array, speed: Array, acceleration: Array, mass: Array, tip: float) -> Array:
+        out = np.zeros(theta.shape)
+        if self.has_load:
+            inertial_moments(theta, speed, acceleration, self.link_length, mass, tip, out)
         return out
 
     @cached_property

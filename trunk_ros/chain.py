@@ -17,14 +17,26 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Core, Effect
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import ModelError
-from trunk_ros.look import Look
+from trunk_ros.look import UNKNOWN, Given, Look
 from trunk_ros.model import Model
 from trunk_ros.passes import Passes
-from trunk_ros.stage import Memory, Order, State, back, friction, run_servo, through, tip_pass, wire_pass
+from trunk_ros.resistance import Resistance
+from trunk_ros.stage import (
+    Memory,
+    Order,
+    State,
+    back,
+    drift,
+    friction,
+    run_servo,
+    through,
+    tip_pass,
+    wire_pass,
+)
 
 # Wire effects from this place on end the motion or show it: neither load nor coupling depends on them.
 STOP = 600
-AGREED_BACK = 3e-8  # rad: on the way back a reversal makes more of what is left, and blocks would show
+AGREED_BACK = 2e-8  # rad: on the way back a reversal makes more of what is left, and blocks would show
 AHEAD = 0.1  # s over which the last sample's trend is trusted
 REMEMBERED = 0.6  # s of past setpoints, longer than any servo delay
 BLOCK = 40_000  # joint-steps that are worked on at once, so that they stay in the processor's cache
@@ -54,19 +66,25 @@ class Chain:
         self._rows = max(BLOCK // len(self.arm.joints), 1)
 
     def run(
-        self, x: Array, stamp: Array, state: State | None = None, velocity: Array | None = None
+        self,
+        x: Array,
+        stamp: Array,
+        state: State | None = None,
+        velocity: Array | None = None,
+        resistance: Resistance | None = None,
     ) -> tuple[Array, State]:
         """Pass ``x`` (n, joints) at ``stamp`` (n,) s through the stage; state None at the start of a
         recording.
 
         wire: gearbox angle to joint reading; servo: setpoint to gearbox angle; arm: joint angle to tip (n,
         3) y, z, roll.
-        ``velocity`` (n, joints): speed of the gearbox where it is measured.
+        ``velocity`` (n, joints): speed of the gearbox where it is measured; ``resistance``: what a
+        recording tells of the load.
         """
         if self.stage == "arm":
             return self.tip(x, stamp), State(float(stamp[-1]), x[-1], x[-1])
         advance = self._wire if self.stage == "wire" else self._servo
-        out, _, after = self._blockwise(advance, x, stamp, state, velocity)
+        out, _, after = self._blockwise(advance, x, stamp, state, Given(velocity, resistance))
         return out, after
 
     def invert(self, y: Array, stamp: Array, state: State | None = None) -> tuple[Array, State]:
@@ -75,12 +93,14 @@ class Chain:
         """
         if self.stage != "wire":
             raise ModelError(f"the {self.stage} stage has no inverse")
-        x, _, after = self._blockwise(self._wire_back, y, stamp, state, None)
+        x, _, after = self._blockwise(self._wire_back, y, stamp, state, UNKNOWN)
         return x, after
 
-    def angles(self, x: Array, stamp: Array, velocity: Array | None = None) -> Array:
+    def angles(
+        self, x: Array, stamp: Array, velocity: Array | None = None, resistance: Resistance | None = None
+    ) -> Array:
         """The joints' own angles (n, joints) under gearbox angles ``x``, before the sensors change them."""
-        return self._blockwise(self._wire, x, stamp, None, velocity)[1]
+        return self._blockwise(self._wire, x, stamp, None, Given(velocity, resistance))[1]
 
     def tip(self, theta: Array, stamp: Array) -> Array:
         """Tip (n, 3) y, z [m], roll [rad] of joint angles (n, joints).
@@ -89,10 +109,10 @@ class Chain:
         """
         if not self.arm.has_geometry:
             raise ModelError("the model has no arm.link_length, so there is no tip")
-        return tip_pass(self.arm, self.effects, theta, self._look(stamp, theta, None))
+        return tip_pass(self.arm, self.effects, theta, self._look(stamp, theta, None, None, UNKNOWN))
 
     def _blockwise(
-        self, advance: Advance, x: Array, stamp: Array, state: State | None, velocity: Array | None
+        self, advance: Advance, x: Array, stamp: Array, state: State | None, given: Given
     ) -> tuple[Array, Array, State]:
         """Output, joint angles and state; a recording is taken block by block, in each joint after joint.
 
@@ -102,21 +122,19 @@ class Chain:
         if not len(x):
             raise ModelError("there is nothing to run: the signal has no samples")
         if not self.effects or len(x) == 1:
-            return advance(x, stamp, state, velocity)
+            return advance(x, stamp, state, given)
         out, angles = np.empty_like(x), np.empty_like(x)
         for start in range(0, len(x), self._rows):
             rows = slice(start, start + self._rows)
-            speed = None if velocity is None else np.asfortranarray(velocity[rows])
             block = np.asfortranarray(x[rows])
-            out[rows], angles[rows], state = advance(block, stamp[rows], state, speed)
+            out[rows], angles[rows], state = advance(block, stamp[rows], state, given.part(rows))
         assert state is not None
         return out, angles, state
 
-    def _look(
-        self, stamp: Array, path: Array, before: tuple[float, Array] | None, velocity: Array | None = None
-    ) -> Look:
-        """What the effects see of the arm, at the time that counts for them."""
-        look = Look(self.arm, stamp, path, before, velocity)
+    def _look(self, stamp: Array, path: Array, last: Array | None, state: State | None, given: Given) -> Look:
+        """What the effects see of the arm, at the time that counts for them; ``last``: the path before."""
+        before = None if state is None or last is None else (state.stamp, last)
+        look = Look(self.arm, stamp, path, before, given, state.swing if state else None)
         if self.duration is not None:
             look.stamp = stamp * 0.0 + self.duration
         return look
@@ -125,36 +143,37 @@ class Chain:
         nominal = self.arm.dead_band[None]
         return Core(nominal_width=nominal, width=nominal, wire=self.arm.wire)
 
-    def _wire(
-        self, x: Array, stamp: Array, state: State | None, velocity: Array | None
-    ) -> tuple[Array, Array, State]:
+    def _wire(self, x: Array, stamp: Array, state: State | None, given: Given) -> tuple[Array, Array, State]:
         """Joint reading, joint angle, state: passes until the joints agree on what they see of each other."""
         ratio, begun = self.arm.ratio, state.core if state else None
         if not self.effects:
             u, memory = SharpPlay().run(x, self.arm.dead_band[None], begun, ratio)
             return u, u, State(float(stamp[-1]), x[-1], u[-1], {}, memory)
         path = x * ratio
-        now = self._look(stamp, path, (state.stamp, state.x * ratio) if state else None, velocity)
+        now = self._look(stamp, path, state.x * ratio if state else None, state, given)
         now.see(x, path + self._deflection(stamp, state))
         old, new, passes, again = state.blocks if state else {}, Memory(), Passes(state), True
         while True:
             if again:
                 u, memory = friction(x, now, self.order, self._core(), begun, old, new)
                 again = "angles" in now.asked
+                now.swing_along(u)
             true = through(u, self.order.after, now, old, new)
             settled = "angles" not in now.asked or passes.agree(true, now.angles)
             now.see(x, true)
             if settled:
                 break
         shown = through(true, self.order.sensor, now, old, new)
-        return shown, true, self._after(stamp, x, true, state, passes.calm, new, memory)
+        leaving = drift(stamp, x, true, state, ratio)
+        after = State(float(stamp[-1]), x[-1], true[-1], new, memory, leaving, passes.calm, now.swing)
+        return shown, true, after
 
     def _wire_back(
-        self, y: Array, stamp: Array, state: State | None, velocity: Array | None
+        self, y: Array, stamp: Array, state: State | None, given: Given
     ) -> tuple[Array, Array, State]:
         """Gearbox angle, joint angle, state: passes until what depends on the gearbox agrees with it."""
         old, new, begun = (state.blocks, Memory(), state.core) if state else ({}, Memory(), None)
-        now = self._look(stamp, y, (state.stamp, state.angles) if state else None)
+        now = self._look(stamp, y, state.angles if state else None, state, given)
         true = back(y, self._outer, now, old, new)
         now.follow(true)
         x = (true - self._deflection(stamp, state)) / self.arm.ratio
@@ -171,7 +190,9 @@ class Chain:
             if settled:
                 break
             now.see(x, true)
-        return x, true, self._after(stamp, x, true, state, passes.calm, new, memory)
+        leaving = drift(stamp, x, true, state, self.arm.ratio)
+        after = State(float(stamp[-1]), x[-1], true[-1], new, memory, leaving, passes.calm, now.swing)
+        return x, true, after
 
     def _known_back(self, true: Array, now: Look, old: Memory, new: Memory) -> tuple[Array, list[Effect]]:
         """The joints' angles as far back as nothing depends on the gearbox yet, and the effects before
@@ -206,41 +227,25 @@ class Chain:
         ahead = min(stamp[0] - state.stamp, AHEAD) if len(stamp) == 1 else 0.0
         return np.asarray(state.angles - state.x * self.arm.ratio + state.drift * ahead)
 
-    def _after(
-        self, stamp: Array, x: Array, true: Array, state: State | None, calm: float, blocks: Memory, core: Any
-    ) -> State:
-        """The memory after the last sample."""
-        last = float(stamp[-1])
-        if len(stamp) > 1:
-            time, moved, turned = last - stamp[-2], x[-1] - x[-2], true[-1] - true[-2]
-        elif state is not None:
-            time, moved, turned = last - state.stamp, x[-1] - state.x, true[-1] - state.angles
-        else:
-            time, moved, turned = 0.0, x[-1], true[-1]
-        drift = (turned - self.arm.ratio * moved) / time if time > 0.0 else 0.0
-        return State(last, x[-1], true[-1], blocks, core, drift, calm)
-
-    def _servo(
-        self, x: Array, stamp: Array, state: State | None, velocity: Array | None
-    ) -> tuple[Array, Array, State]:
+    def _servo(self, x: Array, stamp: Array, state: State | None, given: Given) -> tuple[Array, Array, State]:
         """Gearbox angle (twice) and state: passes until load and gearbox angle agree."""
         ratio = self.arm.ratio
         past, asked, start = (
             state.core if state else (stamp[:0], x[:0], np.vstack([x[0], np.zeros_like(x[0])]))
         )
         stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
-        before = (state.stamp, state.x * ratio) if state else None
+        last = state.x * ratio if state else None
         phi = np.broadcast_to(start[0], x.shape)
         passes, settled = Passes(state), False
         while not settled:
-            now = self._look(stamp, phi * ratio, before)
+            now = self._look(stamp, phi * ratio, last, state, given)
             now.see(phi, phi * ratio)
             better, after = run_servo(self.arm, self.effects, now, setpoints, stamps, start)
             settled = not now.asked or passes.agree(better, phi)
             phi = better
-        now = self._look(stamp, phi * ratio, before)
+        now = self._look(stamp, phi * ratio, last, state, given)
         now.see(phi, phi * ratio)
         out = through(phi, self.order.after + self.order.sensor, now, {}, {})
         kept = max(int(np.searchsorted(stamps, stamps[-1] - REMEMBERED)) - 1, 0)
         core = stamps[kept:], setpoints[kept:], after
-        return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], {}, core, calm=passes.calm)
+        return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], {}, core, 0.0, passes.calm, now.swing)

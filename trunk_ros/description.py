@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm import GRAVITY, Arm, Wire
+from trunk_ros.arm import GRAVITY, LOADS, Arm, Wire
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 
@@ -71,6 +71,7 @@ def declared_arm() -> list[Declaration]:
         _per_joint("arm.link_mass", "kg", large, "mass of the link, at its middle"),
         Declaration("arm.payload", 0.0, "kg", large, "mass at the tip"),
         Declaration("arm.gravity", GRAVITY, "m/s^2", large, "gravity, along -z"),
+        Declaration("arm.load", LOADS[0], "", None, f"the moment on the joints: {', '.join(LOADS)}"),
         _per_joint("wire.ratio", "1", (-1e6, 1e6), "joint angle per gearbox angle, in place of the radii"),
         _per_joint(
             "wire.dead_band", "rad", large, "half-width of the nominal play, in place of the wire's formula"
@@ -168,6 +169,7 @@ def arm_from(flat: Mapping[str, Any]) -> Arm:
         payload=flat.get("arm.payload", 0.0),
         gravity=flat.get("arm.gravity", GRAVITY),
         wire=wire,
+        load_from=flat.get("arm.load", LOADS[0]),
         **{name: flat.get(f"servo.{name}", value) for name, (value, *_) in SERVO.items()},
     )
     _check_arm(arm)
@@ -175,6 +177,8 @@ def arm_from(flat: Mapping[str, Any]) -> Arm:
 
 
 def _check_arm(arm: Arm) -> None:
+    if arm.load_from not in LOADS:
+        raise ModelError(f"arm.load = {shortened(arm.load_from)}: choose from {', '.join(LOADS)}")
     for joint, ratio, lower, upper in zip(arm.joints, arm.ratio, arm.lower, arm.upper, strict=True):
         if ratio == 0.0:
             raise ModelError(f"wire.ratio of {joint} is 0: the gearbox would not move the joint")
@@ -196,7 +200,7 @@ def arm_parameters(arm: Arm) -> dict[str, Any]:
         if arm.wire is None or not np.array_equal(own, np.broadcast_to(getattr(arm.wire, name), own.shape)):
             arrays[f"wire.{name}"] = own
     flat |= {name: values.tolist() for name, values in arrays.items() if len(values)}
-    flat |= {"arm.payload": float(arm.payload), "arm.gravity": float(arm.gravity)}
+    flat |= {"arm.payload": float(arm.payload), "arm.gravity": float(arm.gravity), "arm.load": arm.load_from}
     if arm.wire is not None:
         flat |= {f"wire.{name}": float(getattr(arm.wire, name)) for name in WIRE_SCALARS}
         flat |= {f"wire.{name}": getattr(arm.wire, name).tolist() for name in WIRE_ARRAYS}

@@ -2,11 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.derivatives import follow
 from trunk_ros.effects.effect import Now
+from trunk_ros.resistance import Resistance
+
+
+@dataclass(frozen=True)
+class Given:
+    """What is known of the motion besides its angles."""
+
+    velocity: Array | None = None
+    """(n, joints) rad/s of the gearbox; by default the slope of its angle."""
+    resistance: Resistance | None = None
+    """By default the load is computed from the angles."""
+
+    def part(self, rows: slice) -> Given:
+        """Some of the rows."""
+        return Given(
+            None if self.velocity is None else np.asfortranarray(self.velocity[rows]),
+            None if self.resistance is None else self.resistance.part(rows),
+        )
+
+
+UNKNOWN = Given()
 
 
 class Look(Now):
@@ -20,22 +45,39 @@ class Look(Now):
         stamp: Array,
         path: Array,
         before: tuple[float, Array] | None = None,
-        velocity: Array | None = None,
+        given: Given = UNKNOWN,
+        swing: Array | None = None,
     ):
         """``path`` (n, joints): moves as the joints do, friction aside; ``before``: the sample before,
-        stamp and path.
-
-        ``velocity`` (n, joints): the gearbox's, where it is known; by default the slope of the path.
+        stamp and path. ``swing``: memory of the joints' motion, None at the start of a recording.
         """
         self.stamp, self.joints, self.ratio = stamp, arm.joints, arm.ratio
         self.dt = steps(stamp, before[0] if before else None)
-        self._arm, self._path, self._before, self._velocity = arm, path, before, velocity
+        self._arm, self._path, self._before, self._given = arm, path, before, given
+        self._joint_path, self._swing = path, swing
         self.see(path, path)
 
     def follow(self, path: Array) -> None:
         """Take another path (n, joints) for that of the joints."""
         self._path = path
         self.__dict__.pop("speed", None)
+        self.swing_along(path)
+
+    def swing_along(self, path: Array) -> None:
+        """Have the links accelerate as this path (n, joints) does, where their inertia counts."""
+        if self._inertial:
+            self._joint_path = path
+            for name in ("motion", "load"):
+                self.__dict__.pop(name, None)
+
+    @property
+    def swing(self) -> Array | None:
+        """Memory of the joints' motion after the last sample."""
+        return self.motion[2] if self._inertial else None
+
+    @property
+    def _inertial(self) -> bool:
+        return self._arm.load_from == "weight_and_inertia" and self._given.resistance is None
 
     def see(self, gearbox: Array, angles: Array) -> None:
         """Look at a better estimate (n, joints) of both."""
@@ -44,21 +86,43 @@ class Look(Now):
         for name in ("gearbox", "angles", "wires", "load"):
             self.__dict__.pop(name, None)
 
-    def __getattr__(self, name: str) -> Array:
+    def __getattr__(self, name: str) -> Any:
         """Called for what is not there yet."""
+        value: Any
         if name in ("gearbox", "angles"):
             self.asked.add(name)
             value = self._seen[name]
         elif name == "wires":
             value = self.gearbox * self.ratio
         elif name == "load":
-            value = self._arm.load(self.angles)
+            value = self._moment()
+        elif name == "motion":
+            value = self._motion()
         elif name == "speed":
-            value = self._slope() if self._velocity is None else self._velocity * self.ratio
+            velocity = self._given.velocity
+            value = self._slope() if velocity is None else velocity * self.ratio
         else:
             raise AttributeError(name)
         self.__dict__[name] = value
         return value
+
+    def _moment(self) -> Array:
+        """(n, joints) N m on the joints, from what the arm's ``load`` says."""
+        if self._given.resistance is not None:
+            return self._given.resistance.load(self._arm, self.angles)
+        load = self._arm.load(self.angles)
+        if not self._inertial:
+            return load
+        speed, acceleration, _ = self.motion
+        return load + self._arm.inertia(self.angles, speed, acceleration)
+
+    def _motion(self) -> tuple[Array, Array, Array]:
+        """Speed and acceleration (n, joints) of the joints from the past alone, and the memory after them."""
+        path = self._joint_path
+        memory = np.repeat(path[:1], 3, axis=0) if self._swing is None else self._swing.copy()
+        speed, acceleration = np.empty_like(path), np.empty_like(path)
+        follow(path, self.dt, memory, speed, acceleration)
+        return speed, acceleration, memory
 
     def _slope(self) -> Array:
         """(n, joints) rad/s since the sample before; 0 where no time has passed."""

@@ -16,6 +16,7 @@ from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
+from trunk_ros.resistance import resistance
 
 SOURCES = ("gearbox_states", "setpoints")
 
@@ -43,7 +44,9 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
 def _joints(gearbox: JointSeries, shown_at: Array, model: Model) -> JointSeries:
     grid, rows, kept = joint_grid(gearbox.stamp, shown_at, beyond=True)
     phi, velocity = resample(gearbox, grid)
-    theta, _ = Chain(model.only(gearbox.joints), "wire").run(phi, grid, velocity=velocity)
+    model = model.only(gearbox.joints)
+    known = resistance(model.arm, gearbox, grid, phi)
+    theta, _ = Chain(model, "wire").run(phi, grid, velocity=velocity, resistance=known)
     return JointSeries(shown_at[kept], gearbox.joints, theta[rows])
 
 

@@ -34,6 +34,22 @@ class State:
     """(columns,) rad/s at which the joint angle was leaving the gearbox angle."""
     calm: float = 1.0
     """What a difference between two passes comes to in the next one."""
+    swing: Array | None = None
+    """(3, columns) memory of the joints' motion, where their inertia counts."""
+
+
+def drift(stamp: Array, x: Array, true: Array, before: State | None, ratio: Array) -> Array | float:
+    """(columns,) rad/s at which joints at angles ``true`` leave the gearbox angles ``x``, after the last
+    sample.
+    """
+    last = float(stamp[-1])
+    if len(stamp) > 1:
+        time, moved, turned = last - stamp[-2], x[-1] - x[-2], true[-1] - true[-2]
+    elif before is not None:
+        time, moved, turned = last - before.stamp, x[-1] - before.x, true[-1] - before.angles
+    else:
+        return 0.0
+    return np.asarray((turned - ratio * moved) / time) if time > 0.0 else 0.0
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.fill import fill as fill
 from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.resistance import Resistance, resistance
 
 FINE = 0.0125  # s: a moving arm is computed at least this often
 SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known of what lies between
@@ -46,6 +47,8 @@ class Span:
     start: Array
     """(joints,) the target while the joint stands as it began, NaN where unknown."""
     notes: tuple[str, ...] = field(default=())
+    resistance: Resistance | None = None
+    """What the recording tells of the load, where the model takes it from there."""
 
     @property
     def stamp(self) -> Array:
@@ -64,10 +67,11 @@ def wire_span(recording: Recording, model: Model) -> Span:
     phi, velocity = resample(gearbox, grid)
     valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)
-    u = phi * model.for_joints(joints).arm.only(joints).ratio
+    arm = model.for_joints(joints).arm.only(joints)
+    u, known = phi * arm.ratio, resistance(arm, gearbox, grid, phi)
     start = _start(u, rows, target, valid)
     valid &= _counted(u, rows, start) & ~_forgotten(u, grid, gearbox.stamp)[rows]
-    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start)
+    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, (), known)
 
 
 def servo_span(recording: Recording, model: Model) -> Span:
@@ -84,7 +88,8 @@ def servo_span(recording: Recording, model: Model) -> Span:
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = np.full(len(joints), np.nan)
-    return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown)
+    known = resistance(model.for_joints(joints).arm.only(joints), gearbox, grid, phi)
+    return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, (), known)
 
 
 def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:

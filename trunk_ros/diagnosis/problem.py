@@ -112,8 +112,7 @@ class Problem(ABC):
         follows = np.zeros_like(span.valid)
         follows[1:] = span.valid[1:] & span.valid[:-1]
         dt = np.diff(span.grid, prepend=span.grid[:1])
-        unloaded = self.arm
-        return View(span, dt, angles, unloaded.load(angles), unloaded.lever(angles), angles, follows)
+        return View(span, dt, angles, *loads(self.arm, span, angles), angles, follows)
 
     def now(self, index: int, column: int, payload: float) -> Now:
         """The surroundings of a column in a span, kept between calls."""
@@ -198,9 +197,9 @@ class WireProblem(Problem):
         """Predicted angles of all joints, as a simulation with this explanation would have them."""
         model = Model(self.arm, explanation.model_effects(len(self.joints)))
         for view in self.views:
-            view.angles = Chain(model, "wire").angles(view.span.gearbox, view.span.grid, view.span.velocity)
-            view.load = self.arm.load(view.angles)
-            view.lever = self.arm.lever(view.angles)
+            span = view.span
+            view.angles = Chain(model, "wire").angles(span.gearbox, span.grid, span.velocity, span.resistance)
+            view.load, view.lever = loads(self.arm, span, view.angles)
         self.version = self._version()
         self._cache.clear()
 
@@ -212,6 +211,14 @@ class WireProblem(Problem):
                 return number
         self._known.append(angles)
         return len(self._known) - 1
+
+
+def loads(arm: Arm, span: Span, angles: Array) -> tuple[Array, Array]:
+    """Moment on the joints [N m] and what a kilogram more at the tip adds [N m/kg], (m, joints) each."""
+    known = span.resistance
+    if known is None:
+        return arm.load(angles), arm.lever(angles)
+    return known.load(arm, angles), known.per_kilogram(arm, angles)
 
 
 def begun(now: Now, blocks: list[Effect], width: Array, measured: float) -> State:

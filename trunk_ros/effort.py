@@ -1,0 +1,86 @@
+"""The load on the joints from the torque of the motors: against the load, plus friction in the direction of
+motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.derivatives import smooth
+from trunk_ros.recording.fill import fill
+from trunk_ros.recording.recording import JointSeries
+
+MOVES = 5e-3  # rad/s of the shaft, from which on its friction takes a side
+LEAST = 50  # samples in each direction, fewer cannot tell friction from load
+SPAN = 0.1  # s on either side over which torque is averaged
+
+
+@dataclass(frozen=True)
+class MeasuredLoad:
+    """Of each joint what its motor's torque says."""
+
+    moment: Array
+    """(n, joints) N m, positive where it tends to increase the joint angle."""
+    friction: Array
+    """(joints,) N m at the shaft, NaN where a joint does not move both ways: there it is in the moment."""
+    friction_std: Array
+    """(joints,) N m."""
+    moving: np.ndarray
+    """(n, joints): where the moment was measured; where a shaft stands it is what its posture asks for."""
+
+
+def measured_load(gearbox: JointSeries, ratio: Array) -> MeasuredLoad:
+    """Load from recorded effort; ``ratio`` (joints,) joint angle per shaft angle.
+
+    Torque is regressed on posture (sine and cosine of each link's heading), acceleration, speed and direction
+    of motion: what goes with direction and speed is friction. Where a shaft stands, its friction may be
+    anything, so that the moment there is the posture's, with what it lacks drawn from before and after.
+    """
+    assert gearbox.effort is not None
+    position, effort = fill(gearbox.position), fill(gearbox.effort)
+    angle, speed, acceleration = smooth(gearbox.stamp, position)
+    posture = _postures(angle * ratio, acceleration)
+    way = np.where(np.abs(speed) > MOVES, np.sign(speed), 0.0)
+    known = np.isfinite(gearbox.effort)
+    columns = [
+        _of_joint(gearbox.stamp, posture, speed[:, j], way[:, j], effort[:, j], known[:, j])
+        for j in range(len(ratio))
+    ]
+    torque, moving = (np.column_stack([c[k] for c in columns]) for k in (0, 1))
+    friction, std = (np.array([c[k] for c in columns]) for k in (2, 3))
+    return MeasuredLoad(-torque / ratio, friction, std, moving)
+
+
+def _postures(theta: Array, acceleration: Array) -> Array:
+    """(n, 1 + 3 joints): what the load of a planar chain is made of, whatever its masses."""
+    heading = np.cumsum(theta, axis=1)
+    return np.column_stack([np.ones(len(theta)), np.sin(heading), np.cos(heading), acceleration])
+
+
+def _of_joint(
+    stamp: Array, posture: Array, speed: Array, way: Array, effort: Array, known: np.ndarray
+) -> tuple[Array, np.ndarray, float, float]:
+    """Torque (n,) without friction, where it was measured, friction and its deviation."""
+    settled = (way != 0.0) & (way == np.roll(way, 1)) & (way == np.roll(way, -1))
+    moving = settled & known
+    both = min(int((way[moving] == side).sum()) for side in (1.0, -1.0)) >= LEAST
+    seen = moving if both else known
+    rubbing = np.column_stack([way, speed]) if both else np.empty((len(way), 0))
+    design = np.column_stack([posture, rubbing])
+    weights, *_ = np.linalg.lstsq(design[seen], effort[seen], rcond=1e-9)
+    friction, std = np.nan, np.nan
+    if both:
+        friction = float(weights[posture.shape[1]])
+        std = _deviation(design[seen], effort[seen] - design[seen] @ weights, posture.shape[1])
+    smoothed = posture @ weights[: posture.shape[1]]
+    off = np.interp(stamp, stamp[seen], (effort - design @ weights)[seen])
+    return smoothed + smooth(stamp, off[:, None], SPAN)[0][:, 0], seen, friction, std
+
+
+def _deviation(design: Array, rest: Array, column: int) -> float:
+    """Standard deviation of one weight of a regression."""
+    power = float(rest @ rest) / max(len(rest) - design.shape[1], 1)
+    return float(np.sqrt(power * np.linalg.pinv(design.T @ design)[column, column]))

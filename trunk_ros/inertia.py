@@ -1,0 +1,44 @@
+"""What a planar chain of point masses asks of its joints to be moved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array, compiled
+
+
+@compiled
+def inertial_moments(
+    theta: Array, speed: Array, acceleration: Array, length: Array, mass: Array, tip: float, out: Array
+) -> None:
+    """Moment of inertia forces about each joint of a planar chain, -(M(q) q'' + C(q, q') q'), into ``out``
+    [N m]: positive where it tends to increase the angle, as the weight's.
+
+    ``theta``, ``speed``, ``acceleration`` (n, joints); ``length`` [m], ``mass`` [kg] (joints,) each at the
+    middle of its link; ``tip`` [kg] at the end. Recursive Newton-Euler (Luh, Walker & Paul 1980, J. Dyn. Sys.
+    102(2)), here with headings instead of frames.
+    """
+    steps, joints = theta.shape
+    reach = np.empty((joints, 2))
+    force = np.empty((joints, 2))
+    for k in range(steps):
+        heading = turn = swing = ay = az = 0.0
+        for j in range(joints):
+            heading += theta[k, j]
+            turn += speed[k, j]
+            swing += acceleration[k, j]
+            reach[j, 0] = -length[j] * np.sin(heading)
+            reach[j, 1] = length[j] * np.cos(heading)
+            dy = -swing * reach[j, 1] - turn * turn * reach[j, 0]
+            dz = swing * reach[j, 0] - turn * turn * reach[j, 1]
+            force[j, 0] = -mass[j] * (ay + dy / 2)
+            force[j, 1] = -mass[j] * (az + dz / 2)
+            ay += dy
+            az += dz
+        fy, fz, moment = -tip * ay, -tip * az, 0.0
+        for j in range(joints - 1, -1, -1):
+            y, z = reach[j, 0], reach[j, 1]
+            moment += y * fz - z * fy + (y * force[j, 1] - z * force[j, 0]) / 2
+            fy += force[j, 0]
+            fz += force[j, 1]
+            out[k, j] = moment

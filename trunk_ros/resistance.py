@@ -1,0 +1,65 @@
+"""The moment that a recording shows on the joints, beside or in place of the computed weight.
+
+``arm.load`` says which: ``weight`` alone; ``weight_and_inertia`` of the recorded motion; or ``effort``, the
+recorded torque of the motors less their friction. Where a recording has no effort, weight it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+from trunk_ros.derivatives import smooth
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.effort import measured_load
+from trunk_ros.recording.recording import JointSeries
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """What a recording tells of the load, whatever the payload; (n, joints) each."""
+
+    moment: Array
+    """N m beside the weight, or all that there is."""
+    lever: Array
+    """N m/kg that a kilogram at the tip adds to ``moment``."""
+    weighs: bool
+    """Whether the weight comes on top."""
+
+    def load(self, arm: Arm, theta: Array) -> Array:
+        """Moment on the joints [N m] at joint angles (n, joints)."""
+        own = self.moment + arm.payload * self.lever
+        return arm.load(theta) + own if self.weighs else own
+
+    def per_kilogram(self, arm: Arm, theta: Array) -> Array:
+        """What a kilogram at the tip adds to the load [N m/kg]."""
+        return arm.lever(theta) + self.lever if self.weighs else self.lever
+
+    def part(self, rows: slice) -> Resistance:
+        """Some of the rows."""
+        return Resistance(self.moment[rows], self.lever[rows], self.weighs)
+
+
+def resistance(arm: Arm, gearbox: JointSeries, grid: Array, phi: Array) -> Resistance | None:
+    """What gearbox states tell of the load at gearbox angles ``phi`` (m, joints) on ``grid`` (m,).
+
+    None where the arm's load is its weight alone, or nothing more is known.
+    """
+    if arm.load_from == "effort" and gearbox.effort is not None:
+        moment = measured_load(gearbox, arm.ratio).moment
+        on_grid = [np.interp(grid, gearbox.stamp, column) for column in moment.T]
+        return Resistance(np.column_stack(on_grid), np.zeros(phi.shape), False)
+    if arm.load_from == "weight_and_inertia" and arm.has_load:
+        return swung(arm, grid, phi)
+    return None
+
+
+def swung(arm: Arm, grid: Array, phi: Array) -> Resistance:
+    """Moment of inertia forces of joints that follow gearbox angles (m, joints) through the nominal play."""
+    theta, _ = SharpPlay().run(phi, arm.dead_band[None], None, arm.ratio)
+    motion = smooth(grid, theta)
+    bare = arm.inertia(*motion) - arm.payload * arm.inertial_lever(*motion)
+    return Resistance(bare, arm.inertial_lever(*motion), True)
