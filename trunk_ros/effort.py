@@ -23,9 +23,10 @@ class MeasuredLoad:
     """Of each joint what its motor's torque says."""
 
     moment: Array
-    """(n, joints) N m, positive where it tends to increase the joint angle."""
+    """(n, joints) N m, positive where it tends to increase the joint angle; NaN for joints that do not move
+    both ways: their friction cannot be told from their load."""
     friction: Array
-    """(joints,) N m at the shaft, NaN where a joint does not move both ways: there it is in the moment."""
+    """(joints,) N m at the shaft, NaN likewise."""
     friction_std: Array
     """(joints,) N m."""
     moving: np.ndarray
@@ -64,20 +65,15 @@ def _of_joint(
     stamp: Array, posture: Array, speed: Array, way: Array, effort: Array, known: np.ndarray
 ) -> tuple[Array, np.ndarray, float, float]:
     """Torque (n,) without friction, where it was measured, friction and its deviation."""
-    settled = (way != 0.0) & (way == np.roll(way, 1)) & (way == np.roll(way, -1))
-    moving = settled & known
-    both = min(int((way[moving] == side).sum()) for side in (1.0, -1.0)) >= LEAST
-    seen = moving if both else known
-    rubbing = np.column_stack([way, speed]) if both else np.empty((len(way), 0))
-    design = np.column_stack([posture, rubbing])
+    seen = known & (way != 0.0) & (way == np.roll(way, 1)) & (way == np.roll(way, -1))
+    if min((way[seen] > 0.0).sum(), (way[seen] < 0.0).sum()) < LEAST:
+        return np.full(len(way), np.nan), seen & False, np.nan, np.nan
+    design = np.column_stack([posture, way, speed])
     weights, *_ = np.linalg.lstsq(design[seen], effort[seen], rcond=1e-9)
-    friction, std = np.nan, np.nan
-    if both:
-        friction = float(weights[posture.shape[1]])
-        std = _deviation(design[seen], effort[seen] - design[seen] @ weights, posture.shape[1])
-    smoothed = posture @ weights[: posture.shape[1]]
-    off = np.interp(stamp, stamp[seen], (effort - design @ weights)[seen])
-    return smoothed + smooth(stamp, off[:, None], SPAN)[0][:, 0], seen, friction, std
+    rest = effort - design @ weights
+    off = np.interp(stamp, stamp[seen], rest[seen])
+    torque = posture @ weights[:-2] + smooth(stamp, off[:, None], SPAN)[0][:, 0]
+    return torque, seen, float(weights[-2]), _deviation(design[seen], rest[seen], -2)
 
 
 def _deviation(design: Array, rest: Array, column: int) -> float:

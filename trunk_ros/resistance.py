@@ -49,9 +49,7 @@ def resistance(arm: Arm, gearbox: JointSeries, grid: Array, phi: Array) -> Resis
     None where the arm's load is its weight alone, or nothing more is known.
     """
     if arm.load_from == "effort" and gearbox.effort is not None:
-        moment = measured_load(gearbox, arm.ratio).moment
-        on_grid = [np.interp(grid, gearbox.stamp, column) for column in moment.T]
-        return Resistance(np.column_stack(on_grid), np.zeros(phi.shape), False)
+        return carried(arm, gearbox, grid, phi * arm.ratio)
     if arm.load_from == "weight_and_inertia" and arm.has_load:
         return swung(arm, grid, phi)
     return None
@@ -63,3 +61,12 @@ def swung(arm: Arm, grid: Array, phi: Array) -> Resistance:
     motion = smooth(grid, theta)
     bare = arm.inertia(*motion) - arm.payload * arm.inertial_lever(*motion)
     return Resistance(bare, arm.inertial_lever(*motion), True)
+
+
+def carried(arm: Arm, gearbox: JointSeries, grid: Array, theta: Array) -> Resistance:
+    """The motors' torque without friction; the computed weight where a joint's torque does not tell."""
+    moment = measured_load(gearbox, arm.ratio).moment
+    measured = np.column_stack([np.interp(grid, gearbox.stamp, column) for column in moment.T])
+    known, lever = np.isfinite(measured), arm.lever(theta)
+    bare = arm.load(theta) - arm.payload * lever
+    return Resistance(np.where(known, measured, bare), np.where(known, 0.0, lever), False)

@@ -96,7 +96,7 @@ class Diagnoser:
         judged = {s for s, told in self.result.stages.items() if told["compared"] and s != "arm"}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
         self.result.model = replace(self.model, effects=kept, duration=longest)
-        self.result.quality = _by_name(self.recordings)
+        self.result.quality = _by_name(self.recordings, self.model)
         return self.result
 
     def _refuse_if_nothing_was_seen(self) -> None:
@@ -248,12 +248,12 @@ def on_the_arm(
     }
 
 
-def _by_name(recordings: list[Recording]) -> dict[str, Any]:
+def _by_name(recordings: list[Recording], model: Model) -> dict[str, Any]:
     """Quality by name of recording; those of one name are numbered."""
     out: dict[str, Any] = {}
     for number, recording in enumerate(recordings, start=1):
         name = recording.name if recording.name not in out else f"{recording.name} ({number})"
-        out[name] = quality_of_recording(recording)
+        out[name] = quality_of_recording(recording, model)
     return out
 
 
