@@ -1,11 +1,15 @@
 """recorder over DDS: nothing missed, nothing changed, nothing lost when it is killed."""
 
 import json
+import os
+import random
 import signal
 
 import pytest
 
 from test.nodes.graph import bag_messages, ended, needs_ros, running, trunk
+from test.recording.kill import kill_once
+from trunk_ros import __version__
 from trunk_ros.recording.metadata import read_metadata
 
 pytestmark = needs_ros
@@ -77,24 +81,83 @@ def test_the_bag_carries_what_ros2_bag_needs(recorder):
     assert json.loads(read_metadata(path).custom["trunk_ros.loss"])["/some/topic"]["lost"] == 0
 
 
-def test_killed_it_has_lost_at_most_the_last_second(recorder):
+def test_the_bag_says_how_it_was_made(domain, peer, tmp_path):
+    path = tmp_path / "bag"
+    own = """{"seed": 7, "operator": "me"}"""
+    given = ("--ros-args", "-p", f"output:={path}", "-p", f"manifest:='{own}'", "-p", "split_duration:=9.0")
+    with running("recorder", *given, domain=domain) as process:
+        peer.until(lambda: path.exists())
+        assert ended(process, signal.SIGINT)[0] == 0
+    told = json.loads(read_metadata(path).custom["trunk_ros.manifest"])
+    assert (told["seed"], told["operator"], told["version"]) == (7, "me", __version__)
+    assert told["command"].startswith("trunk_ros recorder --ros-args -p output:=")
+    assert told["recorder"]["split_duration"] == 9.0
+
+
+def test_what_was_sent_before_the_end_is_recorded_and_nothing_that_comes_after(recorder):
     from trunk_ros.nodes.ros import String
 
     process, path, peer = recorder
     out = peer.publisher(String, "numbers")
     peer.until(heard(out))
-    for message in numbered(150):
+    peer.spin(0.3)
+    for message in numbered(90):
         out.publish(message)
-        peer.spin(0.01)
-    peer.spin(1.0)
-    for message in numbered(20):
-        out.publish(message)
-        peer.spin(0.01)
+    process.send_signal(signal.SIGINT)
+    while process.poll() is None:  # publishers that go on do not keep it from ending
+        out.publish(String(data="after"))
+        peer.spin(0.001)
+    kept = [raw[8:].rstrip(b"\0").decode() for raw in bag_messages(path)["/numbers"]]
+    assert kept[:90] == [message.data for message in numbered(90)]
+    assert process.returncode == 0
+    assert "none lost" in process.stdout.read()
+
+
+def test_messages_of_a_mebibyte_are_kept_byte_for_byte(recorder):
+    from trunk_ros.nodes.ros import String
+
+    process, path, peer = recorder
+    out = peer.publisher(String, "large")
+    peer.until(heard(out))
+    texts = [str(number) * (1 << 20) for number in range(10)]
+    for text in texts:
+        out.publish(String(data=text))
+        peer.spin(0.05)
+    peer.spin(0.3)
+    assert ended(process, signal.SIGINT)[0] == 0
+    assert [raw[8:-1].decode() for raw in bag_messages(path)["/large"]] == texts
+
+
+def test_a_second_recorder_on_the_same_folder_is_refused(recorder):
+    process, path, peer = recorder
+    peer.until(lambda: list(path.glob("*.mcap")))
+    second = trunk("recorder", "--ros-args", "-p", f"output:={path}")
+    assert second.returncode == 2
+    assert "is being recorded" in second.stderr
+    assert ended(process, signal.SIGINT)[0] == 0
+    assert "/diagnostics" in bag_messages(path)
+    third = trunk("recorder", "--ros-args", "-p", f"output:={path}")
+    assert third.returncode == 2
+    assert third.stderr.strip().endswith("exists: give another output")
+
+
+def test_what_a_killed_recorder_left_is_repaired_by_the_next(recorder):
+    process, path, peer = recorder
+    peer.until(lambda: list(path.glob("*.mcap")))
+    peer.spin(2.0)
     process.kill()
     process.wait()
-    repaired = trunk("recover", path)
-    assert repaired.returncode == 0, repaired.stderr
-    assert len(bag_messages(path)["/numbers"]) >= 150
+    following = trunk("recorder", "--ros-args", "-p", f"output:={path}")
+    assert following.returncode == 2
+    assert "repaired, " in following.stderr
+    assert len(following.stderr.splitlines()) == 1
+    assert bag_messages(path)["/diagnostics"]
+
+
+@pytest.mark.parametrize("number", range(int(os.environ.get("KILLS", "5"))))
+def test_killed_at_any_moment_it_has_lost_at_most_the_last_second(domain, monkeypatch, tmp_path, number):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    kill_once(tmp_path / "bag", random.Random(number))
 
 
 @pytest.mark.parametrize("arguments", [[], ["-p", "output:=/proc/nowhere/bag"], ["-p", "output:=."]])

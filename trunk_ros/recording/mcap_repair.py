@@ -28,7 +28,7 @@ class Loss:
         """What was kept and lost."""
         kept = f"{self.messages} messages kept"
         if not self.lost_bytes and not self.skipped:
-            return f"{kept}, none lost: only the index was missing"
+            return f"{kept}, all that the file held; what its recorder still had in memory is lost"
         parts = [f"{self.lost_bytes} bytes broke off"] if self.lost_bytes else []
         parts += [f"{self.skipped} damaged chunks left out"] if self.skipped else []
         return f"{kept}; lost: about {self.lost} messages, {self.lost_s:.3g} s ({', '.join(parts)})"

@@ -1,0 +1,140 @@
+"""recorder on a disk that is too small, or too slow."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from test.nodes.graph import ROOT, bag_messages, ended, environment, needs_ros, words
+from trunk_ros.recording.metadata import read_metadata
+
+pytestmark = needs_ros
+
+MIB = 1 << 20
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of 8 MiB; mounting one needs rights that not every machine gives."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", folder], capture_output=True)
+    if mounted.returncode:
+        pytest.skip("no right to mount a small file system here")
+    yield folder
+    subprocess.run(["umount", folder], check=True)
+
+
+def start(code: str, *parameters: str, domain: int, limit: int | None = None) -> subprocess.Popen[str]:
+    """A recorder after some Python of the test; limit: largest file in bytes."""
+    main = "import sys; from trunk_ros.__main__ import main; sys.exit(main(sys.argv[1:]))"
+    given = [part for parameter in parameters for part in ("-p", parameter)]
+
+    def limited() -> None:
+        if limit is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    return subprocess.Popen(
+        [sys.executable, "-c", f"{code}\n{main}", "recorder", "--ros-args", *given],
+        cwd=ROOT,
+        env=environment(domain),
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        preexec_fn=limited,
+    )
+
+
+def publish_noise(peer, over, count: int = 400) -> int:
+    """Publish messages of 100 kB that cannot be compressed until it is over; returns how many."""
+    from trunk_ros.nodes.ros import String
+
+    out = peer.publisher(String, "noise")
+    peer.until(lambda: out.get_subscription_count() or over())
+    peer.spin(0.3)
+    for number in range(count):
+        if over():
+            return number
+        out.publish(String(data=f"{number:06d}" + os.urandom(50_000).hex()))
+        peer.spin(0.01)
+    return count
+
+
+def assert_whole(path: Path) -> int:
+    """Every message up to the last is there, and the metadata says how many; returns that number."""
+    kept = [int(raw[8:14]) for raw in bag_messages(path)["/noise"]]
+    assert kept == list(range(len(kept)))
+    assert read_metadata(path).messages["/noise"] == len(kept)
+    loss = json.loads(read_metadata(path).custom["trunk_ros.loss"])["/noise"]
+    assert loss["received"] - loss["dropped"] == len(kept)
+    return len(kept)
+
+
+def assert_ended(process) -> str:
+    """It has ended with one line on the standard error."""
+    _, error = process.communicate(timeout=20)
+    assert process.returncode == 2
+    assert len(error.splitlines()) == 1, error
+    return error
+
+
+def test_a_full_disk_ends_the_recording_with_what_it_has(domain, peer, small_disk):
+    process = start("", f"output:={small_disk / 'bag'}", domain=domain)
+    publish_noise(peer, lambda: process.poll() is not None)
+    assert "is full: the recording was ended" in assert_ended(process)
+    assert assert_whole(small_disk / "bag") > 20
+
+
+def test_a_disk_that_others_fill_at_once_leaves_a_whole_bag(domain, peer, small_disk):
+    process = start("", f"output:={small_disk / 'bag'}", "compression:=none", domain=domain)
+
+    def filled() -> bool:
+        with (small_disk / "others").open("ab") as stream:
+            files = list(small_disk.glob("bag/*.mcap"))
+            if files and files[0].stat().st_size > 2 * MIB:
+                room = os.statvfs(small_disk)
+                stream.write(bytes(room.f_bavail * room.f_frsize))
+        return process.poll() is not None
+
+    publish_noise(peer, filled)
+    assert "bag" in assert_ended(process)
+    assert assert_whole(small_disk / "bag") > 5
+
+
+def test_a_quota_that_is_reached_leaves_a_whole_bag(domain, peer, tmp_path):
+    """A limit on the size of files stands for the quota."""
+    process = start("", f"output:={tmp_path / 'bag'}", domain=domain, limit=3 * MIB)
+    publish_noise(peer, lambda: process.poll() is not None)
+    assert "cannot be written" in assert_ended(process)
+    assert assert_whole(tmp_path / "bag") > 5
+
+
+SLOW = """
+import time
+from trunk_ros.recording.mcap_write import ChunkWriter
+append = ChunkWriter._append
+ChunkWriter._append = lambda self, data: (time.sleep(len(data) / 1e6), append(self, data))[1]
+"""
+
+
+def test_a_slow_disk_is_buffered_up_to_a_bound_and_then_counted_as_loss(domain, peer, tmp_path):
+    from trunk_ros.nodes.ros import DiagnosticArray
+
+    said = peer.listen(DiagnosticArray, "/diagnostics")
+    path = tmp_path / "bag"
+    process = start(SLOW, f"output:={path}", "buffer_size:=1.0", domain=domain)
+    sent = publish_noise(peer, lambda: process.poll() is not None, 100)
+    peer.until(lambda: "the disk is too slow" in words(said, "recorder"))
+    status, out, _ = ended(process, signal.SIGINT)
+    assert status == 0
+    loss = json.loads(read_metadata(path).custom["trunk_ros.loss"])["/noise"]
+    kept = len(bag_messages(path)["/noise"])
+    assert loss["received"] + loss["lost"] == sent
+    assert loss["received"] - loss["dropped"] == kept >= 10  # what the buffer holds at least
+    assert loss["dropped"] > 0
+    assert f"{loss['dropped']} not written" in out
