@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from copy import copy
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -159,6 +160,13 @@ class Problem(ABC):
     def predictions(self, explanation: Explanation, column: int) -> list[Array]:
         """Predictions of a column, one (n,) a span."""
         return [self.predict(index, explanation, column) for index in range(len(self.views))]
+
+    def over(self, spans: list[Span]) -> Problem:
+        """The same stage with the same noise over other spans of the same arm."""
+        other = copy(self)
+        other.views = [self._view(span) for span in spans]
+        other.unexplained, other._cache, other._known = {}, {}, [other.views[0].angles]
+        return other
 
     def estimate_noise(self, explanation: Explanation) -> None:
         """Take the noise from what an explanation leaves."""

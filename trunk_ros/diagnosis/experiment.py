@@ -1,0 +1,163 @@
+"""The motion that tells rivals apart: simulate both and take the one on which they differ most.
+
+Source: Atkinson & Fedorov (1975), "The design of experiments for discriminating between two rival models",
+Biometrika 62: a T-optimal design maximises over the motion what is least over the rival's values. The rival
+is refitted to the new motion together with the recordings at hand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.evidence import Evidence
+from trunk_ros.diagnosis.excitation import Stretch, limits_of, motion, stretches
+from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.separation import Difference, Duel, expected
+from trunk_ros.trajectory import Trajectory
+
+MOST = 4  # stretches of a motion
+AGAIN = 12  # stretches that are tried once more beside the best one
+ENOUGH = 3.0  # times what it takes to rule a rival out
+TRIALS = 40  # of the local search
+HOPELESS = 0.05  # of what it takes, in the best stretch
+REPEATS = 4  # of a motion that is too short to show anything
+LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
+FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A motion, and what is to be seen in it of each pair of rivals."""
+
+    motion: Trajectory
+    pairs: list[tuple[str, str]]
+    duels: list[Duel]
+    seen: list[Difference]
+
+
+def experiment(search: Search, explanation: Explanation, found: dict[str, Evidence]) -> Experiment | None:
+    """The motion that best tells the effects found from their equivalents; None where there are none."""
+    duels = [
+        Duel(search, name, rival, explanation, evidence.fitted[rival], evidence.rivals[rival])
+        for name, evidence in found.items()
+        for rival in evidence.equivalents
+    ]
+    done = Design(search, duels).run() if duels else None
+    search.problem.look_again(explanation)
+    return done
+
+
+class Design:
+    """A search over motions for one that tells all rivals apart."""
+
+    def __init__(self, search: Search, duels: list[Duel]):
+        self.problem, self.duels = search.problem, duels
+        self.pairs = [(duel.truth, duel.other) for duel in duels]
+        self.own = {c for duel in duels for c in duel.columns}
+        self.limits = limits_of(search.problem)
+
+    def run(self) -> Experiment:
+        """Stretch by stretch, then in small steps; repeated where that is not enough."""
+        ranked, hopeful = self.ranked()
+        parts = self.polished(self.grown(ranked, hopeful)) if hopeful.any() else ranked[:1]
+        if np.any(self.ratios(parts)[hopeful] < 1.0):
+            parts = max((parts, parts * REPEATS), key=self.score)
+        there = self.motion(parts)
+        seen = [duel.difference(expected(self.problem, duel.base, there), there) for duel in self.duels]
+        return Experiment(there, self.pairs, self.duels, seen)
+
+    def motion(self, parts: list[Stretch]) -> Trajectory:
+        """Stretches as a trajectory of all joints."""
+        return motion(self.problem.joints, self.limits, parts, self.own)
+
+    def ratios(self, parts: list[Stretch]) -> Array:
+        """(duels,) misfit of each refitted rival, over what it takes to rule it out."""
+        there = self.motion(parts)
+        expected = {id(d.base): expected(self.problem, d.base, there) for d in self.duels}
+        return np.array([duel.ratio(expected[id(duel.base)]) for duel in self.duels])
+
+    def score(self, parts: list[Stretch]) -> float:
+        """How far all rivals together are apart; logarithms, so that the nearest count most."""
+        return float(np.sum(np.log1p(self.ratios(parts))))
+
+    def ranked(self) -> tuple[list[Stretch], np.ndarray]:
+        """The stretches that tell most, the best first, and which pairs (pairs,) there is hope for.
+
+        From here on a pair is seen from the side from which it differs.
+        """
+        candidates, forward = stretches(len(self.problem.joints), self.own), self.duels
+        ratios = np.array([self.ratios([part]) for part in candidates])
+        if np.any(ratios.max(axis=0) < 1.0):
+            self.duels = [duel.reversed for duel in forward]
+            back = np.array([self.ratios([part]) for part in candidates])
+            turned = (ratios.max(axis=0) < 1.0) & (back.max(axis=0) > ratios.max(axis=0))
+            self.duels = [duel.reversed if t else duel for duel, t in zip(forward, turned, strict=True)]
+            ratios = np.where(turned, back, ratios)
+        order = np.argsort(-np.log1p(ratios).sum(axis=1), kind="stable")
+        return [candidates[k] for k in order[:AGAIN]], ratios.max(axis=0) > HOPELESS
+
+    def grown(self, ranked: list[Stretch], hopeful: np.ndarray) -> list[Stretch]:
+        """The best stretch, then the best after it, and so on until every rival is ruled out."""
+        parts = ranked[:1]
+        while len(parts) < MOST and self.ratios(parts)[hopeful].min() < ENOUGH:
+            parts = max(([*parts, part] for part in ranked), key=self.score)
+        return parts
+
+    def polished(self, parts: list[Stretch]) -> list[Stretch]:
+        """The last stretch moved to where its neighbours are no better."""
+        *before, last = parts
+        start = np.array([last.centre, last.size, last.speed, last.hold])
+
+        def loss(x: Array) -> float:
+            return -self.score([*before, _at(last, x)])
+
+        simplex = np.vstack([start, start + np.diag(np.where(start + FIRST > HIGH, -FIRST, FIRST))])
+        found = minimize(
+            loss, start, method="Nelder-Mead", bounds=list(zip(LOW, HIGH, strict=True)),
+            options={"maxfev": TRIALS, "initial_simplex": simplex},
+        )  # fmt: skip
+        return max((parts, [*before, _at(last, found.x)]), key=self.score)
+
+
+def _at(part: Stretch, x: Array) -> Stretch:
+    centre, size, speed, hold = (float(value) for value in np.clip(x, LOW, HIGH))
+    return replace(part, centre=centre, size=size, speed=speed, hold=hold)
+
+
+def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[str, Any]]:
+    """What ``diagnosis.json`` says of an experiment, an entry for each pair of rivals.
+
+    ``trajectory`` is empty where no motion within the limits tells a pair apart.
+    """
+    return [
+        {
+            "separates": list(pair),
+            "statement": statement(duel, seen, done.motion, units),
+            "trajectory": file if seen.ratio >= 1.0 else "",
+        }
+        for pair, duel, seen in zip(done.pairs, done.duels, done.seen, strict=True)
+    ]
+
+
+def statement(duel: Duel, seen: Difference, there: Trajectory, units: dict[str, str]) -> str:
+    """What to look for, in one sentence."""
+    joint = there.joints[seen.column]
+    unit = units.get(joint, "rad")
+    gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
+    if seen.ratio < 1.0:
+        return (
+            f"No motion within the limits tells {duel.truth} from {duel.other}: fitted anew, the two would "
+            f"differ by no more than {gap}, {times}, on {joint}."
+        )
+    return (
+        f"In {there.duration:.0f} s of motion look at {joint} at {seen.time:.1f} s, at {seen.angle:+.2f} {unit} "
+        f"and {seen.speed:+.2g} {unit}/s: with {duel.truth} it reads {gap} "
+        f"{'more' if seen.gap > 0 else 'less'}, {times}, than with any {duel.other} that agrees with these data; "
+        f"over the whole motion they differ by {seen.rms:.2g} times the noise."
+    )

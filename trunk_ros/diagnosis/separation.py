@@ -1,0 +1,199 @@
+"""How far apart a motion brings an explanation and a rival of it that is refitted to that motion as well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import SLOW, servo_span, wire_span
+from trunk_ros.diagnosis.criterion import need
+from trunk_ros.diagnosis.explanation import Explanation, bounds
+from trunk_ros.diagnosis.fit import Residuals, minimise
+from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.search import Search
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.trajectory import Trajectory
+
+CONTROL = 0.01  # s between setpoints, as bringup gives them
+BLIND = 1e-9  # squared change of the unit-noise residual per value that neither motion shows
+ROUNDS = 6  # of the full refit
+
+
+@dataclass
+class Difference:
+    """What is left between an explanation and its refitted rival where it shows most.
+
+    ``time`` s, ``angle`` rad and ``speed`` rad/s of the joint, ``gap`` rad, ``noise`` rad; ``rms`` in units
+    of the noise. ``ratio``: squared unit-noise misfit over what it takes to rule the rival out.
+    """
+
+    column: int
+    time: float
+    angle: float
+    speed: float
+    gap: float
+    noise: float
+    rms: float
+    ratio: float
+
+
+class Pinned(Residuals):
+    """Residuals on a new motion; the values are held as firmly as earlier recordings hold them."""
+
+    def __init__(self, there: Problem, explanation: Explanation, columns: list[int], normal: Array):
+        """``normal`` (free, free): curvature of half the cost of the earlier recordings."""
+        super().__init__(there, explanation, columns)
+        self.at = np.clip(explanation.get(self.free), *bounds(self.free))
+        values, directions = np.linalg.eigh(normal)
+        self.root = np.sqrt(np.maximum(values, 0.0))[:, None] * directions.T
+
+    def __call__(self, x: Array) -> Array:
+        return np.concatenate([super().__call__(x), self.root @ (x - self.at)])
+
+    def jacobian(self, x: Array) -> Array:
+        return np.vstack([super().jacobian(x), self.root])
+
+    def linear(self) -> float:
+        """Squared misfit after one step of a refit."""
+        rest = self(self.at)
+        if not self.free:
+            return float(rest @ rest)
+        jacobian = self.jacobian(self.at)
+        size = np.linalg.norm(jacobian, axis=0)
+        scaled = jacobian[:, size > BLIND] / size[size > BLIND]
+        slope = scaled.T @ rest
+        step = np.linalg.solve(scaled.T @ scaled + BLIND * np.eye(len(slope)), slope)
+        return max(float(rest @ rest - slope @ step), 0.0)
+
+    def refitted(self) -> tuple[float, Explanation]:
+        """Squared misfit after a full refit, and the values there."""
+        x = minimise(self, self.at, ROUNDS) if self.free else self.at
+        rest = self(x)
+        return float(rest @ rest), self.explanation.put(self.free, x)
+
+
+@dataclass
+class Duel:
+    """An effect taken for the truth, and another one in its place that explains the recordings as well."""
+
+    search: Search
+    truth: str
+    other: str
+    base: Explanation
+    """With the truth."""
+    explanation: Explanation
+    """With the other."""
+    loss: float
+    """By how much the other explains the recordings at hand worse, in squared unit noise."""
+
+    @property
+    def reversed(self) -> Duel:
+        """The other taken for the truth: where one effect can turn into the other, only one can be ruled
+        out.
+        """
+        return Duel(self.search, self.other, self.truth, self.explanation, self.base, -self.loss)
+
+    @cached_property
+    def columns(self) -> list[int]:
+        """Joints on which the two differ."""
+        there = self.search.problem.columns
+        return [c for c in there if self.base.key(c) != self.explanation.key(c)]
+
+    @cached_property
+    def groups(self) -> list[tuple[list[int], Array]]:
+        """Joints that are refitted together, with how firmly the recordings at hand hold their values."""
+        problem, out = self.search.problem, []
+        problem.look_again(self.explanation)
+        for group in self.search.groups(self.explanation):
+            if set(group) & set(self.columns):
+                residuals = Residuals(problem, self.explanation, group)
+                x = np.clip(self.explanation.get(residuals.free), *bounds(residuals.free))
+                jacobian = residuals.jacobian(x)
+                out.append((group, jacobian.T @ jacobian))
+        return out
+
+    def pinned(self, there: Problem) -> list[Pinned]:
+        """The other against what the truth would show, by groups of joints."""
+        there.look_again(self.explanation)
+        return [Pinned(there, self.explanation, group, normal) for group, normal in self.groups]
+
+    def ratio(self, there: Problem) -> float:
+        """Squared misfit of the other on an expected recording over what it takes to rule it out."""
+        return sum(p.linear() for p in self.pinned(there)) / self.wanted(there)
+
+    def wanted(self, there: Problem) -> float:
+        """The misfit at which it is no equivalent any more, both runs taken together."""
+        on = self.base[self.truth].columns
+        each = [need(problem, c) for problem in (self.search.problem, there) for c in on if c in self.columns]
+        return max(sum(each) - self.loss, 1.0)
+
+    def difference(self, there: Problem, motion: Trajectory) -> Difference:
+        """Where it shows most, after a full refit."""
+        misfit, fitted = 0.0, self.explanation
+        for pinned in self.pinned(there):
+            cost, values = pinned.refitted()
+            misfit += cost
+            for column in pinned.columns:
+                fitted = _with(fitted, column, values)
+        there.look_again(fitted)
+        rests = {c: there.residual(0, fitted, c) / there.noise[c].std for c in self.columns}
+        column = max(rests, key=lambda c: float(np.abs(rests[c]).max()))
+        row = int(np.argmax(np.abs(rests[column])))
+        time = float(there.views[0].span.stamp[row])
+        angle, speed, _ = motion.sample([time])
+        noise = there.noise[column].std
+        return Difference(
+            column,
+            time,
+            float(angle[0, column]),
+            float(speed[0, column]),
+            float(rests[column][row] * noise),
+            noise,
+            float(np.sqrt(np.mean(rests[column] ** 2))),
+            misfit / self.wanted(there),
+        )
+
+
+def _with(explanation: Explanation, column: int, values: Explanation) -> Explanation:
+    out = explanation.copy()
+    out.take(column, values)
+    for name, term in out.items():
+        if column in term.own:
+            term.shared = dict(values[name].shared)
+    return out
+
+
+def expected(problem: Problem, explanation: Explanation, motion: Trajectory) -> Problem:
+    """The recording of a motion, free of noise, that an explanation leads to expect."""
+    recording = recorded(problem, motion)
+    span = (servo_span if problem.stage == "servo" else wire_span)(recording, problem.model)
+    there = problem.over([span])
+    there.look_again(explanation)
+    target = span.target.copy()
+    for column in problem.columns:
+        target[:, column] = there.predict(0, explanation, column)
+    there.views = [replace(there.views[0], span=replace(span, target=target))]
+    return there
+
+
+def recorded(problem: Problem, motion: Trajectory) -> Recording:
+    """Setpoints and gearbox angles of a motion by the nominal servo, at the rates of the recordings."""
+    often = problem.step if problem.step > SLOW else min(problem.step, CONTROL)
+    every = max(round(problem.step / often), 1)
+    stamp = np.arange(0.0, motion.duration, often)
+    setpoints = motion.sample(stamp)[0] / problem.arm.ratio
+    phi, _ = Chain(Model(problem.arm), "servo").run(setpoints, stamp)
+    velocity = np.gradient(phi, stamp, axis=0)
+    kept = slice(None, None, every if problem.stage == "servo" else 1)
+    seen = stamp[::every]
+    series = {
+        "setpoints": JointSeries(stamp, problem.joints, setpoints),
+        "gearbox_states": JointSeries(stamp[kept], problem.joints, phi[kept], velocity[kept]),
+        "joint_states": JointSeries(seen, problem.joints, np.zeros((len(seen), len(problem.joints)))),
+    }
+    return Recording("experiment", 0, motion.duration, series)
