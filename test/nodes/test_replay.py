@@ -1,11 +1,12 @@
 """replay over DDS."""
 
+import signal
 import time
 
 import numpy as np
 import pytest
 
-from test.nodes.graph import Peer, bag_messages, needs_ros, running, trunk
+from test.nodes.graph import Peer, bag_messages, ended, needs_ros, running, trunk
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 
@@ -98,3 +99,39 @@ def test_what_cannot_be_played_is_refused_in_one_line(bag, arguments, told):
     assert done.returncode == 2
     assert told in done.stderr
     assert len(done.stderr.splitlines()) == 1, done.stderr
+
+
+def test_paused_it_stands_still_until_the_service_lets_it_go_on(domain, peer, bag):
+    from trunk_ros.nodes.ros import SetBool, Trigger
+
+    gearbox = raw(peer, "/trunk/gearbox_states")
+    pause = peer.node.create_client(SetBool, "/replay/pause")
+    step = peer.node.create_client(Trigger, "/replay/step")
+    part = ("--paused", "--rate", 4, "--topics", "/trunk/gearbox_states")
+    with running("replay", bag, *part, domain=domain) as process:
+        peer.until(lambda: pause.service_is_ready() and step.service_is_ready())
+        peer.spin(1.5)
+        assert not gearbox
+        assert answered(peer, step, Trigger.Request()).success
+        peer.until(lambda: gearbox)
+        peer.spin(0.5)
+        assert len(gearbox) == 1
+        assert answered(peer, pause, SetBool.Request(data=False)).success
+        peer.until(lambda: len(gearbox) == COUNT)
+        peer.until(lambda: process.poll() is not None)
+
+
+def answered(peer, client, request):
+    future = client.call_async(request)
+    peer.until(lambda: future.done())
+    return future.result()
+
+
+def test_looped_it_begins_again_until_it_is_ended(domain, peer, bag):
+    gearbox = raw(peer, "/trunk/gearbox_states")
+    with running(
+        "replay", bag, "--loop", "--rate", 20, "--exclude", "joint_states", domain=domain
+    ) as process:
+        peer.until(lambda: len(gearbox) > 2 * COUNT)
+        assert ended(process, signal.SIGINT)[0] == 0
+    assert gearbox[COUNT : 2 * COUNT] == gearbox[:COUNT]

@@ -35,7 +35,7 @@ ALLOWED = 1.0  # s that may be lost
 
 @dataclass(frozen=True)
 class Killed:
-    """One run. ``lost_s``: how long before the kill the first message that is missing was sent, 0 for none."""
+    """One run. ``lost_s``: how long before the kill the first missing message was sent, 0 for none."""
 
     moment: str
     seconds: float

@@ -8,6 +8,7 @@ from typing import Any
 from trunk_ros.nodes.ros import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from trunk_ros.recording.message_types import RELIABLE
 
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ENDLESS = RELIABLE["deadline"]
 LARGEST = 2**63 - 1
 SECOND = 1_000_000_000
@@ -44,10 +45,14 @@ def hearing_all(offered: Sequence[Any], depth: int) -> Any:
     )
 
 
-def recorded(profiles: Sequence[Any], depth: int) -> Any:
-    """A profile to publish with, of recorded ones (rosbags' Qos); reliable where nothing was recorded."""
+def recorded(profiles: Sequence[Any], depth: int, latched: bool = False) -> Any:
+    """A profile to publish with, of recorded ones (rosbags' Qos); reliable where nothing was recorded.
+
+    ``latched`` holds where there is no profile, as in bags of ROS 1.
+    """
     best_effort = bool(profiles) and all(profile.reliability.name == "BEST_EFFORT" for profile in profiles)
-    latched = bool(profiles) and all(profile.durability.name == "TRANSIENT_LOCAL" for profile in profiles)
+    if profiles:
+        latched = all(profile.durability.name == "TRANSIENT_LOCAL" for profile in profiles)
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=max([depth, *(profile.depth for profile in profiles)]),

@@ -1,4 +1,4 @@
-"""replay: a bag back onto topics, at its own pace, faster, or step by step."""
+"""replay: a bag back onto topics, at its own pace, faster, or step by step; or through a node again."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from trunk_ros.nodes.plan import split_ros
 from trunk_ros.nodes.process import Stop, start_ros
 from trunk_ros.nodes.qos import recorded
 from trunk_ros.nodes.ros import Clock, EventsExecutor, SetBool, Trigger, rclpy
+from trunk_ros.nodes.through import NODES, through
 from trunk_ros.recording.arguments import Parser
 
 LAST_PARTNER = 1.0  # s without a new subscriber after which no more are expected
@@ -45,7 +46,9 @@ class Replay(TrunkNode):
             kind = self.guarded(message_class, topic.kind)
             if kind is not None:
                 name = names.get(topic.name, topic.name)
-                self.outlets[topic.name] = self.create_publisher(kind, name, recorded(topic.profiles, DEPTH))
+                self.outlets[topic.name] = self.create_publisher(
+                    kind, name, recorded(topic.profiles, DEPTH, topic.latched)
+                )
         if not self.outlets:
             raise TrunkError(f"replay: none of the topics of {given.bag} can be published here")
         self.clock = self.create_publisher(Clock, CLOCK, 10) if given.clock else None
@@ -167,6 +170,14 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="one message for each line on the standard input, or each call of ~/step",
     )
+    again = parse.add_argument_group("comparing", "recompute what a node said, and publish nothing")
+    again.add_argument(
+        "--through", choices=list(NODES), help="compare what this node says with what was recorded"
+    )
+    again.add_argument("--model", metavar="MODEL", help="of that node; by default what the bag says it had")
+    again.add_argument(
+        "--tolerance", type=float, metavar="X", help="exit with 1 where a quantity differs by more [SI]"
+    )
     return parse
 
 
@@ -205,7 +216,11 @@ def main(argv: list[str]) -> int:
         raise ArgumentError(f"--rate {given.rate:g}: give a number above 0")
     if given.clock is not None and not 0 < given.clock <= 10000:
         raise ArgumentError(f"--clock {given.clock:g}: give a rate above 0")
+    if given.through:
+        return compare(given, ros)
     with BagSource(given.bag, given.from_time, given.until) as bag:
+        for note in bag.notes:
+            print(f"{given.bag}: {note}", file=sys.stderr)
         topics = selected(given, bag.topics)
         stop = Stop()
         start_ros(ros)
@@ -214,6 +229,15 @@ def main(argv: list[str]) -> int:
         finally:
             rclpy.try_shutdown()
     return 0
+
+
+def compare(given: argparse.Namespace, ros: list[str]) -> int:
+    """The node and what was recorded of it, side by side."""
+    start_ros(ros)
+    try:
+        return through(given.bag, given.through, given.model, given.tolerance)
+    finally:
+        rclpy.try_shutdown()
 
 
 def play(given: argparse.Namespace, bag: BagSource, topics: list[Topic], stop: Stop) -> None:
