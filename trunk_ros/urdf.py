@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.errors import TrunkError
+from trunk_ros.errors import ModelError, TrunkError
 
 RADIUS = 0.012  # m, of the links as drawn
 DRAWN_LENGTH = 0.05  # m of a link whose length is not known
@@ -35,6 +35,25 @@ def urdf(arm: Arm, name: str = "trunk") -> str:
     _connect(robot, "tip_fixed", "fixed", parent, "tip", height)
     ElementTree.indent(robot)
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(robot, encoding="unicode") + "\n"
+
+
+def joint_limits(text: str) -> dict[str, tuple[float, float]]:
+    """Lower and upper limit [rad or m] of each joint that moves in a URDF; without limits infinite.
+
+    Raises ModelError where the text is no URDF.
+    """
+    try:
+        robot = ElementTree.fromstring(text.strip())
+        moving = [joint for joint in robot.findall("joint") if joint.get("type") != "fixed"]
+        return {str(joint.get("name")): _ends(joint.find("limit")) for joint in moving}
+    except (ElementTree.ParseError, ValueError) as error:
+        raise ModelError(f"robot_description is not URDF: {error}") from None
+
+
+def _ends(limit: Element | None) -> tuple[float, float]:
+    if limit is None or limit.get("lower") is None or limit.get("upper") is None:
+        return -np.inf, np.inf
+    return float(str(limit.get("lower"))), float(str(limit.get("upper")))
 
 
 def _link(robot: Element, name: str, length: float, mass: float, colour: int) -> None:

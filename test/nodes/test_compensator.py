@@ -107,6 +107,7 @@ def test_a_model_is_swapped_without_a_jump_and_another_arms_is_refused(domain, p
             graph.ask([angle] * 5)
             peer.spin(0.02)
         peer.until(lambda: len(graph.setpoints) > 10)
+        peer.spin(0.3)
         before = np.asarray(graph.setpoints[-1].position)
         refused = load(other)
         assert not refused.successful

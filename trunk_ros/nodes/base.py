@@ -9,24 +9,22 @@ from typing import Any
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Declaration, Model
 from trunk_ros.nodes import parameters
-from trunk_ros.nodes.health import Health, Stream
 from trunk_ros.nodes.messages import SECOND, nanoseconds, time_message
-from trunk_ros.nodes.progress import Listener, Progress
+from trunk_ros.nodes.progress import Listener
 from trunk_ros.nodes.ros import (
     Clock,
     ClockType,
     DiagnosticArray,
     DiagnosticStatus,
     KeyValue,
-    LifecycleNode,
     LifecycleState,
     QoSProfile,
     SteadyClock,
     String,
     TransitionCallbackReturn,
 )
+from trunk_ros.nodes.streams import DEPTH, StreamNode
 
-DEPTH = 200  # messages that a slow partner may be behind
 PROGRESS_TOPIC = "trunk/_progress"  # hidden: only listened to by the bringup that started the node
 
 DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
@@ -43,7 +41,7 @@ def steady_clock() -> Any:
     return SteadyClock(clock_type=ClockType.STEADY_TIME)
 
 
-class TrunkNode(LifecycleNode):
+class TrunkNode(StreamNode):
     """A managed node with a model. Subclasses override ``configure``, ``tick`` and ``release``."""
 
     NAME = "node"
@@ -60,13 +58,8 @@ class TrunkNode(LifecycleNode):
             self.model = parameters.declare_model(self)
         self.period = round(SECOND / self.value("rate"))
         self.simulated = bool(self.value("use_sim_time"))
-        self.health = Health()
-        self.progress = Progress(self.get_fully_qualified_name())
-        self.listener: Listener | None = None
         self.fault = ""
         self.crash: Exception | None = None
-        self.active = False
-        self._parts: list[tuple[Callable[[Any], Any], Any]] = []
         self._last = -1
         self._woken: float | None = None
 
@@ -85,50 +78,11 @@ class TrunkNode(LifecycleNode):
     def rewound(self, now: int) -> None:
         """Simulated time was set back to ``now`` ns."""
 
+    def halt(self) -> None:
+        """The node was deactivated: the arm is to hold."""
+
     def release(self) -> None:
         """Let go of what ``configure`` took, streams aside."""
-
-    # Streams
-
-    def publish_on(self, kind: Any, topic: str, qos: Any = DEPTH) -> Callable[[Any], None]:
-        """Create a publisher; returns a function that publishes and counts."""
-        publisher = self.create_publisher(kind, topic, qos)
-        self._parts.append((self.destroy_publisher, publisher))
-        name, sent = publisher.topic_name, self.progress.sent
-        sent.setdefault(name, 0)
-
-        def publish(message: Any) -> None:
-            sent[name] += 1
-            publisher.publish(message)
-
-        return publish
-
-    def listen_to(self, kind: Any, topic: str, callback: Callable[[Any], None], raw: bool = False) -> None:
-        """Subscribe and count; a TrunkError of the callback goes to diagnostics and the node goes on."""
-        name = ""
-
-        def arrived(message: Any) -> None:
-            self.progress.received[name] += 1
-            if self.active:
-                self.guarded(callback, message)
-            self._tell()
-
-        subscription = self.create_subscription(kind, topic, arrived, DEPTH, raw=raw)
-        self._parts.append((self.destroy_subscription, subscription))
-        name = subscription.topic_name
-        self.progress.received.setdefault(name, 0)
-
-    def watch(self, topic: str, timeout: float) -> Stream:
-        """A stream whose silence diagnostics report."""
-        return self.health.streams.setdefault(topic, Stream(timeout))
-
-    def guarded(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call, and turn a TrunkError into a line on diagnostics."""
-        try:
-            return function(*arguments)
-        except TrunkError as error:
-            self.health.note(str(error))
-            return None
 
     # Clock
 
@@ -185,10 +139,6 @@ class TrunkNode(LifecycleNode):
         message = DiagnosticArray(status=[status])
         message.header.stamp = time_message(now)
         self._publish_diagnostics(message)
-
-    def _tell(self) -> None:
-        if self.listener is not None:
-            self.listener(self.progress)
 
     def _heartbeat(self) -> None:
         for destroy, part in self._parts:
@@ -256,6 +206,7 @@ class TrunkNode(LifecycleNode):
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop acting; the arm holds."""
         self.active = False
+        self._uncrashed(self.halt)
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -271,6 +222,4 @@ class TrunkNode(LifecycleNode):
 
     def _let_go(self) -> None:
         self.release()
-        for destroy, part in reversed(self._parts):
-            destroy(part)
-        self._parts.clear()
+        self._close_streams()

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from collections import deque
 from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm import Arm
 from trunk_ros.errors import ModelError, TrunkError
-from trunk_ros.model import Declaration, Model, declared_parameters, load_model
-from trunk_ros.nodes import parameters
+from trunk_ros.model import Model
+from trunk_ros.nodes.action import FollowAction
 from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.compensation import Compensation
-from trunk_ros.nodes.follower import Follower
+from trunk_ros.nodes.compensator_parameters import FEEDBACK, OWN
+from trunk_ros.nodes.controller_state import ControllerState
+from trunk_ros.nodes.follower import Follower, limits_of
+from trunk_ros.nodes.foreign import ForeignReference
 from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, trajectory_of
+from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, state_of, trajectory_of
+from trunk_ros.nodes.model_swap import ModelSwap, check_description
+from trunk_ros.nodes.observation import Observation
 from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.ros import JointState, JointTrajectory, SetParametersResult, deserialize_message
-from trunk_ros.trajectory import Array, Limits
+from trunk_ros.nodes.ros import (
+    FollowJointTrajectory,
+    JointState,
+    JointTrajectory,
+    String,
+)
+from trunk_ros.nodes.slow_feedback import Settings
+from trunk_ros.trajectory import Array
 
 LONGEST_STEP = 0.1  # s that the output may move on after a pause
 
@@ -27,96 +36,95 @@ class Compensator(TrunkNode):
     """Publishes the reference while it follows a trajectory; a foreign ``trunk/reference`` has precedence."""
 
     NAME = "compensator"
-    OWN = (
-        Declaration(
-            "timeout",
-            0.5,
-            "s",
-            (0.01, 60.0),
-            "silence after which gearbox_states or a reference are called stale",
-        ),
-        Declaration(
-            "reversal", 5e-5, "rad", (0.0, 0.1), "a reference that turns back by less keeps its direction"
-        ),
-        Declaration(
-            "max_acceleration",
-            100.0,
-            "rad/s^2",
-            (0.1, 1e6),
-            "joint acceleration that a trajectory may ask for",
-        ),
-        Declaration("lead", True, "", None, "let setpoints of a trajectory run ahead by the servo's lag"),
-        Declaration(
-            "patience",
-            1.0,
-            "s",
-            (0.0, 60.0),
-            "wait for gearbox_states before starting without knowing where the arm is",
-        ),
-    )
+    OWN = OWN
+    swap: ModelSwap | None = None
 
     def configure(self) -> None:
         """Create the streams; nothing goes out until a trajectory or a reference has come in."""
         self.joints = self.model.arm.joints
         still = np.zeros(len(self.joints))
-        Compensation(self.model, self.value("reversal"), still).step(
-            still, 0.01
-        )  # compiles, so that no step is late
-        self.from_gearbox, self.from_reference = JointMatcher(self.joints), JointMatcher(self.joints)
-        self.gearbox: Array | None = None
+        Compensation(self.model, 0.0, still).step(still, 0.01)  # compiles, so that no step is late
         self.compensation: Compensation | None = None
         self.follower: Follower | None = None
         self.foreign: Array | None = None
         self.waiting: Any = None
         self.since: int | None = None
-        self.ours: deque[bytes] = deque(maxlen=1000)
+        self.foreign_reference = ForeignReference(self.joints)
+        self.observation = Observation(self.model, self.simulated)
+        self.gearbox_matcher, self.joints_matcher = JointMatcher(self.joints), JointMatcher(self.joints)
+        self.open_streams()
+        self.swap = ModelSwap(self, self.use)
+
+    def open_streams(self) -> None:
+        """Publishers, subscriptions, and the action where control_msgs is installed."""
         timeout = self.value("timeout")
         self.gearbox_stream = self.watch("trunk/gearbox_states", timeout)
+        self.joints_stream = self.watch("joint_states", timeout)
         self.publish_reference = self.publish_on(JointState, "trunk/reference")
         self.publish_setpoints = self.publish_on(JointState, "trunk/setpoints")
+        self.shown = ControllerState(self, self.joints, self.value("state_rate"))
         self.listen_to(JointTrajectory, "trunk/joint_trajectory", self.on_trajectory)
         self.listen_to(JointState, "trunk/reference", self.on_reference, raw=True)
         self.listen_to(JointState, "trunk/gearbox_states", self.on_gearbox)
-        self.describing = False
-        self.add_on_set_parameters_callback(self.on_parameters)
-        self.add_post_set_parameters_callback(self.after_parameters)
+        self.listen_to(JointState, "joint_states", self.on_joints)
+        self.listen_latched(String, "robot_description", self.on_description)
+        self.action = FollowAction(self) if FollowJointTrajectory is not None else None
 
     # In
 
     def on_gearbox(self, message: Any) -> None:
         """Remember where the shafts stand."""
-        self.gearbox_stream.arrived(self.now())
-        self.gearbox = self.from_gearbox.gather(message.name, message.position)
+        stamp = self.arrived(self.gearbox_stream, message)
+        self.observation.measured.gearbox.put(stamp, state_of(message, self.gearbox_matcher))
+
+    def on_joints(self, message: Any) -> None:
+        """Remember where the joints are measured to stand."""
+        stamp = self.arrived(self.joints_stream, message)
+        self.observation.measured.joints.put(stamp, state_of(message, self.joints_matcher))
+
+    def on_description(self, message: Any) -> None:
+        """Refuse to move an arm that is not the model's."""
+        self.health.fault = ""
+        try:
+            check_description(message.data, self.model.arm)
+        except ModelError as error:
+            self.hold(f"refused: {error}")
+            self.health.fault = f"refused: {error}"
 
     def on_trajectory(self, message: Any) -> None:
         """Replace what is under way. Raises TrunkError where the trajectory is refused."""
-        self.foreign = None
         if self.follower is None:
-            self.waiting = message
-            return
-        now = self.now()
-        if not message.points:
-            self.follower.stop(now / SECOND)
-            return
+            self.foreign, self.waiting = None, message
+        elif not message.points:
+            self.foreign = None
+            self.hold("stopped by an empty trajectory")
+        else:
+            try:
+                self.follow(message)
+            except TrunkError as error:
+                raise MessageError(f"trajectory refused: {error}") from None
+            self.end_goal("replaced by a trajectory")
+
+    def follow(self, message: Any) -> float:
+        """Follow a trajectory message; returns its end [s]. Raises TrunkError where it is refused."""
+        assert self.follower is not None
         begin = nanoseconds(message.header.stamp) / SECOND or None
-        try:
-            self.follower.follow(trajectory_of(message), now / SECOND, begin)
-        except TrunkError as error:
-            raise MessageError(f"trajectory refused: {error}") from None
+        end = self.follower.follow(trajectory_of(message), self.now() / SECOND, begin)
+        self.foreign = None
+        return end
 
     def on_reference(self, raw: bytes) -> None:
         """Take a foreign reference; our own comes back as well and is left alone."""
-        if raw[4:12] in self.ours:
+        message = self.foreign_reference.message(raw)
+        if message is None:
             return
-        message = deserialize_message(raw, JointState)
-        given = self.from_reference.gather(message.name, message.position)
-        self.watch("trunk/reference", self.value("timeout")).arrived(self.now())
-        for oddity in self.from_reference.oddities():
+        given = self.foreign_reference.position(message)
+        self.arrived(self.watch("trunk/reference", self.value("timeout")), message)
+        for oddity in self.foreign_reference.matcher.oddities():
             self.health.note(oddity)
-        if not np.isfinite(given[[j not in self.from_reference.missing for j in self.joints]]).all():
-            raise MessageError("reference refused: not a number")
         held = self.reference_now()
         self.foreign = given if held is None else np.where(np.isfinite(given), given, held)
+        self.end_goal("a foreign reference has come")
 
     def reference_now(self) -> Array | None:
         """The reference of all joints, None before the start."""
@@ -128,127 +136,113 @@ class Compensator(TrunkNode):
 
     def tick(self, now: int) -> None:
         """Sample the reference and publish the setpoint."""
-        if self.compensation is None and not self.begin(now):
+        if self.health.fault or (self.compensation is None and not self.begin_when_known(now)):
             return
         assert self.compensation is not None
         dt = min(max((now - self.since) / SECOND, 0.0), LONGEST_STEP) if self.since is not None else 0.0
         self.since = now
         reference, velocity, acceleration = self.sample(now)
-        if self.value("lead"):
-            reference = reference + self.compensation.ahead(velocity, acceleration, dt)
-        out = self.compensation.step(reference, dt)
+        self.observation.remember(now, reference, velocity)
+        lead = self.compensation.ahead(velocity, acceleration, dt) if self.value("lead") else 0.0
+        out = self.compensation.step(reference + lead + self.correction(now, reference, dt), dt)
         if self.compensation.limited.any():
-            self.health.note(
-                f"held back at a limit: {self.joints[int(np.argmax(self.compensation.limited))]}", level=0
-            )
+            held_back = self.joints[int(np.argmax(self.compensation.limited))]
+            self.health.note(f"held back at a limit: {held_back}", level=0)
         self.publish_setpoints(joint_state(now, self.joints, out))
+        stamp, wanted, actual = self.observation.compared(now, not self.joints_stream.stale(now))
+        self.shown.tick(stamp, wanted, actual, out)
+        if self.action is not None:
+            self.action.tick(now, wanted, actual)
 
-    def begin(self, now: int) -> bool:
-        """Start from where the arm stands, once there is something to do; False while there is not."""
+    def correction(self, now: int, reference: Array, dt: float) -> Array:
+        """What the slow feedback adds to the reference (joints,) rad."""
+        assert self.compensation is not None
+        settings = Settings(*(self.value(each.name) for each in FEEDBACK))
+        fresh, limited = not self.joints_stream.stale(now), self.compensation.limited
+        return self.observation.correction(now, fresh, settings, reference, limited, dt)
+
+    def begin_when_known(self, now: int) -> bool:
+        """Start when there is something to do and it is known where the arm stands, or nobody says it."""
         if self.waiting is None and self.foreign is None:
             return False
-        self.since = self.since if self.since is not None else now
-        known = self.gearbox is not None and np.isfinite(self.gearbox).all()
-        if not known and now - self.since < self.value("patience") * SECOND and self.expects_gearbox():
+        self.since = now if self.since is None else self.since
+        told = self.observation.stands(now) is not None or not self.count_publishers("trunk/gearbox_states")
+        if not told and now - self.since < self.value("patience") * SECOND:
             return False
+        self.begin(now)
+        return True
+
+    def begin(self, now: int) -> None:
+        """Start from where the arm stands, at 0 where that is not known."""
         self.since = None
-        stands = self.gearbox if known else None
+        stands = self.observation.stands(now)
         self.compensation = Compensation(self.model, self.value("reversal"), stands)
         start = self.compensation.joint_angle(np.zeros(len(self.joints)) if stands is None else stands)
-        self.follower = Follower(self.joints, self.limits(), start)
+        self.follower = Follower(
+            self.joints, limits_of(self.model.arm, self.value("max_acceleration")), start
+        )
         if self.foreign is not None:
             self.foreign = np.where(np.isfinite(self.foreign), self.foreign, start)
         if self.waiting is not None:
             message, self.waiting = self.waiting, None
             self.guarded(self.on_trajectory, message)
-        return True
-
-    def expects_gearbox(self) -> bool:
-        """Whether anybody publishes the state of the gearbox."""
-        return self.count_publishers("trunk/gearbox_states") > 0
 
     def sample(self, now: int) -> tuple[Array, Array, Array]:
         """Reference, speed, acceleration (joints,): the foreign one, or our own, which is published."""
         assert self.follower is not None
-        stream = self.health.streams.get("trunk/reference")
-        if self.foreign is not None and stream is not None:
-            self.follower = Follower(self.joints, self.limits(), self.foreign)
+        lost = self.gearbox_stream.stale(now)
+        if lost:
+            self.hold("no trunk/gearbox_states")
+        if self.foreign is not None:
+            if not lost:
+                self.follower.hold(self.foreign)
             rest = np.zeros(len(self.joints))
-            return self.foreign, rest, rest
+            return self.follower.position, rest, rest
         position, velocity, acceleration = self.follower.sample(now / SECOND)
         message = joint_state(now, self.joints, position, velocity)
-        stamp = message.header.stamp
-        self.ours.append(stamp.sec.to_bytes(4, "little") + stamp.nanosec.to_bytes(4, "little"))
+        self.foreign_reference.sent(message)
         self.publish_reference(message)
         return position, velocity, acceleration
+
+    # What stops it
+
+    def hold(self, reason: str = "") -> None:
+        """Stay where the reference is, and give up the goal under way if a reason is given."""
+        if self.follower is not None and self.foreign is None:
+            self.follower.stop(self.now() / SECOND)
+        self.waiting = None
+        if reason:
+            self.end_goal(reason)
+
+    def end_goal(self, reason: str) -> None:
+        """Tell the client of a goal that something else moves or holds the arm."""
+        if self.action is not None:
+            self.action.abort(reason)
+
+    def halt(self) -> None:
+        """Deactivated: stay."""
+        self.hold("the compensator was deactivated")
 
     def rewound(self, now: int) -> None:
         """The trajectory's time is gone: stay."""
         self.since = None
         if self.follower is not None:
-            self.follower = Follower(self.joints, self.limits(), self.follower.position)
+            self.follower.hold(self.follower.position)
+        self.end_goal("time jumped back")
 
-    def limits(self) -> Limits:
-        """What a trajectory may ask for."""
-        arm = self.model.arm
-        everywhere = np.ones(len(self.joints))
-        return Limits(
-            arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), everywhere * self.value("max_acceleration")
-        )
-
-    # Model at run time
-
-    def on_parameters(self, changes: list[Any]) -> Any:
-        """Take a new model, or refuse it with the reason; the setpoint goes over without a jump."""
-        if self.describing:
-            return SetParametersResult(successful=True)
-        try:
-            model = self.changed({change.name: change.value for change in changes})
-        except TrunkError as error:
-            return SetParametersResult(successful=False, reason=str(error))
-        if model is not None and model.hash() != self.model.hash():
-            self.use(model)
-        return SetParametersResult(successful=True)
-
-    def after_parameters(self, changes: list[Any]) -> None:
-        """Let the other parameters show the model that ``model`` has loaded."""
-        if not self.describing and any(change.name == parameters.MODEL.name for change in changes):
-            self.describing = True
-            parameters.describe_model(self, self.model)
-            self.describing = False
-
-    def changed(self, changes: dict[str, Any]) -> Model | None:
-        """The model that changed parameters describe, None where they are not about it. Raises TrunkError."""
-        if "model" in changes:
-            return self.fitting(load_model(changes["model"]))
-        names = {d.name for d in declared_parameters()}
-        if not names & changes.keys():
-            return None
-        flat = {name: self.value(name) for name in names} | {k: v for k, v in changes.items() if k in names}
-        return self.fitting(Model.from_parameters(flat))
-
-    def fitting(self, model: Model) -> Model:
-        """The model if it is of the running arm. Raises TrunkError where it is another arm's."""
-        if model.any_joints:
-            model = model.for_joints(self.joints)
-        check_same_arm(model.arm, self.model.arm)
-        return model
+    def release(self) -> None:
+        """Watch the parameters no longer."""
+        if self.swap is not None:
+            self.swap.stop()
+            self.swap = None
 
     def use(self, model: Model) -> None:
-        """Swap the model."""
+        """Swap the model; the setpoint goes over without a jump."""
         self.model = model
         self.health.values["model"] = model.hash()
+        self.observation.use(model)
         if self.compensation is not None:
             self.compensation.swap(model)
-
-
-def check_same_arm(new: Arm, running: Arm) -> None:
-    """Raise ModelError where a model is not of the running arm; effects may differ, the arm may not."""
-    if new.joints != running.joints:
-        raise ModelError(f"the model has joints {', '.join(new.joints)}, the arm {', '.join(running.joints)}")
-    for name in ("ratio", "lower", "upper"):
-        if not np.allclose(getattr(new, name), getattr(running, name), rtol=1e-6):
-            raise ModelError(f"the model's {name} is not that of the running arm")
 
 
 def main(argv: list[str]) -> int:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.trajectory import Array, Limits, Trajectory, TrajectoryError
 
 START_TOLERANCE = 0.02  # rad between the arm and a point that is due at once
@@ -36,13 +37,20 @@ class Follower:
         self._held = position
         return position, velocity, acceleration
 
+    def hold(self, position: Array) -> None:
+        """Stay at a position (joints,) rad, whatever was under way."""
+        self._held = position.copy()
+        self._active = None
+
     def stop(self, now: float) -> None:
         """Stay where the reference is now."""
         self.sample(now)
         self._active = None
 
-    def follow(self, trajectory: Trajectory, now: float, begin: float | None = None) -> None:
-        """Replace what is under way. ``begin``: when its time 0 is, by default now; past points are left out.
+    def follow(self, trajectory: Trajectory, now: float, begin: float | None = None) -> float:
+        """Replace what is under way; returns when it ends [s].
+
+        ``begin``: when its time 0 is, by default now; past points are left out.
 
         Raises TrajectoryError with the reason, and goes on with what was under way, where a joint is unknown,
         a limit would be broken, all points are past, or the first is due at once somewhere else.
@@ -57,6 +65,7 @@ class Follower:
         plan = plan.after(position, velocity, acceleration)
         plan.check(self.limits)
         self._active, self._begin = plan, now
+        return now + plan.duration
 
     def _state(self, now: float) -> tuple[Array, Array, Array]:
         if self._active is None:
@@ -64,6 +73,11 @@ class Follower:
             return self._held, rest, rest
         position, velocity, acceleration = self._active.sample(now - self._begin)
         return position[0], velocity[0], acceleration[0]
+
+
+def limits_of(arm: Arm, acceleration: float) -> Limits:
+    """What a trajectory may ask of an arm's joints; ``acceleration`` rad/s^2 at most."""
+    return Limits(arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), np.full(len(arm.joints), acceleration))
 
 
 def remaining(plan: Trajectory, delay: float) -> Trajectory:

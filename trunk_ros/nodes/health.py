@@ -14,12 +14,19 @@ class Stream:
 
     timeout: float
     last: int | None = None
-    count: int = 0
+    uncounted: list[int] = field(default_factory=list)
 
     def arrived(self, now: int) -> None:
         """Note a message at ``now`` ns."""
         self.last = now
-        self.count += 1
+        self.uncounted.append(now)
+
+    def count(self, now: int) -> int:
+        """Messages from before ``now`` since the last count."""
+        later = [at for at in self.uncounted if at >= now]
+        number = len(self.uncounted) - len(later)
+        self.uncounted = later
+        return number
 
     def stale(self, now: int) -> bool:
         """Whether it has begun and dried up."""
@@ -33,6 +40,8 @@ class Health:
     streams: dict[str, Stream] = field(default_factory=dict)
     values: dict[str, str] = field(default_factory=dict)
     """Lasting facts, such as the model's hash."""
+    fault: str = ""
+    """Why the node refuses to act, as long as it does."""
     _notes: dict[str, tuple[int, int]] = field(default_factory=dict)
     _since: int | None = None
     _ticks: int = 0
@@ -60,8 +69,10 @@ class Health:
         notes = [
             text if times == 1 else f"{text} ({times} times)" for text, (times, _) in self._notes.items()
         ]
-        level = max([OK, *(level for _, level in self._notes.values()), *(WARN for _ in stale)])
+        levels = [OK, *(level for _, level in self._notes.values()), *(WARN for _ in stale)]
+        level = ERROR if self.fault else max(levels)
         words = [f"no {name} for {self.silence(name, now):.1f} s" for name in stale] + notes
+        words = [self.fault, *words] if self.fault else words
         values = self._rates(now) | self.values
         self._notes.clear()
         self._since, self._ticks, self._late = now, 0, 0
@@ -76,6 +87,5 @@ class Health:
         span = max(now - (now if self._since is None else self._since), 1) / SECOND
         values = {"rate [Hz]": f"{self._ticks / span:.1f}", "worst lateness [ms]": f"{self._late / 1e6:.3f}"}
         for name, stream in self.streams.items():
-            values[f"{name} [Hz]"] = f"{stream.count / span:.1f}"
-            stream.count = 0
+            values[f"{name} [Hz]"] = f"{stream.count(now) / span:.1f}"
         return values

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.nodes.goal import State
+from trunk_ros.nodes.joints import JointMatcher
 from trunk_ros.nodes.ros import JointState, JointTrajectory, JointTrajectoryPoint, PoseStamped, Time
 from trunk_ros.trajectory import Array, Trajectory, TrajectoryError
 
@@ -42,6 +44,20 @@ def joint_state(
 def doubles(values: Array) -> Any:
     """What a float64[] field takes without looking at each element."""
     return array("d", np.ascontiguousarray(values, dtype=float).tobytes())
+
+
+def state_of(message: Any, matcher: JointMatcher) -> State:
+    """Position and velocity (joints,) of a JointState; a velocity that it does not give counts as none.
+
+    Raises MessageError where names and values do not go together.
+    """
+    position = matcher.gather(message.name, message.position)
+    return State(position, np.nan_to_num(matcher.gather(message.name, message.velocity)))
+
+
+def point(state: State) -> Any:
+    """A JointTrajectoryPoint of a state (joints,)."""
+    return JointTrajectoryPoint(positions=doubles(state.position), velocities=doubles(state.velocity))
 
 
 def pose(ns: int, frame: str, tip: Array) -> Any:

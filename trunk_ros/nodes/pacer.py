@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from trunk_ros.nodes.base import DEPTH, PROGRESS_TOPIC, steady_clock
+from trunk_ros.nodes.base import PROGRESS_TOPIC, steady_clock
 from trunk_ros.nodes.health import WARN
 from trunk_ros.nodes.messages import SECOND, nanoseconds, time_message, trajectory_message
 from trunk_ros.nodes.progress import Ledger, Progress
+from trunk_ros.nodes.qos import LATCHED
 from trunk_ros.nodes.ros import (
     Clock,
     DiagnosticArray,
@@ -20,7 +21,7 @@ from trunk_ros.nodes.ros import (
     String,
     deserialize_message,
 )
-from trunk_ros.nodes.wire_elasticity import LATCHED
+from trunk_ros.nodes.streams import DEPTH
 from trunk_ros.trajectory import Trajectory
 
 BEGIN = 1_750_000_000 * SECOND  # ns, where simulated time begins, so that equal runs have equal stamps

@@ -17,9 +17,10 @@ from trunk_ros import __version__
 from trunk_ros.errors import ArgumentError
 from trunk_ros.model import Model, load_model
 from trunk_ros.motion import NAMES, named_trajectory
+from trunk_ros.nodes.follower import limits_of
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import BAG_FILES, prepare_output
-from trunk_ros.trajectory import Limits, Trajectory, TrajectoryError, load_trajectory
+from trunk_ros.trajectory import Trajectory, TrajectoryError, load_trajectory
 
 PARTS = ("servo_driver", "wire_elasticity", "compensator", "recorder")
 BELIEVES = {"servo_driver": "plant", "wire_elasticity": "plant", "compensator": "model"}
@@ -178,7 +179,7 @@ def is_file(name: str) -> bool:
 def check(trajectory: Trajectory, model: Model, name: str) -> None:
     """Raise TrajectoryError where the motion, begun at rest at 0, breaks a limit."""
     arm = model.arm
-    limits = Limits(arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), np.full(len(arm.joints), np.inf))
+    limits = limits_of(arm, np.inf)
     rest = np.zeros(len(arm.joints))
     try:
         trajectory.for_joints(arm.joints, rest).after(rest, rest, rest).check(limits)

@@ -27,6 +27,7 @@ try:
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
     from geometry_msgs.msg import PoseStamped
     from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+    from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.clock import Clock as SteadyClock
     from rclpy.clock import ClockType
     from rclpy.event_handler import SubscriptionEventCallbacks
@@ -54,7 +55,15 @@ except ImportError as error:
         "pip install '.[ros]' in this environment, or source a ROS 2 installation"
     ) from None
 
+try:
+    from control_msgs.action import FollowJointTrajectory
+    from control_msgs.msg import JointTrajectoryControllerState
+except ImportError:  # not among the packages that PyPI has
+    FollowJointTrajectory = JointTrajectoryControllerState = None
+
 __all__ = [
+    "ActionServer",
+    "CancelResponse",
     "Clock",
     "ClockType",
     "DiagnosticArray",
@@ -62,9 +71,12 @@ __all__ = [
     "DurabilityPolicy",
     "EventsExecutor",
     "FloatingPointRange",
+    "FollowJointTrajectory",
+    "GoalResponse",
     "HistoryPolicy",
     "JointState",
     "JointTrajectory",
+    "JointTrajectoryControllerState",
     "JointTrajectoryPoint",
     "KeyValue",
     "LifecycleNode",

@@ -59,7 +59,7 @@ class ServoDriver(TrunkNode):
 
     def on_setpoints(self, message: Any) -> None:
         """Check a setpoint and hand it on. Raises MessageError where it is refused."""
-        self.setpoints.arrived(self.now())
+        self.arrived(self.setpoints, message)
         given = self.matcher.gather(message.name, message.position)
         for oddity in self.matcher.oddities():
             self.health.note(oddity)

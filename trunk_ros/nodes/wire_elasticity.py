@@ -13,11 +13,11 @@ from trunk_ros.nodes.elapsed import Elapsed
 from trunk_ros.nodes.joints import JointMatcher, MessageError
 from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, pose
 from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.ros import DurabilityPolicy, JointState, PoseStamped, QoSProfile, String
+from trunk_ros.nodes.qos import LATCHED
+from trunk_ros.nodes.ros import JointState, PoseStamped, String
 from trunk_ros.trajectory import Array
 from trunk_ros.urdf import urdf
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 RESTART = SECOND  # ns that a stamp may be before the last one; more is a clock that was set back
 
 
@@ -56,8 +56,8 @@ class WireElasticity(TrunkNode):
 
     def on_gearbox(self, message: Any) -> None:
         """Pass one sample through the wire. Raises MessageError for one that cannot be used."""
+        self.arrived(self.gearbox, message)
         now = nanoseconds(message.header.stamp)
-        self.gearbox.arrived(self.now())
         phi = self.complete(message)
         if self.last is not None and now <= self.last[0]:
             if self.last[0] - now < RESTART:

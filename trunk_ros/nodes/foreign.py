@@ -1,0 +1,40 @@
+"""References that others publish, told from our own, which come back on the same topic."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.nodes.joints import JointMatcher, MessageError
+from trunk_ros.nodes.ros import JointState, deserialize_message
+from trunk_ros.trajectory import Array
+
+REMEMBERED = 1000  # stamps of our own messages
+STAMP = slice(4, 12)  # bytes of the stamp in a serialised message with a header
+
+
+class ForeignReference:
+    """Knows our own messages by their stamps, without looking into each."""
+
+    def __init__(self, joints: tuple[str, ...]):
+        self.matcher = JointMatcher(joints)
+        self._ours: deque[bytes] = deque(maxlen=REMEMBERED)
+
+    def sent(self, message: Any) -> None:
+        """Note one of our own."""
+        stamp = message.header.stamp
+        self._ours.append(stamp.sec.to_bytes(4, "little") + stamp.nanosec.to_bytes(4, "little"))
+
+    def message(self, raw: bytes) -> Any:
+        """The message, None where it is our own."""
+        return None if raw[STAMP] in self._ours else deserialize_message(raw, JointState)
+
+    def position(self, message: Any) -> Array:
+        """Wanted angles (joints,) rad, NaN where it has none. Raises MessageError where one is no number."""
+        given = self.matcher.gather(message.name, message.position)
+        named = [joint not in self.matcher.missing for joint in self.matcher.joints]
+        if len(message.position) and not np.isfinite(given[named]).all():
+            raise MessageError("reference refused: not a number")
+        return given
