@@ -1,8 +1,7 @@
 """The effects of a stage in physical order: run forward, or backward for the compensator.
 
 A block like ``scipy.signal.lfilter``: state goes in and comes out, so that a whole recording and a single
-node tick are
-the same call.
+node tick are the same call.
 """
 
 from __future__ import annotations
@@ -157,9 +156,9 @@ class Chain:
             if again:
                 u, memory = friction(x, now, self.order, self._core(), begun, old, new)
                 again = "angles" in now.asked
-                now.swing_along(u)
+                moved = now.swing_along(u)
             true = through(u, self.order.after, now, old, new)
-            settled = "angles" not in now.asked or passes.agree(true, now.angles)
+            settled = "angles" not in now.asked or passes.agree(true, now.angles, moved if again else 0.0)
             now.see(x, true)
             if settled:
                 break

@@ -63,12 +63,16 @@ class Look(Now):
         self.__dict__.pop("speed", None)
         self.swing_along(path)
 
-    def swing_along(self, path: Array) -> None:
-        """Have the links accelerate as this path (n, joints) does, where their inertia counts."""
-        if self._inertial:
-            self._joint_path = path
-            for name in ("motion", "load"):
-                self.__dict__.pop(name, None)
+    def swing_along(self, path: Array) -> float:
+        """Have the links accelerate as this path (n, joints) does, where their inertia counts; how far it is
+        from the one before [rad].
+        """
+        if not self._inertial:
+            return 0.0
+        moved, self._joint_path = float(np.abs(path - self._joint_path).max()), path
+        for name in ("motion", "load"):
+            self.__dict__.pop(name, None)
+        return moved
 
     @property
     def swing(self) -> Array | None:

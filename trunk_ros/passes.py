@@ -22,9 +22,12 @@ class Passes:
         self._change = 0.0
         self._left = PASSES
 
-    def agree(self, better: Array, before: Array) -> bool:
-        """Whether the next pass would change less than was agreed, going by how the changes shrank so far."""
-        change = float(np.abs(better - before).max())
+    def agree(self, better: Array, before: Array, besides: float = 0.0) -> bool:
+        """Whether the next pass would change less than was agreed, going by how the changes shrank so far.
+
+        ``besides``: rad that changed elsewhere.
+        """
+        change = max(float(np.abs(better - before).max()), besides)
         if self._change > 0.0:
             self.calm = min(max(change / self._change, CALMEST), 1.0)
         self._change = change
