@@ -67,7 +67,9 @@ def say(result: Diagnosis, output: Path) -> None:
             print(f"  {stage}: nothing can be said of {', '.join(compared['silent'])}, which hardly moves")
     for rest in result.unexplained:
         print(f"  unexplained: {rest.statement}")
-    print(f"{output}: diagnosis.json, model.yaml, report.html")
+    for proposed in result.experiments:
+        print(f"  experiment: {proposed['statement']}")
+    print(f"{output}: {', '.join(['diagnosis.json', 'model.yaml', 'report.html', *result.trajectories])}")
 
 
 def parser() -> Parser:

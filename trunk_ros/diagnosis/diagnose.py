@@ -13,7 +13,8 @@ from trunk_ros.diagnosis.against import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmProblem, tip_data
-from trunk_ros.diagnosis.evidence import evidence, spreads
+from trunk_ros.diagnosis.evidence import Evidence, evidence, spreads
+from trunk_ros.diagnosis.experiment import experiment, proposals
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.findings import (
     findings,
@@ -162,6 +163,17 @@ class Diagnoser:
         nameless = [without_a_name(rest) for rest in rests if strong & set(rest.joints)]
         self.result.findings += [f for f in nameless if f is not None]
         self._plot(problem, state.explanation)
+        self._experiment(search, state.explanation, {f.effect: found[f.effect] for f in new if f.equivalents})
+
+    def _experiment(self, search: Search, explanation: Explanation, found: dict[str, Evidence]) -> None:
+        """The motion that tells what was found from its equivalents."""
+        self.say(f"{search.problem.stage}: experiment")
+        done, file = experiment(search, explanation, found), f"experiment_{search.problem.stage}.yaml"
+        if done is not None:
+            told = proposals(done, file, self.recordings[0].units)
+            self.result.experiments += told
+            if any(entry["trajectory"] for entry in told):
+                self.result.trajectories[file] = done.motion
 
     def _plot(self, problem: Problem, explanation: Explanation) -> None:
         assert self.result.plots is not None

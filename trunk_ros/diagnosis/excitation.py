@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import product
+from math import copysign, inf, sqrt
 from typing import Literal
 
 import numpy as np
@@ -95,14 +96,14 @@ class _Path:
     """Postures at rest (time s, angle rad) of one joint."""
 
     def __init__(self, limits: Limits, joint: int):
-        low, high = limits.lower[joint], limits.upper[joint]
+        low, high = float(limits.lower[joint]), float(limits.upper[joint])
         self.centre, self.reach = (low + high) / 2, (high - low) / 2 * ROOM
-        self.top, self.bend = limits.speed[joint] * ROOM, limits.acceleration[joint] * ROOM
+        self.top, self.bend = float(limits.speed[joint]) * ROOM, float(limits.acceleration[joint]) * ROOM
         self.side = 1.0 if joint % 2 else -1.0
         self.points = [(0.0, 0.0), (LEAD_IN, 0.0)]
         self.begin = LEAD_IN
         if not low <= 0.0 <= high:
-            self._go(self.centre, CARRIED, np.inf)
+            self._go(self.centre, CARRIED, inf)
             self.begin = self.points[-1][0]
 
     def follow(self, part: Stretch, mine: bool, end: float) -> None:
@@ -113,7 +114,7 @@ class _Path:
             size = 0.0
         turns = 0
         while size > 0.0 and turns < TURNS:
-            target = float(np.clip(part.centre + side * size, -1.0, 1.0))
+            target = min(max(part.centre + side * size, -1.0), 1.0)
             self._go(self.centre + target * self.reach, part.speed, end)
             self._stay(min(self.points[-1][0] + part.hold, end))
             size, side, turns = size * part.shrink, -side, turns + 1
@@ -126,9 +127,9 @@ class _Path:
         way = min(abs(angle - here), max(end - begin, 0.0) * self.top * speed / PEAK)
         if way <= 0.0:
             return
-        took = max(PEAK * way / (self.top * speed), np.sqrt(BEND * way / self.bend), QUICKEST)
+        took = max(PEAK * way / (self.top * speed), sqrt(BEND * way / self.bend), QUICKEST)
         if begin + took <= end + SAME:
-            self.points.append((begin + took, here + float(np.sign(angle - here)) * way))
+            self.points.append((begin + took, here + copysign(way, angle - here)))
 
     def _stay(self, until: float) -> None:
         if until > self.points[-1][0]:

@@ -18,15 +18,16 @@ from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.excitation import Stretch, limits_of, motion, stretches
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.search import Search
-from trunk_ros.diagnosis.separation import Difference, Duel, expected
+from trunk_ros.diagnosis.separation import Difference, Duel, expected, span_of
 from trunk_ros.trajectory import Trajectory
 
 MOST = 4  # stretches of a motion
-AGAIN = 12  # stretches that are tried once more beside the best one
-ENOUGH = 3.0  # times what it takes to rule a rival out
-TRIALS = 40  # of the local search
-HOPELESS = 0.05  # of what it takes, in the best stretch
-REPEATS = 4  # of a motion that is too short to show anything
+AGAIN = 8  # stretches that are tried once more beside the best one
+SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
+AMPLE = 4.0  # likewise: no further stretch is added
+HOPELESS = 0.1  # likewise, in the best stretch: four of them and repeats would not do
+REPEATS = 4  # of a motion that is too short
+TRIALS = 30  # of the local search
 LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
 FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
 
@@ -58,19 +59,21 @@ class Design:
 
     def __init__(self, search: Search, duels: list[Duel]):
         self.problem, self.duels = search.problem, duels
-        self.pairs = [(duel.truth, duel.other) for duel in duels]
         self.own = {c for duel in duels for c in duel.columns}
         self.limits = limits_of(search.problem)
 
     def run(self) -> Experiment:
         """Stretch by stretch, then in small steps; repeated where that is not enough."""
-        ranked, hopeful = self.ranked()
-        parts = self.polished(self.grown(ranked, hopeful)) if hopeful.any() else ranked[:1]
-        if np.any(self.ratios(parts)[hopeful] < 1.0):
+        pairs = [(duel.truth, duel.other) for duel in self.duels]
+        ranked, faced, peaks = self.ranked()
+        self.duels = [duel for duel, peak in zip(faced, peaks, strict=True) if peak > HOPELESS]
+        parts = self.polished(self.grown(ranked)) if self.duels else ranked[:1]
+        if self.duels and self.ratios(parts).min() < SURE:
             parts = max((parts, parts * REPEATS), key=self.score)
         there = self.motion(parts)
-        seen = [duel.difference(expected(self.problem, duel.base, there), there) for duel in self.duels]
-        return Experiment(there, self.pairs, self.duels, seen)
+        span = span_of(self.problem, there)
+        seen = [duel.difference(expected(self.problem, duel.base, span), there) for duel in faced]
+        return Experiment(there, pairs, faced, seen)
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
@@ -78,34 +81,31 @@ class Design:
 
     def ratios(self, parts: list[Stretch]) -> Array:
         """(duels,) misfit of each refitted rival, over what it takes to rule it out."""
-        there = self.motion(parts)
-        expected = {id(d.base): expected(self.problem, d.base, there) for d in self.duels}
-        return np.array([duel.ratio(expected[id(duel.base)]) for duel in self.duels])
+        span = span_of(self.problem, self.motion(parts))
+        told = {id(base): expected(self.problem, base, span) for base in (d.base for d in self.duels)}
+        return np.array([duel.ratio(told[id(duel.base)]) for duel in self.duels])
 
     def score(self, parts: list[Stretch]) -> float:
         """How far all rivals together are apart; logarithms, so that the nearest count most."""
         return float(np.sum(np.log1p(self.ratios(parts))))
 
-    def ranked(self) -> tuple[list[Stretch], np.ndarray]:
-        """The stretches that tell most, the best first, and which pairs (pairs,) there is hope for.
-
-        From here on a pair is seen from the side from which it differs.
-        """
-        candidates, forward = stretches(len(self.problem.joints), self.own), self.duels
-        ratios = np.array([self.ratios([part]) for part in candidates])
-        if np.any(ratios.max(axis=0) < 1.0):
+    def ranked(self) -> tuple[list[Stretch], list[Duel], Array]:
+        """The stretches that tell most; each pair from the side from which it can be told; its best ratio."""
+        candidates = stretches(len(self.problem.joints), self.own)
+        forward, ratios = self.duels, np.array([self.ratios([part]) for part in candidates])
+        if ratios.max(axis=0).min() < SURE:
             self.duels = [duel.reversed for duel in forward]
             back = np.array([self.ratios([part]) for part in candidates])
-            turned = (ratios.max(axis=0) < 1.0) & (back.max(axis=0) > ratios.max(axis=0))
-            self.duels = [duel.reversed if t else duel for duel, t in zip(forward, turned, strict=True)]
+            turned = (ratios.max(axis=0) < SURE) & (back.max(axis=0) > ratios.max(axis=0))
+            forward = [duel.reversed if t else duel for duel, t in zip(forward, turned, strict=True)]
             ratios = np.where(turned, back, ratios)
         order = np.argsort(-np.log1p(ratios).sum(axis=1), kind="stable")
-        return [candidates[k] for k in order[:AGAIN]], ratios.max(axis=0) > HOPELESS
+        return [candidates[k] for k in order[:AGAIN]], forward, ratios.max(axis=0)
 
-    def grown(self, ranked: list[Stretch], hopeful: np.ndarray) -> list[Stretch]:
+    def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
         parts = ranked[:1]
-        while len(parts) < MOST and self.ratios(parts)[hopeful].min() < ENOUGH:
+        while len(parts) < MOST and self.ratios(parts).min() < AMPLE:
             parts = max(([*parts, part] for part in ranked), key=self.score)
         return parts
 
@@ -139,7 +139,7 @@ def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[s
         {
             "separates": list(pair),
             "statement": statement(duel, seen, done.motion, units),
-            "trajectory": file if seen.ratio >= 1.0 else "",
+            "trajectory": file if seen.ratio >= SURE else "",
         }
         for pair, duel, seen in zip(done.pairs, done.duels, done.seen, strict=True)
     ]
@@ -150,14 +150,15 @@ def statement(duel: Duel, seen: Difference, there: Trajectory, units: dict[str, 
     joint = there.joints[seen.column]
     unit = units.get(joint, "rad")
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
-    if seen.ratio < 1.0:
+    if seen.ratio < SURE:
         return (
             f"No motion within the limits tells {duel.truth} from {duel.other}: fitted anew, the two would "
             f"differ by no more than {gap}, {times}, on {joint}."
         )
     return (
-        f"In {there.duration:.0f} s of motion look at {joint} at {seen.time:.1f} s, at {seen.angle:+.2f} {unit} "
-        f"and {seen.speed:+.2g} {unit}/s: with {duel.truth} it reads {gap} "
-        f"{'more' if seen.gap > 0 else 'less'}, {times}, than with any {duel.other} that agrees with these data; "
-        f"over the whole motion they differ by {seen.rms:.2g} times the noise."
+        f"In {there.duration:.0f} s of motion look at {joint} at {seen.time:.1f} s "
+        f"({seen.angle:+.2f} {unit}, {seen.speed:+.2g} {unit}/s): "
+        f"with {duel.truth} it reads {gap} {'more' if seen.gap > 0 else 'less'}, "
+        f"{times}, than with any {duel.other} that fits these data; over the whole motion they differ by "
+        f"{seen.rms:.2g} times the noise."
     )

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from trunk_ros.model import Model, save_model
+from trunk_ros.trajectory import Trajectory, save_trajectory
 
 SCHEMA = "trunk_ros/diagnosis/1"
 
@@ -54,6 +55,8 @@ class Diagnosis:
     quality: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
     plots: Plots | None = None
+    trajectories: dict[str, Trajectory] = field(default_factory=dict)
+    """Motions of the experiments by the names of their files."""
 
     @property
     def verdict(self) -> str:
@@ -83,9 +86,11 @@ class Diagnosis:
         return plain
 
     def save(self, folder: Path) -> None:
-        """Write ``diagnosis.json`` and ``model.yaml`` into a folder."""
+        """Write ``diagnosis.json``, ``model.yaml`` and the experiments' trajectories into a folder."""
         (folder / "diagnosis.json").write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n")
         save_model(self.model, folder / "model.yaml")
+        for name, trajectory in self.trajectories.items():
+            save_trajectory(folder / name, trajectory)
 
 
 @dataclass

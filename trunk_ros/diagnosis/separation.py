@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW, servo_span, wire_span
+from trunk_ros.diagnosis.align import SLOW, Span, servo_span, wire_span
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, bounds
 from trunk_ros.diagnosis.fit import Residuals, minimise
@@ -168,10 +168,14 @@ def _with(explanation: Explanation, column: int, values: Explanation) -> Explana
     return out
 
 
-def expected(problem: Problem, explanation: Explanation, motion: Trajectory) -> Problem:
-    """The recording of a motion, free of noise, that an explanation leads to expect."""
+def span_of(problem: Problem, motion: Trajectory) -> Span:
+    """The motion as the stage would see it; what is measured is left at 0."""
     recording = recorded(problem, motion)
-    span = (servo_span if problem.stage == "servo" else wire_span)(recording, problem.model)
+    return (servo_span if problem.stage == "servo" else wire_span)(recording, problem.model)
+
+
+def expected(problem: Problem, explanation: Explanation, span: Span) -> Problem:
+    """The stage with what an explanation leads to expect in the place of what is measured, free of noise."""
     there = problem.over([span])
     there.look_again(explanation)
     target = span.target.copy()
