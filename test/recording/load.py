@@ -17,8 +17,8 @@ PAUSE = 0.0005  # s between two looks at the clock
 MEET, SETTLE = 30.0, 1.0  # s for the recorder to come, and for both to know each other
 
 
-def joint_states(count: int = 1000) -> list[bytearray]:
-    """JointStates of five joints in CDR: position, velocity and effort of a motion, with noise."""
+def joint_states(count: int = 5000) -> list[bytearray]:
+    """JointStates of five joints in CDR: position, velocity and effort of a motion, with noise; more than a chunk."""
     import numpy as np
 
     from test.recording.bags import KIND, STORE, joint_state
@@ -36,7 +36,7 @@ def byte_array(size: int) -> bytearray:
 
 
 def send(publisher: Any, messages: list[bytearray], rate: float, seconds: float) -> dict[str, float]:
-    """Publish at `rate` per s, messages by turns; what is late is made up for. Several messages get stamps."""
+    """Publish at `rate` per s, messages by turns; what is late is made up for. Several get stamps."""
     count, sent, begun = round(rate * seconds), 0, time.perf_counter()
     while sent < count:
         due = min(count, int((time.perf_counter() - begun) * rate) + 1)
