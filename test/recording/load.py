@@ -18,7 +18,7 @@ MEET, SETTLE = 30.0, 1.0  # s for the recorder to come, and for both to know eac
 
 
 def joint_states(count: int = 5000) -> list[bytearray]:
-    """JointStates of five joints in CDR: position, velocity and effort of a motion, with noise; more than a chunk."""
+    """More JointStates than a chunk holds, in CDR: five joints of a motion, with noise."""
     import numpy as np
 
     from test.recording.bags import KIND, STORE, joint_state
