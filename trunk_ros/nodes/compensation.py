@@ -75,14 +75,16 @@ class Compensation:
         inside = np.clip(target, self.lower, self.upper)
         reach = self.top_speed * dt
         self.out = self.out + np.clip(inside - self.out, -reach, reach)
-        self.limited = np.abs(self.out - target) > 1e-12
+        self.limited = (np.abs(self.out - target) > 1e-12) | self._clipped
         return self.out
 
     def ideal(self, reference: Array, dt: float) -> Array:
         """What the inverse alone asks for, with memory of direction."""
         arm = self.model.arm
         self._time += dt
-        steady = self._steady(np.clip(reference, arm.lower, arm.upper))
+        allowed = np.clip(reference, arm.lower, arm.upper)
+        self._clipped = allowed != reference
+        steady = self._steady(allowed)
         (wanted,), self._state = self.chain.invert(steady[None], np.array([self._time]), self._state)
         return wanted
 

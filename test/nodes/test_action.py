@@ -1,0 +1,254 @@
+"""follow_joint_trajectory over DDS, with control_msgs generated where it is not installed."""
+
+import importlib.util
+import os
+import sys
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+
+from test.nodes import generated
+from test.nodes.graph import (
+    JOINTS,
+    Peer,
+    clean_shared_memory,
+    needs_ros,
+    new_domain,
+    running,
+    segments,
+    words,
+)
+
+SUCCEEDED, CANCELED, ABORTED = 4, 5, 6  # action_msgs/GoalStatus
+INVALID_GOAL, PATH_TOLERANCE_VIOLATED, GOAL_TOLERANCE_VIOLATED = -1, -4, -5
+installed = importlib.util.find_spec("control_msgs") is not None
+missing = "" if installed else generated.lacking()
+pytestmark = [
+    needs_ros,
+    pytest.mark.skipif(
+        bool(missing), reason=f"neither control_msgs nor what it is generated with: {missing}"
+    ),
+]
+
+
+@pytest.fixture(scope="module")
+def control_msgs(tmp_path_factory):
+    """Makes control_msgs importable here and in the nodes' processes."""
+    patch = pytest.MonkeyPatch()
+    if not installed:
+        folder = tmp_path_factory.mktemp("interfaces")
+        generated.generate(folder)
+        patch.setattr(sys, "path", [str(folder), *sys.path])
+        before = os.environ.get("PYTHONPATH")
+        patch.setenv("PYTHONPATH", os.pathsep.join([str(folder), *([before] if before else [])]))
+    yield
+    patch.undo()
+
+
+class Client:
+    """The test's ends of the compensator's topics and of its action."""
+
+    def __init__(self, domain):
+        from control_msgs.action import FollowJointTrajectory
+        from control_msgs.msg import JointTrajectoryControllerState
+        from rclpy.action import ActionClient
+
+        from trunk_ros.nodes.ros import DiagnosticArray, JointState, JointTrajectory
+
+        self.kind = FollowJointTrajectory
+        self.peer = Peer(domain)
+        self.client = ActionClient(self.peer.node, FollowJointTrajectory, "trunk/follow_joint_trajectory")
+        self.trajectory = self.peer.publisher(JointTrajectory, "trunk/joint_trajectory")
+        self.references = self.peer.listen(JointState, "trunk/reference")
+        self.states = self.peer.listen(JointTrajectoryControllerState, "trunk/controller_state")
+        self.said = self.peer.listen(DiagnosticArray, "diagnostics")
+        self.feedback = []
+
+    def goal(self, positions, seconds, joints=JOINTS, **tolerances):
+        """A goal with one point."""
+        from control_msgs.msg import JointTolerance
+
+        from trunk_ros.nodes.messages import trajectory_message
+        from trunk_ros.trajectory import Trajectory
+
+        path = Trajectory(tuple(joints), np.array([seconds]), np.array([positions], dtype=float))
+        goal = self.kind.Goal(trajectory=trajectory_message(path))
+        for name in ("path_tolerance", "goal_tolerance"):
+            if name in tolerances:
+                each = [JointTolerance(name=joint, position=tolerances[name]) for joint in joints]
+                setattr(goal, name, each)
+        goal.goal_time_tolerance.sec = tolerances.get("goal_time", 0)
+        return goal
+
+    def send(self, *arguments, **options):
+        """Send a goal; returns its handle."""
+        request = self.goal(*arguments, **options)
+        sent = self.client.send_goal_async(request, feedback_callback=self.feedback.append)
+        self.peer.until(sent.done)
+        return sent.result()
+
+    def result(self, handle):
+        """Status and result of a goal that ends by itself."""
+        waited = handle.get_result_async()
+        self.peer.until(waited.done)
+        return waited.result().status, waited.result().result
+
+    def moving(self, joint=0):
+        """Wait until the reference of a joint has begun to move; returns where it is."""
+        self.peer.until(lambda: self.references)
+        start = self.references[-1].position[joint]
+        self.peer.until(lambda: abs(self.references[-1].position[joint] - start) > 0.01)
+        return self.references[-1].position[joint]
+
+    def rests(self):
+        """Whether the reference rests."""
+        self.peer.spin(0.2)
+        before = np.array(self.references[-1].position)
+        self.peer.spin(0.3)
+        return bool((before == np.array(self.references[-1].position)).all())
+
+
+@pytest.fixture(scope="module")
+def arm(control_msgs):
+    """The simulated arm, and a client."""
+    before = {path.name for path in segments()}
+    domain = new_domain()
+    with ExitStack() as stack:
+        for name in ("servo_driver", "wire_elasticity", "compensator"):
+            stack.enter_context(running(name, domain=domain))
+        client = Client(domain)
+        client.peer.until(client.client.server_is_ready)
+        client.peer.until(lambda: client.said and client.trajectory.get_subscription_count())
+        client.peer.spin(1.0)
+        yield client
+        client.peer.close()
+    clean_shared_memory(before)
+
+
+def test_a_goal_is_followed_with_feedback_and_reached(arm):
+    handle = arm.send(
+        [0.15, -0.1], 1.0, joints=["joint_2", "joint_5"], path_tolerance=0.1, goal_tolerance=0.01
+    )
+    assert handle.accepted
+    status, result = arm.result(handle)
+    assert (status, result.error_code, result.error_string) == (SUCCEEDED, 0, "goal reached")
+    last = arm.feedback[-1].feedback
+    assert len(arm.feedback) > 5
+    assert list(last.joint_names) == JOINTS
+    difference = np.subtract(last.desired.positions, last.actual.positions)
+    np.testing.assert_allclose(last.error.positions, difference, atol=1e-12)
+    assert 0.05 < last.actual.positions[1] < 0.16
+
+
+def test_the_controllers_state_shows_reference_feedback_error_and_output(arm):
+    arm.result(arm.send([0.1] * 5, 0.5))
+    arm.peer.spin(0.5)
+    state = arm.states[-1]
+    np.testing.assert_allclose(state.reference.positions, 0.1)
+    np.testing.assert_allclose(state.feedback.positions, 0.1, atol=2e-3)
+    np.testing.assert_allclose(
+        state.error.positions, np.subtract(state.reference.positions, state.feedback.positions), atol=1e-12
+    )
+    np.testing.assert_allclose(state.output.positions, 0.16, atol=5e-3)
+    assert list(state.joint_names) == JOINTS
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"),
+    [
+        ({"positions": [0.1], "seconds": 1.0, "joints": ["elbow"]}, "unknown joint 'elbow'"),
+        ({"positions": [0.9], "seconds": 5.0, "joints": ["joint_3"]}, "joint_3 would reach"),
+        ({"positions": [0.3], "seconds": 0.01, "joints": ["joint_4"]}, "joint_4 would move at"),
+        ({"positions": [0.1] * 5, "seconds": 1.0, "goal_tolerance": -3.0}, "neither positive nor 0 nor -1"),
+    ],
+)
+def test_a_goal_that_cannot_be_followed_is_refused_with_the_reason(arm, goal, reason):
+    before = list(arm.references[-1].position)
+    assert not arm.send(**goal).accepted
+    arm.peer.until(lambda: reason in words(arm.said, "compensator"))
+    assert "goal refused: " in words(arm.said, "compensator")
+    assert list(arm.references[-1].position) == before
+
+
+def test_a_cancelled_goal_leaves_the_arm_where_it_is(arm):
+    handle = arm.send([-0.3] * 5, 4.0)
+    arm.moving()
+    asked = handle.cancel_goal_async()
+    arm.peer.until(asked.done)
+    status, _ = arm.result(handle)
+    assert status == CANCELED
+    assert arm.rests()
+    assert arm.references[-1].position[0] > -0.25
+
+
+def test_a_new_goal_replaces_the_one_under_way(arm):
+    first = arm.send([0.3] * 5, 4.0)
+    arm.moving()
+    second = arm.send([0.0] * 5, 0.8)
+    status, result = arm.result(first)
+    assert (status, result.error_code) == (ABORTED, INVALID_GOAL)
+    assert "replaced by a new goal" in result.error_string
+    assert arm.result(second)[0] == SUCCEEDED
+
+
+def test_a_trajectory_on_the_topic_ends_the_goal_under_way(arm):
+    from trunk_ros.nodes.ros import JointTrajectory
+
+    handle = arm.send([0.3] * 5, 4.0)
+    arm.moving()
+    arm.trajectory.publish(JointTrajectory())
+    status, result = arm.result(handle)
+    assert status == ABORTED
+    assert "empty trajectory" in result.error_string
+    assert arm.rests()
+
+
+@pytest.fixture
+def stuck(control_msgs, domain):
+    """A compensator whose arm does not move, and a client."""
+    from trunk_ros.nodes.messages import joint_state
+    from trunk_ros.nodes.ros import JointState
+
+    with running("compensator", domain=domain):
+        client = Client(domain)
+        outs = [
+            client.peer.publisher(JointState, topic) for topic in ("trunk/gearbox_states", "joint_states")
+        ]
+
+        def stay():
+            now = client.peer.node.get_clock().now().nanoseconds
+            for out in outs if client.alive else outs[1:]:
+                out.publish(joint_state(now, JOINTS, np.zeros(5)))
+
+        client.alive = True
+        client.peer.node.create_timer(0.01, stay)
+        client.peer.until(client.client.server_is_ready)
+        client.peer.until(lambda: client.said and outs[0].get_subscription_count())
+        client.peer.spin(0.5)
+        yield client
+        client.peer.close()
+
+
+def test_leaving_the_path_or_missing_the_goal_gives_it_up_and_holds(stuck):
+    status, result = stuck.result(stuck.send([0.3] * 5, 2.0, path_tolerance=0.05))
+    assert (status, result.error_code) == (ABORTED, PATH_TOLERANCE_VIOLATED)
+    assert "joint_1 is off by 0.05" in result.error_string
+    assert stuck.rests()
+    assert stuck.references[-1].position[0] < 0.15
+
+    goal = stuck.send([0.3] * 5, 0.5, goal_tolerance=0.02, goal_time=1)
+    status, result = stuck.result(goal)
+    assert (status, result.error_code) == (ABORTED, GOAL_TOLERANCE_VIOLATED)
+    assert "1 s after the end joint_1 is off" in result.error_string
+
+
+def test_without_gearbox_states_the_arm_holds_and_the_goal_is_given_up(stuck):
+    handle = stuck.send([0.3] * 5, 5.0)
+    stuck.moving()
+    stuck.alive = False
+    status, result = stuck.result(handle)
+    assert status == ABORTED
+    assert "no trunk/gearbox_states" in result.error_string
+    assert stuck.rests()
+    assert stuck.references[-1].position[0] < 0.2
