@@ -135,7 +135,7 @@ class Chain:
         before = None if state is None or last is None else (state.stamp, last)
         look = Look(self.arm, stamp, path, before, given, state.swing if state else None)
         if self.duration is not None:
-            look.stamp = stamp * 0.0 + self.duration
+            look.stamp, look.held = stamp * 0.0 + self.duration, True
         return look
 
     def _core(self) -> Core:
@@ -209,10 +209,9 @@ class Chain:
     def _friction_back(
         self, y: Array, inner: list[Effect], now: Look, begun: Any, old: Memory, new: Memory
     ) -> tuple[Array, Any]:
-        """What the wire has to take in for ``y`` to come out of ``inner``, and the friction element's
-        memory.
-        """
+        """What the wire takes in for ``y`` to come out of ``inner``, and the friction element's memory."""
         core = self._core()
+        core.old, core.new = old, new
         for e in self.order.core:
             e.adjust(core, now)
         u = back(y, inner, now, old, new)

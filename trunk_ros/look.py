@@ -54,7 +54,8 @@ class Look(Now):
         self.stamp, self.joints, self.ratio = stamp, arm.joints, arm.ratio
         self.dt = steps(stamp, before[0] if before else None)
         self._arm, self._path, self._before, self._given = arm, path, before, given
-        self._joint_path, self._swing = path, swing
+        ahead = 0.0 if before is None or swing is None else swing[0] - before[1]
+        self._joint_path, self._swing = path + ahead, swing
         self.see(path, path)
 
     def follow(self, path: Array) -> None:
@@ -65,11 +66,12 @@ class Look(Now):
 
     def swing_along(self, path: Array) -> float:
         """Have the links accelerate as this path (n, joints) does, where their inertia counts; how far it is
-        from the one before [rad].
+        from the one before [rad], if that one has been looked at.
         """
         if not self._inertial:
             return 0.0
-        moved, self._joint_path = float(np.abs(path - self._joint_path).max()), path
+        moved = float(np.abs(path - self._joint_path).max()) if "motion" in self.__dict__ else 0.0
+        self._joint_path = path
         for name in ("motion", "load"):
             self.__dict__.pop(name, None)
         return moved

@@ -24,3 +24,5 @@ class Parameter:
     scan: tuple[float, ...] = ()
     optional: bool = False
     """An optional parameter stays at ``null`` unless the data ask for it."""
+    measured: bool = False
+    """What the motion itself tells, at the start of a fit, is not fitted."""

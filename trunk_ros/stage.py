@@ -87,6 +87,7 @@ def friction(
     x: Array, now: Now, order: Order, core: Core, state: Any, old: Memory, new: Memory
 ) -> tuple[Array, Any]:
     """What the wire hands on to the joint, and the friction element's memory."""
+    core.old, core.new = old, new
     for e in order.core:
         e.adjust(core, now)
     if core.rounding is None and not order.path:

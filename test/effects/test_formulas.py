@@ -192,3 +192,27 @@ def test_plays_spread_over_a_width_slide_fully_after_twice_that_travel() -> None
     assert slope[travel < 1.9e-3] == pytest.approx(0.0, abs=1e-9), "twice w: the dead band"
     assert slope[np.abs(travel - 6e-3) < 2e-4].mean() == pytest.approx(0.5, abs=0.06)
     assert slope[travel > 10.2e-3] == pytest.approx(1.0, abs=1e-9), "twice w + width"
+
+
+def test_wear_with_travel_goes_on_where_it_stood_and_stops_with_the_joint() -> None:
+    """The same growth by the way slid, in blocks and over another motion; nothing while it stands."""
+    wear = {"friction_wear": {"form": "travel", "rate": np.full(1, 1e-4), "speed": np.full(1, 0.05)}}
+    chain = Chain(Model(arm_of(1, 0.0), wear), "wire")
+    stamp = np.arange(3001) * 0.01
+    theta = 0.2 * np.sin(np.minimum(stamp, 20.0))[:, None]
+    width = 1e-4 * np.concatenate([[0.0], np.cumsum(np.abs(np.diff(theta[:, 0])))]) / 0.05
+    whole, _ = chain.run(theta / 0.625, stamp)
+    assert whole == pytest.approx(play(theta, width[:, None]), abs=1e-12)
+    first, state = chain.run(theta[:1234] / 0.625, stamp[:1234])
+    second, _ = chain.run(theta[1234:] / 0.625, stamp[1234:], state)
+    assert np.concatenate([first, second]) == pytest.approx(whole, abs=1e-12)
+    assert np.ptp(width[2000:]) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_wear_with_travel_is_held_live_at_the_end_of_the_fitted_recording() -> None:
+    wear = {"friction_wear": {"form": "travel", "rate": np.full(1, 1e-4), "speed": np.full(1, 0.05)}}
+    live = Chain(Model(arm_of(1, 0.0), wear, duration=50.0), "wire", hold_time=True)
+    stamp = np.arange(200) * 0.01
+    theta = 0.2 * np.sin(stamp)[:, None]
+    got, _ = live.run(theta / 0.625, stamp)
+    assert got == pytest.approx(play(theta, np.full((200, 1), 5e-3)), abs=1e-12)

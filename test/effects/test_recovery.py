@@ -68,7 +68,7 @@ def free(name: str, form: str, values: dict[str, Any]) -> list[Fitted]:
     """All numbers of an effect that its own signal determines."""
     found: list[Fitted] = []
     for parameter in registry()[name].own_parameters(form):
-        if parameter.name in values and parameter.name not in KNOWN:
+        if parameter.name in values and parameter.name not in KNOWN and not parameter.measured:
             joints = [None] if parameter.shared else range(JOINTS)
             found += [Fitted(parameter, joint) for joint in joints]
     return found

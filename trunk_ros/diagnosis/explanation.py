@@ -175,7 +175,7 @@ def scales(free: list[Free]) -> Array:
 def _free(term: Term, columns: list[int]) -> Iterator[Free]:
     kind = effect(term.effect)
     for parameter in kind.own_parameters(term.form):
-        if parameter.name in term.given:
+        if parameter.name in term.given or parameter.measured:
             continue
         if parameter.shared:
             if parameter.name in term.shared and set(term.own) <= set(columns):

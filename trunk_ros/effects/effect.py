@@ -42,6 +42,8 @@ class Now:
     joints: tuple[str, ...]
     ratio: Array
     """(columns,) joint angle per gearbox angle."""
+    held: bool = False
+    """Whether time stands at the end of the recording that the model was fitted on."""
 
 
 @dataclass
@@ -58,6 +60,9 @@ class Core:
     """A friction element in the place of the sharp play: an object with ``run`` and ``invert``."""
     wire: Wire | None = None
     """The paper's wire, where the arm has one."""
+    old: dict[str, Any] = field(default_factory=dict)
+    """Memory, by ID, of wire effects that change the core; what comes after goes into ``new``."""
+    new: dict[str, Any] = field(default_factory=dict)
     kp: Array = field(default_factory=lambda: np.empty(0))
     tau_v: Array = field(default_factory=lambda: np.empty(0))
     v_max: Array = field(default_factory=lambda: np.empty(0))

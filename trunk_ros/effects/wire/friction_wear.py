@@ -2,26 +2,34 @@
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.parameter import Parameter
 
 
 class FrictionWear(Effect):
-    """w += rate t, or rate T (1 - exp(-t/T)) for surfaces that run in."""
+    """w += rate t, or rate T (1 - exp(-t/T)) for surfaces that run in, or rate s/speed with the path s slid
+    so far, which at a mean ``speed`` is the same as rate t.
+    """
 
     id = "friction_wear"
     stage, place, regime = "wire", 100, "reversal"
     signature = "A square wave with the sign of the motion that grows with time."
     source = (
-        "Archard (1953), J. Appl. Phys. 24(8): wear in proportion to the sliding path; here per unit of time."
+        "Archard (1953), J. Appl. Phys. 24(8): wear in proportion to the sliding path; where the motion is "
+        "steady, to time."
     )
-    forms = ("straight", "running_in")
-    refined = ("running_in",)
+    forms = ("straight", "running_in", "travel")
+    refined = ("running_in", "travel")
     parameters = (
         Parameter("rate", "rad/s", (0.0, 0.01), "growth of the half-width at the start", typical=1e-5),
         Parameter(
             "time_constant", "s", (3.0, 3000.0), "time in which it settles", typical=30.0,
             null=3000.0, scale="log", scan=(10.0, 40.0),
+        ),
+        Parameter(
+            "speed", "rad/s", (1e-6, 100.0), "mean speed of the joint in the recording it was fitted on",
+            typical=0.1, null=0.1, measured=True,
         ),
     )  # fmt: skip
     confused_with = (("backlash", "compare the start and the end of a long recording"),)
@@ -30,13 +38,29 @@ class FrictionWear(Effect):
         t = now.stamp[:, None]
         if self.form == "running_in":
             t = -self["time_constant"] * np.expm1(-t / self["time_constant"])
+        elif self.form == "travel" and not now.held:
+            t = self._slid(core, now) / self["speed"]
         core.width = core.width + self["rate"] * t
+
+    def _slid(self, core: Core, now: Now) -> Array:
+        """(n, columns) rad gone to and fro since the first sample."""
+        gone = np.cumsum(np.abs(now.speed) * now.dt[:, None], axis=0) + core.old.get(self.id, 0.0)
+        core.new[self.id] = gone[-1]
+        return np.asarray(gone)
+
+    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+        """The mean speed is what the motion has."""
+        if parameter.name != "speed":
+            return super().grid(parameter, now, column)
+        mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
+        return (float(np.clip(mean, *parameter.bounds)),)
 
     def credible(self, now: Now) -> bool:
         """It settles neither at once nor after the recording: or it is another effect, or straight."""
         share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
-        return bool(self.form == "straight" or np.all((share > 0.08) & (share < 3.0)))
+        return bool(self.form != "running_in" or np.all((share > 0.08) & (share < 3.0)))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return cls.parameters if form == "running_in" else cls.parameters[:1]
+        rate, time_constant, speed = cls.parameters
+        return {"running_in": (rate, time_constant), "travel": (rate, speed)}.get(form, (rate,))
