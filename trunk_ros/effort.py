@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.derivatives import smooth
+from trunk_ros.derivatives import HALF_WINDOW, smooth
 from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries
 
@@ -43,11 +43,18 @@ def measured_load(gearbox: JointSeries, ratio: Array) -> MeasuredLoad:
     assert gearbox.effort is not None
     position, effort = fill(gearbox.position), fill(gearbox.effort)
     angle, speed, acceleration = smooth(gearbox.stamp, position)
-    posture = _postures(angle * ratio, acceleration)
+    heading = np.cumsum(angle * ratio, axis=1)
     way = np.where(np.abs(speed) > MOVES, np.sign(speed), 0.0)
     known = np.isfinite(gearbox.effort)
     columns = [
-        _of_joint(gearbox.stamp, posture, speed[:, j], way[:, j], effort[:, j], known[:, j])
+        _of_joint(
+            gearbox.stamp,
+            _posture(heading[:, j:], acceleration),
+            speed[:, j],
+            way[:, j],
+            effort[:, j],
+            known[:, j],
+        )
         for j in range(len(ratio))
     ]
     torque, moving = (np.column_stack([c[k] for c in columns]) for k in (0, 1))
@@ -55,17 +62,18 @@ def measured_load(gearbox: JointSeries, ratio: Array) -> MeasuredLoad:
     return MeasuredLoad(-torque / ratio, friction, std, moving)
 
 
-def _postures(theta: Array, acceleration: Array) -> Array:
-    """(n, 1 + 3 joints): what the load of a planar chain is made of, whatever its masses."""
-    heading = np.cumsum(theta, axis=1)
-    return np.column_stack([np.ones(len(theta)), np.sin(heading), np.cos(heading), acceleration])
+def _posture(beyond: Array, acceleration: Array) -> Array:
+    """(n, columns) what the load of a planar chain is made of, whatever its masses; ``beyond``: headings
+    [rad] of the links beyond the joint.
+    """
+    return np.column_stack([np.ones(len(beyond)), np.sin(beyond), np.cos(beyond), acceleration])
 
 
 def _of_joint(
     stamp: Array, posture: Array, speed: Array, way: Array, effort: Array, known: np.ndarray
 ) -> tuple[Array, np.ndarray, float, float]:
     """Torque (n,) without friction, where it was measured, friction and its deviation."""
-    seen = known & (way != 0.0) & (way == np.roll(way, 1)) & (way == np.roll(way, -1))
+    seen = known & (way != 0.0) & _settled(stamp, way)
     if min((way[seen] > 0.0).sum(), (way[seen] < 0.0).sum()) < LEAST:
         return np.full(len(way), np.nan), seen & False, np.nan, np.nan
     design = np.column_stack([posture, way, speed])
@@ -74,6 +82,14 @@ def _of_joint(
     off = np.interp(stamp, stamp[seen], rest[seen])
     torque = posture @ weights[:-2] + smooth(stamp, off[:, None], SPAN)[0][:, 0]
     return torque, seen, float(weights[-2]), _deviation(design[seen], rest[seen], -2)
+
+
+def _settled(stamp: Array, way: Array) -> np.ndarray:
+    """(n,): where the direction of motion does not change as near as what it was taken from."""
+    turns = stamp[1:][np.diff(way) != 0.0]
+    after = np.searchsorted(turns, stamp, side="right")
+    ends = np.concatenate([[-np.inf], turns, [np.inf]])
+    return np.asarray((stamp - ends[after] > HALF_WINDOW) & (ends[after + 1] - stamp > HALF_WINDOW))
 
 
 def _deviation(design: Array, rest: Array, column: int) -> float:

@@ -1,0 +1,175 @@
+"""The load from the motors' torque: friction taken off, weight recovered, used where the model says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import recorded, reshaped
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.torque import torque_remarks
+from trunk_ros.effort import measured_load
+from trunk_ros.model import Model, load_model, save_model
+from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.write import write_recording
+from trunk_ros.simulate import main, simulate
+
+NOMINAL = load_model("trunk")
+FRICTION = np.array([0.01, 0.008, 0.012, 0.005, 0.015])  # N m at the shaft
+SAG = {"load_elasticity": {"compliance": np.full(5, 0.04)}}
+
+
+def taken_from(load: str, effects: dict[str, Any] | None = None) -> Model:
+    """The nominal model with its load from elsewhere."""
+    return Model(replace(NOMINAL.arm, load_from=load), effects or {})
+
+
+def weight(recording: Recording, arm: Arm = NOMINAL.arm) -> Array:
+    """Moment on the joints (n, joints) N m at the gearbox's stamps."""
+    return arm.load(recording.series["gearbox_states"].position * arm.ratio)
+
+
+def with_torque(recording: Recording, load: Array, noise: float = 2e-4) -> Recording:
+    """The contract's effort: against the load, plus friction in the direction of motion."""
+    gearbox = recording.series["gearbox_states"]
+    assert gearbox.velocity is not None
+    torque = -0.625 * load + FRICTION * np.sign(gearbox.velocity)
+    rough = noise * np.random.default_rng(7).normal(size=load.shape)
+    return reshaped(recording, "gearbox_states", effort=torque + rough)
+
+
+@pytest.fixture(scope="module")
+def plain() -> Recording:
+    return recorded(SAG)
+
+
+def test_friction_comes_off_and_the_weight_is_left(plain: Recording) -> None:
+    made = with_torque(plain, weight(plain))
+    got = measured_load(made.series["gearbox_states"], NOMINAL.arm.ratio)
+    assert got.friction == pytest.approx(FRICTION, rel=0.01)
+    assert np.sqrt(np.mean((got.moment - weight(plain)) ** 2)) < 2e-4
+    assert np.abs(got.moment - weight(plain)).max() < 2e-3
+
+
+def test_a_shaft_that_stands_carries_what_its_posture_asks_for() -> None:
+    """Joint 5 rests for 15 s, its friction may hold anything; the others move its load on."""
+    made = recorded(SAG, seconds=60.0)
+    gearbox = made.series["gearbox_states"]
+    phi, stamp = gearbox.position.copy(), gearbox.stamp
+    rests = (stamp > 20.0) & (stamp < 35.0)
+    phi[:, 4] = np.interp(stamp - np.clip(stamp - 20.0, 0.0, 15.0), stamp, phi[:, 4])
+    made = reshaped(made, "gearbox_states", position=phi, velocity=np.gradient(phi, stamp, axis=0))
+    held = with_torque(made, weight(made))
+    torque = held.series["gearbox_states"].effort
+    assert torque is not None
+    torque[rests, 4] += 0.012
+    got = measured_load(held.series["gearbox_states"], NOMINAL.arm.ratio)
+    assert not got.moving[rests, 4].any()
+    assert np.abs(got.moment - weight(made))[rests, 4].max() < 1e-3
+
+
+def test_a_joint_that_goes_one_way_only_keeps_its_computed_weight(plain: Recording) -> None:
+    gearbox = plain.series["gearbox_states"]
+    phi = gearbox.position.copy()
+    phi[:, 1] = 0.005 * gearbox.stamp
+    slope = np.gradient(phi, gearbox.stamp, axis=0)
+    one_way = reshaped(plain, "gearbox_states", position=phi, velocity=slope)
+    made = with_torque(one_way, weight(one_way))
+    got = measured_load(made.series["gearbox_states"], NOMINAL.arm.ratio)
+    assert np.isnan(got.friction[1])
+    assert np.isnan(got.moment[:, 1]).all()
+    effort, computed = (
+        simulate(made, taken_from(load, SAG)).series["joint_states"].position[:, 1]
+        for load in ("effort", "weight")
+    )
+    assert effort == pytest.approx(computed, abs=1e-4)
+    assert "computed weight on joint_2" in torque_remarks(made, taken_from("effort"))[0]
+
+
+def heavier(payload: float = 0.05) -> Recording:
+    """A run of an arm with a payload that the nominal model knows nothing of."""
+    made = recorded({"load_elasticity": {**SAG["load_elasticity"], "payload": payload}})
+    return with_torque(made, weight(made, replace(NOMINAL.arm, payload=payload)))
+
+
+def rms_off(made: Recording, model: Model) -> float:
+    """Prediction less measured [rad], once the play is engaged."""
+    shown = simulate(made, model).series["joint_states"].position
+    return float(np.sqrt(np.mean((shown - made.series["joint_states"].position)[400:] ** 2)))
+
+
+def test_a_simulation_with_effort_knows_a_payload_that_the_model_does_not() -> None:
+    made = heavier()
+    assert rms_off(made, taken_from("weight", SAG)) > 5e-4
+    assert rms_off(made, taken_from("effort", SAG)) == pytest.approx(1e-4, rel=0.1)
+
+
+def test_without_effort_the_weight_is_computed_and_the_report_says_so(plain: Recording) -> None:
+    assert rms_off(plain, taken_from("effort", SAG)) == rms_off(plain, taken_from("weight", SAG))
+    assert torque_remarks(plain, taken_from("effort")) == [
+        "no effort in gearbox_states: the load is the computed weight"
+    ]
+    assert torque_remarks(plain, NOMINAL) == []
+
+
+def test_torque_that_agrees_with_the_weight_is_not_worth_a_remark(plain: Recording) -> None:
+    assert torque_remarks(with_torque(plain, weight(plain)), NOMINAL) == []
+
+
+def test_torque_that_shows_the_inertia_as_well_agrees_with_the_weight(plain: Recording) -> None:
+    gearbox = plain.series["gearbox_states"]
+    theta = gearbox.position * 0.625
+    speed = np.gradient(theta, gearbox.stamp, axis=0)
+    swing = NOMINAL.arm.inertia(theta, speed, np.gradient(speed, gearbox.stamp, axis=0))
+    assert torque_remarks(with_torque(plain, weight(plain) + swing), NOMINAL) == []
+
+
+def test_torque_tells_of_a_payload() -> None:
+    (said,) = torque_remarks(heavier(), NOMINAL)
+    assert said.endswith("50 g more at the tip would explain it")
+
+
+def test_torque_tells_of_a_wrong_mass_that_is_no_payload(plain: Recording) -> None:
+    other = replace(NOMINAL.arm, link_mass=NOMINAL.arm.link_mass * [1.0, 4.0, 1.0, 1.0, 1.0])
+    (said,) = torque_remarks(with_torque(plain, weight(plain, other)), NOMINAL)
+    assert "check masses" in said
+
+
+def test_the_command_simulates_with_effort_from_a_bag(tmp_path: Path) -> None:
+    made = heavier()
+    write_recording(tmp_path / "run", made)
+    save_model(taken_from("effort", SAG), tmp_path / "model.yaml")
+    run, model, out = (str(tmp_path / name) for name in ("run", "model.yaml", "out"))
+    assert main([run, "--model", model, "--output", out]) == 0
+    shown, again = (
+        each.series["joint_states"] for each in (read_recording(out), simulate(made, load_model(model)))
+    )
+    assert shown.position == pytest.approx(again.position)
+
+
+@pytest.mark.timeout(240)
+@pytest.mark.parametrize("load", ["weight_and_inertia", "effort"])
+def test_a_diagnosis_names_the_stretch_whatever_the_load_is_taken_from(load: str) -> None:
+    """With effort, of an arm whose payload nobody has told."""
+    made = heavier() if load == "effort" else swung_arm()
+    result = diagnose([made], taken_from(load))
+    (found,) = result.findings
+    assert found.effect == "load_elasticity"
+    assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
+    assert result.model.arm.load_from == load
+    assert rms_off(made, result.model) == pytest.approx(1e-4, rel=0.1)
+
+
+def swung_arm() -> Recording:
+    """A run of an arm that stretches under weight and inertia."""
+    made = recorded()
+    shown = simulate(made, taken_from("weight_and_inertia", SAG)).series["joint_states"]
+    noise = 1e-4 * np.random.default_rng(2).normal(size=shown.position.shape)
+    return reshaped(made, "joint_states", position=shown.position + noise)
