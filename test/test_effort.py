@@ -173,3 +173,10 @@ def swung_arm() -> Recording:
     shown = simulate(made, taken_from("weight_and_inertia", SAG)).series["joint_states"]
     noise = 1e-4 * np.random.default_rng(2).normal(size=shown.position.shape)
     return reshaped(made, "joint_states", position=shown.position + noise)
+
+
+def test_a_payload_that_the_model_has_already_is_counted_once() -> None:
+    known = Model(NOMINAL.arm, {"load_elasticity": {**SAG["load_elasticity"], "payload": 0.1}})
+    result = diagnose([recorded(dict(known.effects))], known)
+    assert result.verdict == "no_mismatch"
+    assert result.model.payload == pytest.approx(0.1, abs=2e-3)

@@ -69,7 +69,11 @@ class Problem(ABC):
         self.joints = spans[0].joints
         self.units = units or {}
         self.model = model.for_joints(self.joints)
-        self.arm = self.model.loaded_arm().only(self.joints)
+        self.known = explanation_of(self.model.only(self.joints).effects, self.stage, len(self.joints))
+        """The effects that the model has already: what a finding adds to."""
+        loaded = self.model.loaded_arm()
+        without = loaded.payload - payload_of(self.known)  # the explanation brings its own payload
+        self.arm = replace(loaded, payload=without).only(self.joints)
         self.views = [self._view(span) for span in spans]
         self.noise: list[Noise] = []
         self._cache: dict[tuple[int, int, float], Now] = {}
@@ -77,8 +81,6 @@ class Problem(ABC):
         self.unexplained: dict[int, float] = {}
         """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
         self._known = [self.views[0].angles]
-        self.known = explanation_of(self.model.only(self.joints).effects, self.stage, len(self.joints))
-        """The effects that the model has already: what a finding adds to."""
         self.look_again(self.known)
         self.estimate_noise(self.known)
 

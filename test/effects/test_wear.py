@@ -1,0 +1,32 @@
+"""Wear with the way slid, from a recording through the model file to another motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.model import load_model, save_model
+from trunk_ros.simulate import simulate
+
+SPEED = 0.1  # rad/s
+
+
+@pytest.mark.timeout(240)
+def test_wear_with_travel_is_named_kept_in_the_file_and_predicts_another_motion(tmp_path: Path) -> None:
+    """The same joint slides on by another way: what counts is the way, not the time."""
+    hidden = {"friction_wear": {"form": "travel", "rate": on(2, 6e-5), "speed": np.full(5, SPEED)}}
+    result = diagnose([recorded(hidden, seconds=60.0, noise=5e-5)])
+    (found,) = result.findings
+    assert (found.effect, found.joints) == ("friction_wear", ["joint_2"])
+    rate, speed = (found.parameters["joint_2"][key]["value"] for key in ("rate", "speed"))
+    assert rate / speed == pytest.approx(6e-5 / SPEED, rel=0.01)
+    save_model(result.model, tmp_path / "model.yaml")
+    again = load_model(tmp_path / "model.yaml")
+    assert again.parameters() == result.model.parameters()
+    other = recorded(hidden, seconds=60.0, seed=5, noise=0.0)
+    shown = simulate(other, again).series["joint_states"].position
+    assert np.abs(shown - other.series["joint_states"].position)[600:, 1].max() < 1e-4
