@@ -29,6 +29,12 @@ def test_an_expression_knows_its_columns():
     assert parse("a + sin(b) * a + pi").columns == ("a", "b")
 
 
+def test_a_column_that_is_no_name_is_put_in_quotes():
+    given = parse("2 * '/encoder.data[0]' + a")
+    assert given.columns == ("/encoder.data[0]", "a")
+    assert given.evaluate(TABLE | {"/encoder.data[0]": TABLE["a"]}).tolist() == [3, 6, 12]
+
+
 def test_a_column_may_be_called_anything():
     assert column("Force [N] / side").evaluate({"Force [N] / side": TABLE["a"]}).tolist() == [1, 2, 4]
 
@@ -46,7 +52,7 @@ def test_a_column_may_be_called_anything():
         "lambda: a",
         "a if b else a",
         "a == b",
-        "'a'",
+        "'' + a",
         "a; b",
         "f(a)",
         "sin(a, b)",

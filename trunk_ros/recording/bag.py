@@ -66,6 +66,14 @@ def _files_without_metadata(path: Path, contents: Contents) -> list[Path]:
     return files
 
 
+def is_recording(path: Path) -> bool:
+    """Whether `path` is a folder, or a file that begins as one of the kinds of recording does."""
+    if not path.is_file():
+        return path.is_dir()
+    with path.open("rb") as stream:
+        return stream.read(16).startswith((_ZSTD, *_STORAGES))
+
+
 def mcap_files(folder: Path) -> list[Path]:
     """The MCAP files of a rosbag2 folder in the order of recording."""
     return _sorted(folder.glob("*.mcap"))

@@ -1,4 +1,7 @@
-"""Arithmetic on named columns, and nothing else: `hub_angle_rad + tip_deflection_m / 0.45`."""
+"""Arithmetic on named columns, and nothing else: `hub_angle_rad + tip_deflection_m / 0.45`.
+
+A column whose name is no identifier is put in quotes: `radians('/encoder.data')`.
+"""
 
 import ast
 from collections.abc import Callable, Mapping
@@ -77,6 +80,8 @@ def _names(node: ast.expr, depth: int = 0) -> list[str]:
         raise ValueError("is nested too deeply")
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):
         return []
+    if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value:
+        return [node.value]  # a column that is no name, in quotes
     if isinstance(node, ast.Name):
         return [] if node.id in _CONSTANTS else [node.id]
     if isinstance(node, ast.UnaryOp) and type(node.op) in _UNARY:
@@ -98,6 +103,8 @@ def _check_call(name: str, arguments: int) -> None:
 
 
 def _value(node: ast.expr, table: Mapping[str, Floats]) -> Any:
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return table[node.value]
     if isinstance(node, ast.Constant):
         return float(str(node.value))  # a float from the start: 9**9**9 must overflow, not run for ever
     if isinstance(node, ast.Name):

@@ -1,4 +1,4 @@
-"""`import`: a table that others recorded becomes a bag."""
+"""`import`: a table, or a bag with other topics, that others recorded becomes a bag of ours."""
 
 import argparse
 from pathlib import Path
@@ -7,8 +7,10 @@ import numpy as np
 
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.arguments import Parser
+from trunk_ros.recording.bag import is_recording
 from trunk_ros.recording.block import Whole
 from trunk_ros.recording.check import checked
+from trunk_ros.recording.import_bag import read_bag
 from trunk_ros.recording.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.output import BAG_FILES, prepare_output
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
@@ -29,6 +31,8 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     """
     path = Path(path)
     mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
+    if mapping.of_bag:
+        raise RecordingError(f"{path}: is a table: give `time: {{column: …, unit: s}}` or `rate_hz`")
     table, remarks = read_table(path, mapping.columns, mapping.delimiter)
     stamp_ns, rows, timing = _times(path, mapping, table)
     start_ns = int(stamp_ns[0])
@@ -90,8 +94,8 @@ def _not_finite(series: JointSeries) -> int:
 def parser() -> argparse.ArgumentParser:
     """Arguments of `import`."""
     names = ", ".join(name.removeprefix("import/") for name in config_names("import"))
-    made = Parser(prog="import", description="Turn a foreign recording (CSV) into a rosbag2 folder.")
-    made.add_argument("csv", metavar="CSV", type=Path)
+    made = Parser(prog="import", description="Turn a foreign recording into a rosbag2 folder.")
+    made.add_argument("csv", metavar="CSV|BAG", type=Path, help="a table, or a bag whose topics are others")
     made.add_argument("--mapping", metavar="MAP", required=True, help=f"MAP.yaml, or one of {names}")
     made.add_argument("--output", metavar="BAG", required=True, type=Path, help="the folder to write")
     made.add_argument("--overwrite", action="store_true", help="replace BAG if it exists")
@@ -99,10 +103,11 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(argv: list[str]) -> int:
-    """`import CSV --mapping MAP.yaml --output BAG [--overwrite]`; says what was written and what was odd."""
+    """`import CSV|BAG --mapping MAP.yaml --output BAG [--overwrite]`; says what was odd."""
     asked = parser().parse_args(argv)
     prepare_output(asked.output, asked.overwrite, BAG_FILES)
-    recording = read_csv(asked.csv, asked.mapping)
+    read = read_bag if is_recording(asked.csv) else read_csv
+    recording = read(asked.csv, asked.mapping)
     write_recording(asked.output, recording, asked.overwrite)
     for note in recording.notes:
         print(f"{asked.csv}: {note}")

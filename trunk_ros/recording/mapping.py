@@ -1,4 +1,4 @@
-"""MAP.yaml of `import`: which columns of a table are which topic, in which unit."""
+"""MAP.yaml of `import`: which columns of a table, or fields of a bag's messages, are which topic."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,11 +35,14 @@ class Mapping:
     delimiter: str = ","
 
     @property
+    def of_bag(self) -> bool:
+        """Whether the columns are fields of messages, which have their own times."""
+        return self.time is None and not self.rate_hz
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Every column that is needed."""
-        used = [each for topic in self.topics.values() for one in topic.values() for each in one.columns]
-        used += [self.time[0]] if self.time else []
-        return tuple(dict.fromkeys(name for each in used for name in each.columns))
+        return tuple(dict.fromkeys((*_columns(self.topics), *(self.time[0].columns if self.time else ()))))
 
     def units(self) -> dict[str, str]:
         """SI unit of position of each joint, as its last topic has it: joint_states comes last."""
@@ -49,6 +52,11 @@ class Mapping:
                 units = self.topics[topic]["position"].units
                 found.update({joint: UNITS[unit][0] for joint, unit in zip(self.joints, units, strict=True)})
         return found
+
+
+def _columns(topics: dict[str, dict[str, Quantity]]) -> list[str]:
+    used = [each for topic in topics.values() for one in topic.values() for each in one.columns]
+    return [name for each in used for name in each.columns]
 
 
 def load_mapping(name: str | Path) -> Mapping:
@@ -72,10 +80,11 @@ def parse_mapping(content: Any) -> Mapping:
     topics = {key: _topic(key, table[key], len(joints)) for key in TOPICS if key in table}
     if not topics:
         raise ValueError(f"names no topic: at least one of {', '.join(TOPICS)}")
-    if ("time" in table) == ("rate_hz" in table):
-        raise ValueError("give either `time: {column: …, unit: s}` or `rate_hz`")
     time = _time(table["time"]) if "time" in table else None
-    rate = 0.0 if time else _positive(table["rate_hz"])
+    rate = _positive(table["rate_hz"]) if "rate_hz" in table else 0.0
+    of_bag = all(column.startswith("/") for column in _columns(topics))
+    if (time is not None and rate) or not (time or rate or of_bag):
+        raise ValueError("give either `time: {column: …, unit: s}` or `rate_hz`")
     delimiter = table.get("delimiter", ",")
     if not isinstance(delimiter, str) or len(delimiter) != 1 or delimiter in '\r\n"':
         raise ValueError("delimiter: must be one character")

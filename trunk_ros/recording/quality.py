@@ -1,10 +1,11 @@
 """How evenly a topic was sampled: rate, gaps, losses, jitter."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trunk_ros.recording.recording import Counts, Floats, Recording
+from trunk_ros.recording.apart import apart
+from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 
 _GAP = 2.5  # periods
 _EVEN = 0.3  # of the period: with more spread than this, nothing was expected at a certain time
@@ -63,6 +64,17 @@ def quality_of(stamp: Floats, counts: Counts | None = None) -> Quality:
     )
 
 
+def quality_of_series(series: JointSeries, counts: Counts | None = None) -> Quality:
+    """Quality of a topic; of one whose joints come at different times the worst, with the losses of all."""
+    parts = [quality_of(part.stamp, counts) for part in apart(series)]
+    worst = max(parts, key=lambda part: part.lost or 0)
+    if len(parts) == 1 or any(part.lost is None for part in parts):
+        return replace(worst, samples=len(series.stamp))
+    lost = sum(part.lost or 0 for part in parts)
+    found = {"samples": len(series.stamp), "expected": len(series.stamp) + lost, "lost": lost}
+    return replace(worst, gaps=sum(part.gaps for part in parts), **found)
+
+
 def quality(recording: Recording) -> dict[str, Quality]:
     """Quality of every series of a recording, by its key."""
-    return {key: quality_of(each.stamp, recording.counts.get(key)) for key, each in recording.series.items()}
+    return {key: quality_of_series(each, recording.counts.get(key)) for key, each in recording.series.items()}

@@ -4,7 +4,7 @@ import json
 
 from trunk_ros.recording.block import Contents
 from trunk_ros.recording.decode import Decoder
-from trunk_ros.recording.quality import quality_of
+from trunk_ros.recording.quality import quality_of_series
 from trunk_ros.recording.recording import Counts, JointSeries
 from trunk_ros.recording.topics import TOPICS
 
@@ -69,7 +69,7 @@ def _counted(counts: Counts) -> list[str]:
 
 
 def _gaps(series: JointSeries, counts: Counts) -> list[str]:
-    seen = quality_of(series.stamp, counts)
+    seen = quality_of_series(series, counts)
     if not seen.gaps:
         return []
     longest = f"the longest of {seen.longest_gap:.3g} s at {seen.gap_at:.4g} s"

@@ -10,6 +10,7 @@ from mcap.writer import Writer
 
 from trunk_ros.errors import ArgumentError
 from trunk_ros.recording import plain_yaml
+from trunk_ros.recording.apart import apart
 from trunk_ros.recording.block import Bytes, Whole
 from trunk_ros.recording.encode import encode_joints, encode_poses
 from trunk_ros.recording.message_types import RELIABLE, definition, qos_text
@@ -23,11 +24,11 @@ _LAST_NS = (2**31) * 10**9
 
 @dataclass(frozen=True)
 class _Messages:
-    """One topic, serialised: stamp_ns (n,), data (n, bytes)."""
+    """One topic, serialised: stamp_ns (n,), data: n times (bytes,)."""
 
     topic: Topic
     stamp_ns: Whole
-    data: Bytes
+    data: Bytes | list[Bytes]
 
 
 def write_recording(
@@ -52,16 +53,19 @@ def write_recording(
 
 
 def _file(name: str, messages: list[_Messages]) -> BagFile:
-    first = min((int(each.stamp_ns[0]) for each in messages), default=0)
-    last = max((int(each.stamp_ns[-1]) for each in messages), default=0)
+    first = min((int(each.stamp_ns.min()) for each in messages), default=0)
+    last = max((int(each.stamp_ns.max()) for each in messages), default=0)
     return BagFile(name, first, last, sum(len(each.stamp_ns) for each in messages))
 
 
 def _serialised(recording: Recording) -> Iterator[_Messages]:
     for key, series in recording.series.items():
-        stamp_ns = _nanoseconds(recording, series.stamp)
+        parts = [(each, _nanoseconds(recording, each.stamp)) for each in apart(series)]
+        data = [encode_joints(each, stamp_ns) for each, stamp_ns in parts]
+        stamp_ns = np.concatenate([stamp_ns for _, stamp_ns in parts])
         if len(stamp_ns):
-            yield _Messages(_topic(key, len(stamp_ns)), stamp_ns, encode_joints(series, stamp_ns))
+            rows = data[0] if len(data) == 1 else [row for each in data for row in each]
+            yield _Messages(_topic(key, len(stamp_ns)), stamp_ns, rows)
     if recording.tip is not None and len(recording.tip.stamp):
         stamp_ns = _nanoseconds(recording, recording.tip.stamp)
         yield _Messages(_topic(TIP, len(stamp_ns)), stamp_ns, encode_poses(recording.tip, stamp_ns))
