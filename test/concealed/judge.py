@@ -1,26 +1,25 @@
-"""One case of the proof from its seed to its marks: conceal, diagnose, reveal, score."""
+"""One case of the proof from its seed to its marks: conceal, diagnose, reveal, score, compare."""
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
-import io
 import json
 import shutil
-import time
-import traceback
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from test.concealed.marks import marked
-from test.concealed.protocol import Answer, Concealed, conceal, kept_shut, reveal
-from test.concealed.refit import refit
-from test.concealed.removed import removable
-from test.concealed.seeds import drawn
+import numpy as np
 
-ROOT = Path(__file__).parents[2]
+from test.concealed import others
+from test.concealed.codes import marks_code
+from test.concealed.marks import marked
+from test.concealed.protocol import Answer, Concealed, conceal, reveal
+from test.concealed.removed import removable
+from test.concealed.seeds import CONCEALED, drawn
+from test.concealed.solver import Said, command, diagnosed
+
+Marks = dict[str, Any]
+NOTHING: Marks = {"verdict": "failed", "findings": []}
 
 
 @dataclass(frozen=True)
@@ -32,115 +31,132 @@ class Task:
     output: Path
 
     @property
+    def name(self) -> str:
+        """Kind and seed."""
+        return f"{self.kind}_{self.seed}"
+
+    @property
     def kept(self) -> Path:
         """Where its marks stay."""
-        return self.output / "marks" / f"{self.kind}_{self.seed}.json"
+        return self.output / "marks" / f"{self.name}.json"
+
+    @property
+    def others(self) -> Path:
+        """Where what others make of it stays."""
+        return self.output / "others" / f"{self.name}.json"
 
 
-@cache
-def code() -> str:
-    """Short hash of the package and of the proof: marks of other code do not count."""
-    total = hashlib.sha256()
-    for file in sorted([*(ROOT / "trunk_ros").rglob("*.py"), *Path(__file__).parent.glob("*.py")]):
-        if not file.name.startswith(("test_", "proof", "demo", "evidence", "intervals")):
-            total.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
-    return total.hexdigest()[:12]
-
-
-def known_marks(task: Task) -> dict[str, Any] | None:
-    """Marks from before, of the same code; None where the case is still to be done or failed."""
+def _known_own(task: Task) -> Marks | None:
     if not task.kept.exists():
         return None
-    marks: dict[str, Any] = json.loads(task.kept.read_text())
-    return None if marks["code"] != code() or marks.get("failed") else marks
+    marks: Marks = json.loads(task.kept.read_text())
+    return None if marks["code"] != marks_code() or marks.get("failed") else marks
 
 
-def _command(*arguments: Any) -> None:
-    """A command of the package in this process. Raises RuntimeError with its last words."""
-    from trunk_ros.__main__ import main as run
-
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as err:
-        status = run([str(x) for x in arguments])
-    if status:
-        raise RuntimeError(f"{arguments[0]} ended with {status}: {err.getvalue().strip()[-400:]}")
+def known_marks(task: Task) -> Marks | None:
+    """Marks from before, of the same code; None where the case is still to be done or failed."""
+    marks, compared = _known_own(task), others.known(task.others)
+    if marks is None or (compared is None and _is_compared(task, marks)):
+        return None
+    return {**marks, "others": compared or {}}
 
 
-def _answered(where: Concealed, out: Path) -> tuple[dict[str, Any], float]:
-    """The diagnosis of the first recording, and what it took in s."""
-    began = time.perf_counter()
-    with kept_shut(where.sealed.parent):
-        _command("diagnose", where.folder / "run_1", "--output", out)
-    return json.loads((out / "diagnosis.json").read_text()), time.perf_counter() - began
+def _is_compared(task: Task, marks: Marks) -> bool:
+    """Whether there is anything in the joint angles for others to learn."""
+    return task.kind in CONCEALED and marks.get("source") is not None
 
 
-def _removal(where: Concealed, out: Path, answer: Answer) -> dict[str, float]:
+def _source(answer: Answer) -> str | None:
+    """What predictions start from; None where the joints do what the nominal arm does."""
+    stages = {one["stage"] for one in answer.told["truth"]}
+    return "setpoints" if "servo" in stages else "gearbox_states" if "wire" in stages else None
+
+
+def _removal(where: Concealed, out: Path, answer: Answer) -> Marks:
     """Rms error of the joint angles of the second recording before and after, rad."""
-    on_servo = any(one["stage"] == "servo" for one in answer.told["truth"])
-    source = "setpoints" if on_servo else "gearbox_states"
+    source = _source(answer) or "gearbox_states"
     run_2, predicted = where.folder / "run_2", out / "predicted"
-    _command("simulate", run_2, "--model", out / "model.yaml", "--from", source, "--output", predicted)
-    noise = answer.told["noise"]["noise"]
-    before, after = removable(run_2, predicted, answer.clean, source, noise)
+    try:
+        command("simulate", run_2, "--model", out / "model.yaml", "--from", source, "--output", predicted)
+    except Exception as error:  # a model that does not run on another motion has removed nothing
+        return {"failed": f"simulate: {error}"}
+    before, after = removable(run_2, predicted, answer.clean, source, answer.told["noise"]["noise"])
     return {"before": before, "after": after}
 
 
-def _refitted(where: Concealed, answer: Answer) -> dict[str, Any]:
-    """Errors of the baseline on both runs, beside the tool's."""
-    runs = (where.folder / "run_1", where.folder / "run_2")
-    try:
-        return {"refit": refit(*runs, answer.clean, answer.told["noise"]["noise"])}
-    except (ValueError, IndexError, FloatingPointError) as error:  # not the tool's fault: said, not scored
-        return {"refit_failed": str(error)}
+def _on_the_fitted_run(diagnosis: Marks, noise: float) -> Marks:
+    """The same for the first recording, on samples that the fit did not see, as the diagnosis says itself."""
+    joints = diagnosis.get("stages", {}).get("wire", {}).get("joints", {}).values()
+    both = np.array([[one["rmse_before"], one["rmse_after"]] for one in joints], dtype=np.float64)
+    if not both.size or not np.isfinite(both).all():
+        return {}
+    left = np.sqrt(np.maximum((both**2).mean(axis=0) - noise**2, 0.0))
+    return {"fitted_before": float(left[0]), "fitted_after": float(left[1])}
 
 
-def _about(answer: Answer) -> dict[str, Any]:
+def _about(answer: Answer) -> Marks:
     told = answer.told
     return {"count": len(told["truth"]), "known": told["known"], "motion": told["train"],
-            "effects": [t["effect"] for t in told["truth"]], "noise": told["noise"]["noise"]}  # fmt: skip
+            "effects": [t["effect"] for t in told["truth"]], "noise": told["noise"]["noise"],
+            "source": _source(answer)}  # fmt: skip
 
 
-def _marks(where: Concealed, out: Path) -> dict[str, Any]:
-    try:
-        diagnosis, took = _answered(where, out)
-    except Exception as error:  # whatever the diagnosis does, it is marked as having found nothing
-        diagnosis, took = {"verdict": "failed", "findings": []}, 0.0
-        failed = f"{error}\n{traceback.format_exc()[-1200:]}"
-        answer = reveal(where)
+def _own(where: Concealed, said: Said, out: Path, answer: Answer) -> Marks:
+    """Marks of the diagnosis; one that failed has found nothing."""
+    if said.failed:
         return {
             **_about(answer),
-            **marked(answer.told["truth"], diagnosis),
-            "failed": failed,
-            "seconds": took,
+            **marked(answer.told["truth"], NOTHING),
+            "failed": said.failed,
+            "seconds": 0.0,
         }
-    answer = reveal(where)
-    marks = {**_about(answer), **marked(answer.told["truth"], diagnosis), "seconds": took}
-    if all(one["stage"] == "wire" for one in answer.told["truth"]):
-        marks |= _refitted(where, answer)
-    try:
-        return {**marks, **_removal(where, out, answer)}
-    except Exception as error:  # a model that does not run on another motion has removed nothing
-        return {**marks, "failed": f"simulate: {error}"}
+    diagnosis = json.loads((out / "diagnosis.json").read_text())
+    return {
+        **_about(answer),
+        **marked(answer.told["truth"], diagnosis),
+        **_on_the_fitted_run(diagnosis, answer.told["noise"]["noise"]),
+        **_removal(where, out, answer),
+        "seconds": said.seconds,
+    }
 
 
-def judged(task: Task) -> dict[str, Any]:
+def judged(task: Task) -> Marks:
     """Marks of a case, kept on disk; its recordings go."""
-    name = task.kept.stem
     try:
         case = drawn(task.kind, task.seed)
     except RuntimeError as error:
-        return _kept(task, {"name": name, "not_drawn": str(error)})
+        return _kept(task, {"name": task.name, "not_drawn": str(error)})
     where = conceal(case, task.output / "open", task.output / "sealed")
-    out = task.output / "answers" / where.folder.name
+    own = task.output / "answers" / where.folder.name
+    own.mkdir(parents=True)
+    out = own / "diagnosis"
     try:
-        return _kept(task, {"name": name, **_marks(where, out)})
+        marks = _known_own(task)
+        if marks is None:
+            said = diagnosed(task.output, where.folder / "run_1", out)
+            answer = reveal(where)
+            marks = _kept(task, {"name": task.name, **_own(where, said, out, answer)})
+        return {**marks, "others": _compared(task, where, marks)}
     finally:
         shutil.rmtree(where.folder, ignore_errors=True)
-        shutil.rmtree(out, ignore_errors=True)
+        shutil.rmtree(own, ignore_errors=True)
         where.sealed.unlink(missing_ok=True)
 
 
-def _kept(task: Task, marks: dict[str, Any]) -> dict[str, Any]:
-    whole = {**marks, "kind": task.kind, "seed": task.seed, "code": code()}
+def _compared(task: Task, where: Concealed, marks: Marks) -> Marks:
+    """What others make of the case, from before where their code is the same."""
+    if not _is_compared(task, marks):
+        return {}
+    before = others.known(task.others)
+    if before is not None:
+        return before
+    runs, answer = (where.folder / "run_1", where.folder / "run_2"), reveal(where)
+    found = others.compared(runs, marks["source"], answer.clean, answer.told["noise"]["noise"])
+    return others.keep(task.others, found)
+
+
+def _kept(task: Task, marks: Marks) -> Marks:
+    whole = {**marks, "kind": task.kind, "seed": task.seed, "code": marks_code()}
     task.kept.parent.mkdir(parents=True, exist_ok=True)
     part = task.kept.with_suffix(".part")
     part.write_text(json.dumps(whole, indent=1))

@@ -28,8 +28,9 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from test.concealed.codes import ROOT, marks_code
 from test.concealed.evidence import as_json, evidence, shares_removed
-from test.concealed.judge import ROOT, Task, code, judged, known_marks
+from test.concealed.judge import Task, judged, known_marks
 from test.concealed.proof_figures import draw_figures
 from test.concealed.proof_table import as_markdown
 from test.concealed.seeds import CLEAN, CONCEALED, in_turn
@@ -84,15 +85,15 @@ def _bar(console: Console) -> Progress:
 
 def prove(tasks: list[Task], workers: int, seconds: float, console: Console) -> list[dict[str, Any]]:
     """Marks of the tasks that are done, those from before included."""
-    kept = {task.kept.stem: known_marks(task) for task in tasks}
+    kept = {task.name: known_marks(task) for task in tasks}
     marks = {name: one for name, one in kept.items() if one is not None}
-    todo = [task for task in tasks if task.kept.stem not in marks]
+    todo = [task for task in tasks if task.name not in marks]
     with _bar(console) as bar:
         shown = bar.add_task("concealed cases", total=len(tasks), completed=len(marks))
         for one in _running(todo, workers, time.monotonic() + seconds):
             marks[one["name"]] = one
             bar.update(shown, advance=1, description=f"{one['name']:18}")
-    return [marks[task.kept.stem] for task in tasks if task.kept.stem in marks]
+    return [marks[task.name] for task in tasks if task.name in marks]
 
 
 def _about(cases: list[dict[str, Any]]) -> str:
@@ -102,8 +103,8 @@ def _about(cases: list[dict[str, Any]]) -> str:
     kinds = ", ".join(f"{sum(c['kind'] == k for c in done)} {k}" for k in {**CONCEALED, **CLEAN})
     return (
         f"{len(done) - clean} of {planned[0]} concealed cases and {clean} of {planned[1]} clean arms ran "
-        f"({kinds}); code {code()}. In brackets: 95 % intervals (Wilson; bootstrap over cases for F1, means "
-        "and percentiles)."
+        f"({kinds}); code {marks_code()}. In brackets: 95 % intervals (Wilson; bootstrap over cases for F1, "
+        "means and percentiles)."
     )
 
 
@@ -113,7 +114,7 @@ def write(cases: list[dict[str, Any]], output: Path) -> str:
     table = as_markdown(found, cases, _about(cases))
     results = {
         "schema": "trunk_ros/proof/1",
-        "code": code(),
+        "code": marks_code(),
         "seeds": _seeds(),
         **as_json(found),
         "cases": cases,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from test.concealed.case import Case, draw_case
+from test.concealed.mujoco_case import draw_mujoco_case
 from test.concealed.wire_case import KINDS, draw_wire_case
 
 CONCEALED = {
@@ -14,11 +15,13 @@ CONCEALED = {
     "unknown": range(53_000, 53_078),  # physics outside the table, six rounds of 13
     "hard": range(54_000, 54_060),  # one to four effects; coloured noise, 25 Hz, losses, drifting clock …
     "wire": range(55_000, 55_042),  # finite-element wires
+    "mujoco": range(56_000, 56_060),  # tendons, masses and friction in an engine, four rounds of 15
 }
 CLEAN = {
     "clean": range(60_000, 60_210),
     "clean_hard": range(61_000, 61_060),
     "clean_wire": range(62_000, 62_030),
+    "clean_mujoco": range(63_000, 63_030),
 }
 KNOBS: dict[str, dict[str, Any]] = {
     "singles": {"count": 1, "level": (0.5, 10.0)}, "pairs": {"count": 2}, "triples": {"count": 3},
@@ -34,6 +37,10 @@ def drawn(kind: str, seed: int) -> Case:
         return draw_wire_case(seed, "clean")
     if kind == "wire":
         return draw_wire_case(seed, KINDS[1:][seed % len(KINDS[1:])])
+    if kind == "clean_mujoco":
+        return draw_mujoco_case(seed, "clean")
+    if kind == "mujoco":
+        return draw_mujoco_case(seed)
     return draw_case(seed, **KNOBS[kind])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from test.concealed import judge, proof
+from test.concealed import codes, judge, proof
 from test.concealed.evidence import evidence
 from test.concealed.intervals import bootstrap, wilson
 from test.concealed.seeds import CLEAN, CONCEALED, PART, in_turn
@@ -78,7 +78,7 @@ def test_the_files_say_every_number_with_its_interval(tmp_path: Path) -> None:
 def test_a_case_is_not_done_twice_unless_the_code_changed(tmp_path: Path) -> None:
     task = judge.Task("singles", 50_000, tmp_path)
     task.kept.parent.mkdir()
-    task.kept.write_text(json.dumps(_marks("singles_50000", code=judge.code())))
+    task.kept.write_text(json.dumps(_marks("singles_50000", code=codes.marks_code())))
     assert len(proof.prove([task], 1, 0.0, Console(quiet=True))) == 1
     task.kept.write_text(json.dumps(_marks("singles_50000", code="other")))
     assert judge.known_marks(task) is None

@@ -9,7 +9,7 @@ from rosbags.highlevel import AnyReader
 
 from test.concealed.bag import NAMES
 from test.concealed.case import Case, draw_case
-from test.concealed.protocol import BrokenSealError, Concealed, conceal, kept_shut, reveal, seal, unsealed
+from test.concealed.protocol import BrokenSealError, Concealed, conceal, reveal, seal, unsealed
 from test.concealed.removed import read_angles
 
 
@@ -32,16 +32,16 @@ def test_what_was_concealed_is_revealed(case: Case, where: Concealed) -> None:
 
 
 def test_an_edited_answer_is_refused(where: Concealed) -> None:
-    salt, answer = unsealed(where.sealed)
+    salt, answer = unsealed(where.sealed, where.key)
     answer["told"]["truth"][0]["effect"] = "backlash"
-    seal(where.sealed, salt, answer)
+    seal(where.sealed, where.key, salt, answer)
     with pytest.raises(BrokenSealError, match="not the answer that was promised"):
         reveal(where)
 
 
 def test_an_answer_under_another_salt_is_refused(where: Concealed) -> None:
-    _, answer = unsealed(where.sealed)
-    seal(where.sealed, "0" * 64, answer)
+    _, answer = unsealed(where.sealed, where.key)
+    seal(where.sealed, where.key, "0" * 64, answer)
     with pytest.raises(BrokenSealError, match="hash differs"):
         reveal(where)
 
@@ -85,7 +85,19 @@ def test_two_seals_of_one_case_share_no_hash(case: Case, where: Concealed, tmp_p
     assert len(hashes) == 2
 
 
-def test_a_diagnosis_that_opens_the_answer_is_stopped(where: Concealed) -> None:
-    with kept_shut(where.sealed.parent), pytest.raises(BrokenSealError, match="opened during the diagnosis"):
-        where.sealed.read_bytes()
-    assert where.sealed.read_bytes()
+def test_the_answer_cannot_be_read_without_the_key(where: Concealed) -> None:
+    with pytest.raises(BrokenSealError, match="not its key"):
+        unsealed(where.sealed, b"0" * 32)
+    names = {f.name for f in where.sealed.parent.iterdir()} | {f.name for f in where.folder.rglob("*")}
+    assert where.key.hex() not in str(names)
+    for file in [where.sealed, *(f for f in where.folder.rglob("*") if f.is_file())]:
+        assert where.key not in file.read_bytes()
+
+
+def test_an_answer_and_a_hash_that_were_both_exchanged_are_refused(where: Concealed, tmp_path: Path) -> None:
+    other = conceal(draw_case(2, effects=["backlash"], seconds=15.0), tmp_path / "open", tmp_path / "sealed")
+    salt, answer = unsealed(other.sealed, other.key)
+    seal(where.sealed, where.key, salt, answer)
+    (where.folder / "commitment.json").write_text((other.folder / "commitment.json").read_text())
+    with pytest.raises(BrokenSealError, match="its hash differs"):
+        reveal(where)

@@ -13,7 +13,7 @@ from test.concealed import score
 from test.concealed.bag import write_bag
 from test.concealed.case import Case, draw_case
 from test.concealed.generate import write_case
-from test.concealed.removed import nominal_from_setpoints, read_angles
+from test.concealed.removed import nominal_angle, read_angles, servo_angles
 
 
 def _answers(case: Case, job: score.Job, arguments: list[str]) -> None:
@@ -64,5 +64,5 @@ def test_the_nominal_arm_from_setpoints_is_exact_on_a_clean_arm(tmp_path: Path) 
     case = draw_case(7, count=0, seconds=15.0)
     write_bag(case.test, tmp_path / "test")
     shown = read_angles(tmp_path / "test", "joint_states")
-    nominal = nominal_from_setpoints(tmp_path / "test", shown.stamp)
+    nominal = nominal_angle(servo_angles(tmp_path / "test"), shown.stamp)
     np.testing.assert_allclose(nominal, case.test.theta_clean, atol=1e-9)
