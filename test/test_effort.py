@@ -167,6 +167,13 @@ def test_a_diagnosis_names_the_stretch_whatever_the_load_is_taken_from(load: str
     assert rms_off(made, result.model) == pytest.approx(1e-4, rel=0.1)
 
 
+def test_with_effort_the_stretch_is_named_on_an_arm_whose_masses_nobody_knows() -> None:
+    arm = replace(NOMINAL.arm, load_from="effort", link_mass=np.empty(0), link_length=np.empty(0))
+    (found,) = diagnose([heavier()], Model(arm)).findings
+    assert found.effect == "load_elasticity"
+    assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
+
+
 def swung_arm() -> Recording:
     """A run of an arm that stretches under weight and inertia."""
     made = recorded()

@@ -41,7 +41,7 @@ def usable(problem: Problem) -> list[type[Effect]]:
     """The named effects of the stage that this arm can have and this recording can show."""
     arm = problem.arm
     has = {
-        "load": arm.has_load,
+        "load": problem.has_load,
         "dead_band": bool(np.any(arm.dead_band > 0)),
         "several": len(arm.joints) > 1,
     }

@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.noise import Noise, noise_of
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
+from trunk_ros.resistance import loads
 from trunk_ros.stage import Order, State, through
 
 LEAST = 50  # valid samples without which a joint cannot be judged
@@ -91,6 +92,11 @@ class Problem(ABC):
         return float(np.median(steps)) if len(steps) else 0.0
 
     @property
+    def has_load(self) -> bool:
+        """Whether the moment on the joints is known, computed or measured."""
+        return self.arm.has_load or self.views[0].span.resistance is not None
+
+    @property
     def columns(self) -> list[int]:
         """Columns that can be judged: enough valid samples."""
         return [c for c in range(len(self.joints)) if self.count(c) >= LEAST]
@@ -115,7 +121,7 @@ class Problem(ABC):
         follows = np.zeros_like(span.valid)
         follows[1:] = span.valid[1:] & span.valid[:-1]
         dt = np.diff(span.grid, prepend=span.grid[:1])
-        return View(span, dt, angles, *loads(self.arm, span, angles), angles, follows)
+        return View(span, dt, angles, *loads(self.arm, angles, span.resistance), angles, follows)
 
     def now(self, index: int, column: int, payload: float) -> Now:
         """The surroundings of a column in a span, kept between calls."""
@@ -209,7 +215,7 @@ class WireProblem(Problem):
         for view in self.views:
             span = view.span
             view.angles = Chain(model, "wire").angles(span.gearbox, span.grid, span.velocity, span.resistance)
-            view.load, view.lever = loads(self.arm, span, view.angles)
+            view.load, view.lever = loads(self.arm, view.angles, span.resistance)
         self.version = self._version()
         self._cache.clear()
 
@@ -221,14 +227,6 @@ class WireProblem(Problem):
                 return number
         self._known.append(angles)
         return len(self._known) - 1
-
-
-def loads(arm: Arm, span: Span, angles: Array) -> tuple[Array, Array]:
-    """Moment on the joints [N m] and what a kilogram more at the tip adds [N m/kg], (m, joints) each."""
-    known = span.resistance
-    if known is None:
-        return arm.load(angles), arm.lever(angles)
-    return known.load(arm, angles), known.per_kilogram(arm, angles)
 
 
 def begun(now: Now, blocks: list[Effect], width: Array, measured: float) -> State:

@@ -66,7 +66,7 @@ def with_curve(
 def variables(problem: Problem, column: int) -> list[str]:
     """What a curve may be drawn over: words of the effect ``unknown``."""
     others = [joint for k, joint in enumerate(problem.joints) if k != column]
-    load = ["load"] if problem.arm.has_load else []
+    load = ["load"] if problem.has_load else []
     speed = ["speed"] if problem.step < SLOW else []
     return ["position", *speed, "time", *load, *others]
 
