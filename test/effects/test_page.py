@@ -61,3 +61,9 @@ def test_named_rivals_come_with_the_motion_that_separates_them() -> None:
                 own = TEXT.partition(f"### {one}\n")[2].partition("\n### ")[0]
                 assert f"[`{rival}`]" in own, (one, rival)
             assert motion in TEXT
+
+
+@pytest.mark.parametrize("name", registry())
+def test_every_effect_says_what_it_is_easily_confused_with(name: str) -> None:
+    own = TEXT.partition(f"### {name}\n")[2].partition("\n### ")[0]
+    assert "- Easily confused with\n  - [`" in own

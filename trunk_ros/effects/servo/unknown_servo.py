@@ -12,3 +12,4 @@ class UnknownServo(Curve):
     stage = "servo"
     place = 250
     compensable = False
+    confused_with = (("cogging", "move over a wider range: a cogging goes on with its period"),)

@@ -33,6 +33,12 @@ class VelocitySaturation(Effect):
     )
     everywhere = True
     compensable = False
+    confused_with = (
+        (
+            "servo_bandwidth",
+            "make the same move at a third of the speed: a slow loop lags in proportion still",
+        ),
+    )
 
     def adjust(self, core: Core, now: Now) -> None:
         core.v_max = np.minimum(core.v_max, self["v_max"])

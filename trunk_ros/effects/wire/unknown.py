@@ -11,3 +11,7 @@ class Unknown(Curve):
     id = "unknown"
     stage = "wire"
     place = 250
+    confused_with = (
+        ("transmission_ripple", "move over a wider range: a ripple goes on with its period"),
+        ("wire_stiffening", "carry a payload: what depends on the load goes on where the bare arm ended"),
+    )
