@@ -92,7 +92,8 @@ def _evidence(search: Search, state: Fit, name: str) -> Evidence:
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         limit = sum(need(problem, c) for c in gain)
-        near = sorted((loss, rival) for rival, loss in out.rivals.items() if loss < limit)
+        told = [(loss, rival) for rival, loss in out.rivals.items() if rival in out.fitted[rival]]
+        near = sorted((loss, rival) for loss, rival in told if loss < limit)
         out.equivalents = [rival for _, rival in near][:RIVALS]
     out.confidence = confidence(search, out)
     problem.look_again(state.explanation)
