@@ -24,6 +24,15 @@ wanted = 0.2 * np.sin(stamp[:, None] * [1.0, 1.1, 1.2, 1.3, 1.4])
 """
 
 
+def test_the_readme_shows_the_same_example() -> None:
+    shown = [
+        re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+        for page in (PAGE, ROOT / "README.md")
+    ]
+    assert shown[0][0] in shown[1]
+    assert len([line for line in shown[0][0].splitlines() if line]) <= 16
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with the example as the page prints it."""
@@ -132,12 +141,16 @@ def test_a_diagnosis_names_it_and_its_model_predicts_another_run(folder: Path) -
         folder,
         "from test.diagnosis.arms import on, recorded\n"
         "from trunk_ros.diagnosis import diagnose\n"
+        "from trunk_ros.diagnosis.report import render\n"
         "from trunk_ros.simulate import simulate\n"
         "hidden = {'winding_growth': {'growth': on(3, 0.03)}}\n"
         "result = diagnose([recorded(hidden, seconds=30.0)])\n"
         "found, = result.findings\n"
         "assert (found.effect, found.joints) == ('winding_growth', ['joint_3']), result.findings\n"
         "assert abs(found.parameters['joint_3']['growth']['value'] - 0.03) < 0.003\n"
+        "page = render(result)\n"
+        "assert '<h3>winding growth: joint_3</h3>' in page\n"
+        "assert 'bends like a parabola' in page\n"
         "other = recorded(hidden, seconds=30.0, seed=5, noise=0.0)\n"
         "shown = simulate(other, result.model).series['joint_states'].position\n"
         "assert np.abs(shown - other.series['joint_states'].position)[300:].max() < 3e-4",

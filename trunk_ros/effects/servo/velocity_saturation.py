@@ -36,7 +36,7 @@ class VelocitySaturation(Effect):
     confused_with = (
         (
             "servo_bandwidth",
-            "make the same move at a third of the speed: a slow loop lags in proportion still",
+            "make the same move at a third of the speed: a slow loop lags there as well",
         ),
     )
 
