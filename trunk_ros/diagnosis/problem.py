@@ -233,7 +233,7 @@ def begun(now: Now, blocks: list[Effect], width: Array, measured: float) -> Stat
     """The state in which the friction element shows a measured angle at the first sample, as far as its
     play lets it.
     """
-    cut = {f.name: getattr(now, f.name)[:1] for f in fields(now) if f.name not in ("joints", "ratio")}
+    cut = {f.name: getattr(now, f.name)[:1] for f in fields(now) if f.name not in ("joints", "ratio", "held")}
     first, core = replace(now, **cut), Core(nominal_width=width, width=width)
     shown, true, _ = wire_pass(first.gearbox, first, blocks, core, None)
     u = through(first.gearbox * first.ratio, Order.of(blocks).path, first, {}, {})
