@@ -36,6 +36,13 @@ def test_what_was_given_up_and_comes_after_all_is_waited_for_again():
     assert not it.complete(5)
 
 
+def test_a_receiver_that_speaks_before_the_sender_does_not_count_as_a_loss():
+    it = ledger(3, 4)
+    assert it.complete(5)
+    it.note(Progress("out", 5, sent={"t": 4}))
+    assert it.complete(5)
+
+
 def test_progress_goes_through_text_unchanged():
     progress = Progress("n", 7, {"a": 1}, {"b": 2}, {">a": 3})
     assert Progress.from_json(progress.to_json()) == progress

@@ -67,7 +67,7 @@ class Ledger:
         for name, progress in self.progress.items():
             for topic in progress.received.keys() & sent.keys():
                 key = f"{topic} -> {name}"
-                count = sent[topic] - progress.received[topic]
+                count = max(sent[topic] - progress.received[topic], 0)  # the sender may speak later
                 self.excused[key] = min(self.excused.get(key, 0), count)  # it came after all
                 count -= self.excused[key]
                 if count > (0 if strict else self.lagging.get(name, 0)):
