@@ -22,6 +22,7 @@ from trunk_ros.diagnosis.findings import (
     left_over,
     without_a_name,
 )
+from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.heldout import held_out
 from trunk_ros.diagnosis.leftover import rests as powers
 from trunk_ros.diagnosis.problem import LEAST, Problem, ServoProblem, WireProblem
@@ -163,12 +164,12 @@ class Diagnoser:
         nameless = [without_a_name(rest) for rest in rests if strong & set(rest.joints)]
         self.result.findings += [f for f in nameless if f is not None]
         self._plot(problem, state.explanation)
-        self._experiment(search, state.explanation, {f.effect: found[f.effect] for f in new if f.equivalents})
+        self._experiment(search, state, {f.effect: found[f.effect] for f in new if f.equivalents})
 
-    def _experiment(self, search: Search, explanation: Explanation, found: dict[str, Evidence]) -> None:
+    def _experiment(self, search: Search, state: Fit, found: dict[str, Evidence]) -> None:
         """The motion that tells what was found from its equivalents."""
         self.say(f"{search.problem.stage}: experiment")
-        done, file = experiment(search, explanation, found), f"experiment_{search.problem.stage}.yaml"
+        done, file = experiment(search, state, found), f"experiment_{search.problem.stage}.yaml"
         if done is not None:
             told = proposals(done, file, self.recordings[0].units)
             self.result.experiments += told

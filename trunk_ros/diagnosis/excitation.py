@@ -19,7 +19,8 @@ from trunk_ros.trajectory import Limits, Trajectory
 SECONDS = 8.0  # of one stretch
 TURNS = 60  # of a stretch at most
 BEND = 5.7735  # peak acceleration of a rest-to-rest quintic, times its time squared over its way
-GENTLE = 20.0  # rad/s^2 for arms that state limits, none of them of acceleration
+GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
+UNSEEN = 4.0  # noise over squared sample time: a line between samples is off by half the noise
 ROOM = 0.95  # of a limit
 CARRIED = 0.3  # of the top speed: a joint that takes its place
 LEAST = 0.03  # of a stretch's first turn: the smallest one
@@ -63,17 +64,22 @@ def stretches(joints: int, own: Collection[int]) -> list[Stretch]:
 
 
 def limits_of(problem: Problem) -> Limits:
-    """The arm's own limits; for joints that have none, what they did in the recordings."""
+    """The arm's own limits; for joints that have none, what they did in the recordings.
+
+    Accelerations stay as they were, or where samples still show what lies between them.
+    """
     arm, views = problem.arm, problem.views
     seen = np.concatenate([view.span.gearbox * arm.ratio for view in views])
     speed = np.concatenate([np.abs(view.span.velocity * arm.ratio) for view in views])
     bend = np.concatenate([_bend(view.span.velocity * arm.ratio, view.span.grid) for view in views])
+    done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))
+    shown = UNSEEN * np.array([noise.std for noise in problem.noise]) / step**2
     stated = np.isfinite(arm.lower) & np.isfinite(arm.upper)
     return Limits(
         np.where(stated, arm.lower, seen.min(axis=0)),
         np.where(stated, arm.upper, seen.max(axis=0)),
         np.minimum(arm.v_max * np.abs(arm.ratio), np.where(stated, np.inf, speed.max(axis=0))),
-        np.where(stated, GENTLE, np.quantile(bend, REACHES, axis=0)),
+        np.where(stated, np.clip(np.maximum(done, shown), 0.0, GENTLE), done),
     )
 
 

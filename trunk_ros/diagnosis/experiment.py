@@ -14,11 +14,16 @@ import numpy as np
 from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.excitation import Stretch, limits_of, motion, stretches
 from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.fit import Fit
+from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.search import Search
-from trunk_ros.diagnosis.separation import Difference, Duel, expected, span_of
+from trunk_ros.diagnosis.separation import Difference, Duel, Other, expected, span_of
+from trunk_ros.effects import effect
+from trunk_ros.parameter import Parameter
 from trunk_ros.trajectory import Trajectory
 
 MOST = 4  # stretches of a motion
@@ -28,6 +33,7 @@ AMPLE = 4.0  # likewise: no further stretch is added
 HOPELESS = 0.1  # likewise, in the best stretch: four of them and repeats would not do
 REPEATS = 4  # of a motion that is too short
 TRIALS = 30  # of the local search
+STANDS = 1e-3  # rad/s
 LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
 FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
 
@@ -42,25 +48,67 @@ class Experiment:
     seen: list[Difference]
 
 
-def experiment(search: Search, explanation: Explanation, found: dict[str, Evidence]) -> Experiment | None:
+def experiment(search: Search, state: Fit, found: dict[str, Evidence]) -> Experiment | None:
     """The motion that best tells the effects found from their equivalents; None where there are none."""
-    duels = [
-        Duel(search, name, rival, explanation, evidence.fitted[rival], evidence.rivals[rival])
+    sides = [
+        sides_of(search, state, name, rival, evidence)
         for name, evidence in found.items()
         for rival in evidence.equivalents
     ]
-    done = Design(search, duels).run() if duels else None
-    search.problem.look_again(explanation)
+    done = Design(search.problem, sides).run() if sides else None
+    search.problem.look_again(state.explanation)
     return done
+
+
+def sides_of(search: Search, state: Fit, name: str, rival: str, evidence: Evidence) -> tuple[Duel, Duel]:
+    """What was found taken for the truth, and the rival taken for it: one effect may be able to turn into the
+    other, and then only one of the two can be ruled out.
+    """
+    limit = sum(need(search.problem, c) for c in evidence.gain)
+    loss, there = evidence.rivals[rival], evidence.fitted[rival]
+    others = forms_of(search, Other(search, there, loss), rival, state.total, limit)
+    own = forms_of(search, Other(search, state.explanation, -loss), name, state.total + loss, limit)
+    return Duel(name, rival, state.explanation, others), Duel(rival, name, there, own)
+
+
+def forms_of(search: Search, best: Other, name: str, total: float, limit: float) -> list[Other]:
+    """An effect in all forms that lose less than ``limit`` against ``total``, the best first."""
+    out, kind = [best], effect(name)
+    for form in kind.forms:
+        if form != best.explanation[name].form and kind.own_parameters(form):
+            trial = search.refit(in_form(best.explanation, name, form))
+            if trial.total - total < limit:
+                out.append(Other(search, trial.explanation, trial.total - total))
+    return out
+
+
+def in_form(explanation: Explanation, name: str, form: str) -> Explanation:
+    """An effect in another form, from the values that it has; others from their usual ones."""
+    out = explanation.copy()
+    term, needed = out[name], effect(name).own_parameters(form)
+    term.form = form
+    term.shared = {
+        p.name: term.shared.get(p.name, p.typical) for p in needed if p.shared and _has(p, term.shared)
+    }
+    term.own = {
+        c: {p.name: own.get(p.name, p.typical) for p in needed if not p.shared and _has(p, own)}
+        for c, own in term.own.items()
+    }
+    return out
+
+
+def _has(parameter: Parameter, values: dict[str, float]) -> bool:
+    return not parameter.optional or parameter.name in values
 
 
 class Design:
     """A search over motions for one that tells all rivals apart."""
 
-    def __init__(self, search: Search, duels: list[Duel]):
-        self.problem, self.duels = search.problem, duels
-        self.own = {c for duel in duels for c in duel.columns}
-        self.limits = limits_of(search.problem)
+    def __init__(self, problem: Problem, sides: list[tuple[Duel, Duel]]):
+        self.problem, self.sides = problem, sides
+        self.duels = [forward for forward, _ in sides]
+        self.own = {c for duel in self.duels for c in duel.columns}
+        self.limits = limits_of(problem)
 
     def run(self) -> Experiment:
         """Stretch by stretch, then in small steps; repeated where that is not enough."""
@@ -92,15 +140,16 @@ class Design:
     def ranked(self) -> tuple[list[Stretch], list[Duel], Array]:
         """The stretches that tell most; each pair from the side from which it can be told; its best ratio."""
         candidates = stretches(len(self.problem.joints), self.own)
-        forward, ratios = self.duels, np.array([self.ratios([part]) for part in candidates])
+        ratios = np.array([self.ratios([part]) for part in candidates])
+        faced = self.duels
         if ratios.max(axis=0).min() < SURE:
-            self.duels = [duel.reversed for duel in forward]
+            self.duels = [back for _, back in self.sides]
             back = np.array([self.ratios([part]) for part in candidates])
             turned = (ratios.max(axis=0) < SURE) & (back.max(axis=0) > ratios.max(axis=0))
-            forward = [duel.reversed if t else duel for duel, t in zip(forward, turned, strict=True)]
+            faced = [pair[int(t)] for pair, t in zip(self.sides, turned, strict=True)]
             ratios = np.where(turned, back, ratios)
         order = np.argsort(-np.log1p(ratios).sum(axis=1), kind="stable")
-        return [candidates[k] for k in order[:AGAIN]], forward, ratios.max(axis=0)
+        return [candidates[k] for k in order[:AGAIN]], faced, ratios.max(axis=0)
 
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
@@ -155,10 +204,10 @@ def statement(duel: Duel, seen: Difference, there: Trajectory, units: dict[str, 
             f"No motion within the limits tells {duel.truth} from {duel.other}: fitted anew, the two would "
             f"differ by no more than {gap}, {times}, on {joint}."
         )
+    moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
     return (
-        f"In {there.duration:.0f} s of motion look at {joint} at {seen.time:.1f} s "
-        f"({seen.angle:+.2f} {unit}, {seen.speed:+.2g} {unit}/s): "
-        f"with {duel.truth} it reads {gap} {'more' if seen.gap > 0 else 'less'}, "
-        f"{times}, than with any {duel.other} that fits these data; over the whole motion they differ by "
-        f"{seen.rms:.2g} times the noise."
+        f"In {there.duration:.0f} s of motion look at {joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, "
+        f"{moves}): with {duel.truth} it reads {gap} {'more' if seen.gap > 0 else 'less'}, {times}, than with "
+        f"any {duel.other} that fits these data; over the whole motion they differ by {seen.rms:.2g} times the "
+        "noise."
     )

@@ -78,31 +78,13 @@ class Pinned(Residuals):
 
 
 @dataclass
-class Duel:
-    """An effect taken for the truth, and another one in its place that explains the recordings as well."""
+class Other:
+    """A rival in one form, fitted to the recordings at hand."""
 
     search: Search
-    truth: str
-    other: str
-    base: Explanation
-    """With the truth."""
     explanation: Explanation
-    """With the other."""
     loss: float
-    """By how much the other explains the recordings at hand worse, in squared unit noise."""
-
-    @property
-    def reversed(self) -> Duel:
-        """The other taken for the truth: where one effect can turn into the other, only one can be ruled
-        out.
-        """
-        return Duel(self.search, self.other, self.truth, self.explanation, self.base, -self.loss)
-
-    @cached_property
-    def columns(self) -> list[int]:
-        """Joints on which the two differ."""
-        there = self.search.problem.columns
-        return [c for c in there if self.base.key(c) != self.explanation.key(c)]
+    """By how much it explains them worse, in squared unit noise."""
 
     @cached_property
     def groups(self) -> list[tuple[list[int], Array]]:
@@ -110,43 +92,72 @@ class Duel:
         problem, out = self.search.problem, []
         problem.look_again(self.explanation)
         for group in self.search.groups(self.explanation):
-            if set(group) & set(self.columns):
-                residuals = Residuals(problem, self.explanation, group)
-                x = np.clip(self.explanation.get(residuals.free), *bounds(residuals.free))
-                jacobian = residuals.jacobian(x)
-                out.append((group, jacobian.T @ jacobian))
+            residuals = Residuals(problem, self.explanation, group)
+            x = np.clip(self.explanation.get(residuals.free), *bounds(residuals.free))
+            jacobian = residuals.jacobian(x)
+            out.append((group, jacobian.T @ jacobian))
         return out
 
-    def pinned(self, there: Problem) -> list[Pinned]:
-        """The other against what the truth would show, by groups of joints."""
+    def pinned(self, there: Problem, columns: list[int]) -> list[Pinned]:
+        """The rival on an expected recording, by groups of joints."""
         there.look_again(self.explanation)
-        return [Pinned(there, self.explanation, group, normal) for group, normal in self.groups]
+        groups = [(group, normal) for group, normal in self.groups if set(group) & set(columns)]
+        return [Pinned(there, self.explanation, group, normal) for group, normal in groups]
 
-    def ratio(self, there: Problem) -> float:
-        """Squared misfit of the other on an expected recording over what it takes to rule it out."""
-        return sum(p.linear() for p in self.pinned(there)) / self.wanted(there)
-
-    def wanted(self, there: Problem) -> float:
-        """The misfit at which it is no equivalent any more, both runs taken together."""
-        on = self.base[self.truth].columns
-        each = [need(problem, c) for problem in (self.search.problem, there) for c in on if c in self.columns]
-        return max(sum(each) - self.loss, 1.0)
-
-    def difference(self, there: Problem, motion: Trajectory) -> Difference:
-        """Where it shows most, after a full refit."""
+    def refitted(self, there: Problem, columns: list[int]) -> tuple[float, Explanation]:
+        """Squared misfit after a full refit, and the values there."""
         misfit, fitted = 0.0, self.explanation
-        for pinned in self.pinned(there):
+        for pinned in self.pinned(there, columns):
             cost, values = pinned.refitted()
             misfit += cost
             for column in pinned.columns:
                 fitted = _with(fitted, column, values)
+        return misfit, fitted
+
+
+@dataclass
+class Duel:
+    """An effect taken for the truth, and another one in its place that explains the recordings as well."""
+
+    truth: str
+    other: str
+    base: Explanation
+    """With the truth."""
+    others: list[Other]
+    """With the other, in the forms that explain the recordings as well."""
+
+    @cached_property
+    def columns(self) -> list[int]:
+        """Joints on which the two differ."""
+        best = self.others[0]
+        return [c for c in best.search.problem.columns if self.base.key(c) != best.explanation.key(c)]
+
+    def ratio(self, there: Problem) -> float:
+        """Squared misfit of the other on an expected recording over what it takes to rule it out."""
+        misfits = [
+            (sum(p.linear() for p in other.pinned(there, self.columns)), other) for other in self.others
+        ]
+        return min(misfit / self.wanted(there, other) for misfit, other in misfits)
+
+    def wanted(self, there: Problem, other: Other) -> float:
+        """The misfit at which it is no equivalent any more, both runs taken together."""
+        problems = (other.search.problem, there)
+        each = [need(p, c) for p in problems for c in self.base[self.truth].columns if c in self.columns]
+        return max(sum(each) - other.loss, 1.0)
+
+    def difference(self, there: Problem, motion: Trajectory) -> Difference:
+        """Where it shows most, after a full refit of each form."""
+        fits = [(other, *other.refitted(there, self.columns)) for other in self.others]
+        ratio, fitted = min(
+            ((misfit / self.wanted(there, other), fitted) for other, misfit, fitted in fits),
+            key=lambda one: one[0],
+        )
         there.look_again(fitted)
         rests = {c: there.residual(0, fitted, c) / there.noise[c].std for c in self.columns}
         column = max(rests, key=lambda c: float(np.abs(rests[c]).max()))
         row = int(np.argmax(np.abs(rests[column])))
-        time = float(there.views[0].span.stamp[row])
+        time, noise = float(there.views[0].span.stamp[row]), there.noise[column].std
         angle, speed, _ = motion.sample([time])
-        noise = there.noise[column].std
         return Difference(
             column,
             time,
@@ -155,7 +166,7 @@ class Duel:
             float(rests[column][row] * noise),
             noise,
             float(np.sqrt(np.mean(rests[column] ** 2))),
-            misfit / self.wanted(there),
+            ratio,
         )
 
 
