@@ -22,7 +22,6 @@ from trunk_ros.stage import Order, State, through
 
 LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
-UNCUT = ("joints", "ratio", "held")  # of the surroundings: what has no time axis
 CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
 
 
