@@ -82,16 +82,38 @@ def test_a_topic_per_joint_and_permuted_names_are_matched_by_name(tmp_path):
     assert recording.counts["joint_states"].duplicates == 0
 
 
-def test_joints_that_are_published_at_other_times_are_nan_in_between(tmp_path):
-    messages = []
-    for i in range(10):
-        stamp = START_NS + i * 10**7
-        messages.append(("/joint_states", stamp, joint_state(stamp, ["a"], [1.0])))
-        messages.append(("/joint_states", stamp, joint_state(stamp + 10**6, ["b"], [2.0])))
-    recording = read_recording(write_bag(tmp_path / "bag", messages))
-    position = recording.require("joint_states").position
-    assert np.isfinite(position).sum(axis=0).tolist() == [10, 10]
+def a_message_per_joint(topic, late_ns=3 * 10**6, count=100):
+    """Two joints at 100 Hz, the second one later; both at sin(2t)."""
+    for i in range(count):
+        for joint, stamp in (("a", START_NS + i * 10**7), ("b", START_NS + i * 10**7 + late_ns)):
+            angle = np.sin(2e-9 * (stamp - START_NS))
+            yield topic, stamp, joint_state(stamp, [joint], [angle])
+
+
+def test_joints_that_were_sampled_at_other_times_are_interpolated_and_that_is_said(tmp_path):
+    recording = read_recording(write_bag(tmp_path / "bag", a_message_per_joint("/joint_states")))
+    series = recording.require("joint_states")
+    np.testing.assert_allclose(series.stamp, 0.01 * np.arange(100), atol=1e-9)
+    np.testing.assert_allclose(series.position[:, 0], np.sin(2 * series.stamp), atol=1e-12)
+    np.testing.assert_allclose(series.position[1:, 1], np.sin(2 * series.stamp[1:]), atol=1e-8)
+    assert np.isnan(series.position[0, 1])  # before its first sample nothing is known
+    said = "joint_states: joints were sampled at different times: b interpolated to the stamps of a"
+    assert said in recording.notes
     assert recording.counts["joint_states"].not_finite == 0
+
+
+def test_setpoints_of_other_times_are_held(tmp_path):
+    recording = read_recording(write_bag(tmp_path / "bag", a_message_per_joint("/trunk/setpoints")))
+    series = recording.require("setpoints")
+    np.testing.assert_allclose(series.position[1:, 1], np.sin(2 * (series.stamp[1:] - 0.007)), atol=1e-12)
+
+
+def test_nothing_is_interpolated_into_a_gap(tmp_path):
+    messages = [
+        each for i, each in enumerate(a_message_per_joint("/joint_states")) if not (i % 2 and 60 < i < 100)
+    ]
+    position = read_recording(write_bag(tmp_path / "bag", messages)).require("joint_states").position
+    assert np.flatnonzero(np.isnan(position[:, 1])).tolist() == [0, *range(30, 51)]
 
 
 def test_all_topics_have_the_joints_in_one_order(tmp_path):

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from trunk_ros.errors import RecordingError, one_line
+from trunk_ros.recording.apart import HELD, brought_together
 from trunk_ros.recording.assemble import first_stamp, joint_series
 from trunk_ros.recording.bag import read_blocks
 from trunk_ros.recording.block import Contents, DamageError, Progress
@@ -82,7 +83,10 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     remarks += [f"read up to {duration:.6g} s"] if contents.damage else []
     remarks += series_remarks(series, counts)
     tip = _tip(series.pop(TIP, None), full.get(TIP))
+    met = {key: brought_together(each, key in HELD) for key, each in series.items()}
+    remarks += [f"{TOPICS[key]}: {said}" for key, (_, said) in met.items() if said]
     noted, custom, units = _custom(contents.custom)
+    series = {key: each for key, (each, _) in met.items()}
     series = _same_order(series)
     notes = tuple(dict.fromkeys(map(one_line, remarks + noted)))
     return Recording(str(path), start_ns, duration, series, tip, notes, units, custom, counts)
