@@ -22,6 +22,7 @@ BEND = 5.7735  # peak acceleration of a rest-to-rest quintic, times its time squ
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
 UNSEEN = 4.0  # noise over squared sample time: a line between samples is off by half the noise
 ROOM = 0.95  # of a limit
+APART, GOLDEN = 0.3, 0.618  # speeds differ by up to this share, so that no two joints move alike
 CARRIED = 0.3  # of the top speed: a joint that takes its place
 LEAST = 0.03  # of a stretch's first turn: the smallest one
 REACHES = 0.999  # of the recorded accelerations: beyond are steps of the encoder
@@ -106,6 +107,7 @@ class _Path:
         self.centre, self.reach = (low + high) / 2, (high - low) / 2 * ROOM
         self.top, self.bend = float(limits.speed[joint]) * ROOM, float(limits.acceleration[joint]) * ROOM
         self.side = 1.0 if joint % 2 else -1.0
+        self.pace = 1.0 - APART * (joint * GOLDEN % 1.0)
         self.points = [(0.0, 0.0), (LEAD_IN, 0.0)]
         self.begin = LEAD_IN
         if not low <= 0.0 <= high:
@@ -121,7 +123,7 @@ class _Path:
         turns = 0
         while size > 0.0 and turns < TURNS:
             target = min(max(part.centre + side * size, -1.0), 1.0)
-            self._go(self.centre + target * self.reach, part.speed, end)
+            self._go(self.centre + target * self.reach, part.speed * self.pace, end)
             self._stay(min(self.points[-1][0] + part.hold, end))
             size, side, turns = size * part.shrink, -side, turns + 1
             size = size if size > LEAST * part.size else part.size

@@ -72,13 +72,25 @@ def sides_of(search: Search, state: Fit, name: str, rival: str, evidence: Eviden
 
 
 def forms_of(search: Search, best: Other, name: str, total: float, limit: float) -> list[Other]:
-    """An effect in all forms that lose less than ``limit`` against ``total``, the best first."""
-    out, kind = [best], effect(name)
-    for form in kind.forms:
-        if form != best.explanation[name].form and kind.own_parameters(form):
-            trial = search.refit(in_form(best.explanation, name, form))
-            if trial.total - total < limit:
-                out.append(Other(search, trial.explanation, trial.total - total))
+    """An effect in all forms and with all sources that lose less than ``limit`` against ``total``, the best
+    first.
+    """
+    kind, there = effect(name), best.explanation
+    forms = [form for form in kind.forms if form != there[name].form and kind.own_parameters(form)]
+    trials = [in_form(there, name, form) for form in forms]
+    if kind.texts:
+        trials += [from_source(there, name, joint, search.problem.joints) for joint in search.problem.joints]
+    fits = [search.refit(trial) for trial in trials if trial != there]
+    close = [fit for fit in fits if fit.total - total < limit]
+    return [best, *(Other(search, fit.explanation, fit.total - total) for fit in close)]
+
+
+def from_source(explanation: Explanation, name: str, source: str, joints: tuple[str, ...]) -> Explanation:
+    """An effect that another joint causes, wherever it is not that joint itself."""
+    out, first = explanation.copy(), effect(name).texts[0]
+    for column, words in out[name].words.items():
+        if joints[column] != source and source not in words.values():
+            words[first] = source
     return out
 
 
@@ -119,9 +131,7 @@ class Design:
         if self.duels and self.ratios(parts).min() < SURE:
             parts = max((parts, parts * REPEATS), key=self.score)
         there = self.motion(parts)
-        span = span_of(self.problem, there)
-        seen = [duel.difference(expected(self.problem, duel.base, span), there) for duel in faced]
-        return Experiment(there, pairs, faced, seen)
+        return Experiment(there, pairs, faced, [duel.seen_in(self.problem, there) for duel in faced])
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
@@ -205,9 +215,9 @@ def statement(duel: Duel, seen: Difference, there: Trajectory, units: dict[str, 
             f"differ by no more than {gap}, {times}, on {joint}."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
+    where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
     return (
-        f"In {there.duration:.0f} s of motion look at {joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, "
-        f"{moves}): with {duel.truth} it reads {gap} {'more' if seen.gap > 0 else 'less'}, {times}, than with "
-        f"any {duel.other} that fits these data; over the whole motion they differ by {seen.rms:.2g} times the "
-        "noise."
+        f"In {there.duration:.0f} s of motion look at {where}: with {duel.truth} it reads {gap} "
+        f"{'more' if seen.gap > 0 else 'less'}, {times}, than with any {duel.other} that fits these data; "
+        f"over the whole motion they differ by {seen.rms:.2g} times the noise."
     )

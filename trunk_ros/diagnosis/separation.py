@@ -145,8 +145,9 @@ class Duel:
         each = [need(p, c) for p in problems for c in self.base[self.truth].columns if c in self.columns]
         return max(sum(each) - other.loss, 1.0)
 
-    def difference(self, there: Problem, motion: Trajectory) -> Difference:
-        """Where it shows most, after a full refit of each form."""
+    def seen_in(self, problem: Problem, motion: Trajectory) -> Difference:
+        """Where it shows most in a motion, after a full refit of each form."""
+        there = expected(problem, self.base, span_of(problem, motion))
         fits = [(other, *other.refitted(there, self.columns)) for other in self.others]
         ratio, fitted = min(
             ((misfit / self.wanted(there, other), fitted) for other, misfit, fitted in fits),

@@ -1,0 +1,165 @@
+"""The motion that an ambiguous diagnosis proposes, made by the same concealed arm."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test.concealed.bag import write_bag
+from test.concealed.hidden import Hidden
+from test.concealed.nominal import Array
+from test.concealed.plant import run
+from test.concealed.sensing import PERIOD, Sensing, record
+from test.concealed.servo import compensated
+from test.diagnosis.arms import recorded
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.align import wire_span
+from trunk_ros.diagnosis.evidence import evidence
+from trunk_ros.diagnosis.excitation import limits_of
+from trunk_ros.diagnosis.experiment import Experiment, experiment, proposals
+from trunk_ros.diagnosis.problem import Problem, WireProblem
+from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.search import Search
+from trunk_ros.model import load_model
+from trunk_ros.motion import named_trajectory
+from trunk_ros.nodes.plan import plan_of
+from trunk_ros.recording.read import read_recording
+from trunk_ros.trajectory import Limits, load_trajectory
+
+FILE = "experiment_wire.yaml"
+TRUTHS = [
+    Hidden("ratio_error", (2,), "", {"relative": np.array([8e-3])}),
+    Hidden("joint_coupling", (2,), "", {"gain": np.array([8e-3]), "source": 1}),
+]
+
+
+def all_joints_alike(seconds: float = 40.0) -> Array:
+    """Reference (n, 5) of joints that all move together: none can be told from another as the cause."""
+    t = np.arange(round(seconds / PERIOD)) * PERIOD
+    rng = np.random.default_rng(3)
+    waves = [np.sin(2 * np.pi * rng.uniform(0.04, 0.15) * t + rng.uniform(0, 6)) for _ in range(3)]
+    alike = 0.1 * np.sum(waves, axis=0) * np.clip(t / 2.0, 0.0, 1.0)
+    return np.repeat(alike[:, None], 5, axis=1)
+
+
+def made(path: Path, truth: Hidden, reference: Array, seed: int) -> Path:
+    """The bag of a concealed arm that follows a reference, through the nominal compensator."""
+    setpoints = compensated(reference, PERIOD)
+    motion = run((truth,), setpoints)
+    write_bag(record(np.random.default_rng(seed), "own", reference, setpoints, motion, Sensing()), path)
+    return path
+
+
+def proposed(path: Path) -> Array:
+    """The reference (n, 5) of a trajectory file."""
+    trajectory = load_trajectory(path)
+    return trajectory.sample(np.arange(0.0, trajectory.duration, PERIOD))[0]
+
+
+@pytest.fixture(scope="module")
+def ambiguous(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Diagnosis]:
+    folder = tmp_path_factory.mktemp("ambiguous")
+    result = diagnose([made(folder / "bag", TRUTHS[0], all_joints_alike(), 0)])
+    result.save(folder)
+    return folder, result
+
+
+@pytest.fixture(scope="module")
+def designed(ambiguous: tuple[Path, Diagnosis]) -> tuple[Problem, Experiment]:
+    model = load_model("trunk")
+    problem = WireProblem([wire_span(read_recording(ambiguous[0] / "bag"), model)], model)
+    search = Search(problem)
+    state = search.run()
+    found = experiment(search, state, evidence(search, state))
+    assert found is not None
+    return problem, found
+
+
+@pytest.mark.parametrize("truth", TRUTHS, ids=lambda h: h.effect)
+def test_the_proposed_run_on_the_same_arm_ends_the_ambiguity(truth: Hidden, tmp_path: Path) -> None:
+    first = made(tmp_path / "first", truth, all_joints_alike(), 0)
+    doubtful = diagnose([first])
+    (found,) = doubtful.findings
+    assert {found.effect, *found.equivalents} >= {"ratio_error", "joint_coupling"}
+    doubtful.save(tmp_path)
+    second = made(tmp_path / "second", truth, proposed(tmp_path / FILE), 1)
+    settled = diagnose([first, second])
+    assert [(f.effect, f.joints, f.equivalents) for f in settled.findings] == [
+        (truth.effect, ["joint_3"], [])
+    ]
+    assert settled.experiments == []
+
+
+def test_each_pair_is_told_with_its_file_and_what_to_look_for(ambiguous: tuple[Path, Diagnosis]) -> None:
+    folder, result = ambiguous
+    (told,) = json.loads((folder / "diagnosis.json").read_text())["experiments"]
+    assert told["separates"] == [result.findings[0].effect, *result.findings[0].equivalents]
+    assert told["trajectory"] == FILE
+    assert "look at joint_3 at" in told["statement"]
+    assert "times the noise" in told["statement"]
+
+
+def test_the_file_is_within_the_limits_of_the_arm(
+    ambiguous: tuple[Path, Diagnosis], designed: tuple[Problem, Experiment]
+) -> None:
+    trajectory, arm = load_trajectory(ambiguous[0] / FILE), load_model("trunk").arm
+    assert trajectory.joints == arm.joints
+    hardest = limits_of(designed[0]).acceleration
+    trajectory.check(Limits(arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), hardest))
+
+
+def test_bringup_accepts_the_file(ambiguous: tuple[Path, Diagnosis]) -> None:
+    plan = plan_of(["--trajectory", str(ambiguous[0] / FILE), "--without", "recorder"])
+    assert plan.trajectory is not None
+    assert plan.trajectory.duration > 5.0
+
+
+def test_the_designed_motion_separates_better_than_the_default_one(
+    designed: tuple[Problem, Experiment],
+) -> None:
+    problem, done = designed
+    default = named_trajectory("default", problem.arm, done.motion.duration)
+    for duel, seen in zip(done.duels, done.seen, strict=True):
+        assert seen.ratio > 1.5 * duel.seen_in(problem, default).ratio
+
+
+def test_what_it_promises_is_what_the_arm_shows(
+    designed: tuple[Problem, Experiment], ambiguous: tuple[Path, Diagnosis], tmp_path: Path
+) -> None:
+    problem, done = designed
+    (duel,) = done.duels
+    for truth in TRUTHS:
+        bag = made(tmp_path / truth.effect, truth, proposed(ambiguous[0] / FILE), 1)
+        problem_there = problem.over([wire_span(read_recording(bag), problem.model)])
+        other = duel.others[0]
+        misfit, _ = other.refitted(problem_there, duel.columns)
+        samples = sum(problem_there.count(c) for c in duel.columns)
+        ruled_out = misfit - samples > duel.wanted(problem_there, other)
+        assert ruled_out == (truth.effect == duel.truth)
+
+
+def test_rivals_that_can_turn_into_each_other_are_said_to_be_beyond_any_motion() -> None:
+    result = diagnose([recorded({"sensor_delay": {"delay": 0.03}})])
+    (found,) = result.findings
+    assert (found.effect, found.equivalents) == ("sensor_delay", ["viscous_lag"])
+    (told,) = result.experiments
+    assert told["statement"].startswith("No motion within the limits tells")
+    assert told["trajectory"] == ""
+    assert result.trajectories == {}
+
+
+def test_units_are_those_of_the_joints(designed: tuple[Problem, Experiment]) -> None:
+    (told,) = proposals(designed[1], FILE, {"joint_3": "m"})
+    assert "mm" in told["statement"]
+    assert "rad" not in told["statement"].replace("ratio", "")
+
+
+def test_without_rivals_there_is_no_experiment(tmp_path: Path) -> None:
+    result = diagnose([recorded({"ratio_error": {"relative": np.array([0, 0, 0, 6e-3, 0])}})])
+    assert [f.equivalents for f in result.findings] == [[]]
+    assert result.experiments == []
+    result.save(tmp_path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["diagnosis.json", "model.yaml"]
