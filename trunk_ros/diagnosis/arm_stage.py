@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.interpolate import Akima1DInterpolator
 
 from trunk_ros.arm import Arm
 from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import longest_gap
 from trunk_ros.diagnosis.criterion import FURTHER, RELEVANT, SIGNIFICANT
-from trunk_ros.diagnosis.noise import Noise, noise_of
+from trunk_ros.diagnosis.noise import Noise, noise_of, strides_within
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
@@ -62,9 +63,7 @@ def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData 
     inside = _seen(at, pose.stamp) & np.isfinite(np.hstack([pose.position, pose.orientation])).all(axis=1)
     if inside.sum() < 4:
         return None
-    theta = np.column_stack(
-        [np.interp(pose.stamp[inside], at, joints.position[known, j]) for j in range(len(joints.joints))]
-    )
+    theta = Akima1DInterpolator(at, joints.position[known])(pose.stamp[inside])
     x, w = pose.orientation[inside, 0], pose.orientation[inside, 3]
     roll = 2.0 * np.arctan2(x, w)
     roll = np.mod(roll + np.pi, 2 * np.pi) - np.pi
@@ -86,14 +85,22 @@ class ArmProblem:
     def __init__(self, data: list[TipData]):
         self.data = data
         self.arm = data[0].arm
-        found = [self._noise(k) for k in range(3)]
+        self.count = sum(len(d.stamp) for d in data)
+        self.noise: list[float] = []
+        self.memory = 0.0
+        self.estimate_noise({})
+
+    def estimate_noise(self, values: dict[tuple[str, int], float]) -> None:
+        """Size and memory of the noise from what some values leave."""
+        rests = self.residual(values)
+        found = [self._noise([rest[:, k] for rest in rests]) for k in range(len(SIGNALS))]
         self.noise = [noise.std for noise in found]
         self.memory = max(noise.correlation for noise in found)
-        self.count = sum(len(d.stamp) for d in data)
 
-    def _noise(self, signal: int) -> Noise:
-        residuals = [d.tip[:, signal] - self._predict(d, {})[:, signal] for d in self.data]
-        return noise_of(residuals, [np.ones(len(r), dtype=bool) for r in residuals])
+    def _noise(self, residuals: list[Array]) -> Noise:
+        step = float(np.median(np.concatenate([np.diff(d.stamp) for d in self.data])))
+        masks = [np.ones(len(r), dtype=bool) for r in residuals]
+        return noise_of(residuals, masks, strides_within(step))
 
     def _predict(self, d: TipData, values: dict[tuple[str, int], float]) -> Array:
         dt = np.diff(d.stamp, prepend=d.stamp[:1])
@@ -128,6 +135,15 @@ class ArmProblem:
         return values, covariance, float(rest @ rest)
 
     def run(self) -> ArmFit:
+        """What pays; looked at again with the noise that it leaves."""
+        self.estimate_noise(self.solve(self._chosen())[0])
+        keys = self._chosen()
+        values, covariance, cost = self.solve(keys)
+        spread = np.sqrt(np.maximum(np.diag(covariance), 0.0) * max(1.0, cost / (3 * self.count)))
+        gain = {k: self.solve([x for x in keys if x != k])[2] - cost for k in keys}
+        return ArmFit(values, {k: float(s) for k, s in zip(keys, spread, strict=True)}, gain)
+
+    def _chosen(self) -> list[tuple[str, int]]:
         """Add while it pays, then leave out what is not missed."""
         candidates = [
             (name, c)
@@ -149,10 +165,7 @@ class ArmProblem:
             for gone in [k for k in keys if self.solve([x for x in keys if x != k])[2] - cost < need]:
                 keys = [k for k in keys if k != gone]
                 cost = self.solve(keys)[2]
-        values, covariance, cost = self.solve(keys)
-        spread = np.sqrt(np.maximum(np.diag(covariance), 0.0) * max(1.0, cost / (3 * self.count)))
-        gain = {k: self.solve([x for x in keys if x != k])[2] - cost for k in keys}
-        return ArmFit(values, {k: float(s) for k, s in zip(keys, spread, strict=True)}, gain)
+        return keys
 
     def held_out(self, keys: list[tuple[str, int]]) -> Array:
         """(n, 3) residuals of all recordings, each half of the blocks predicted by a fit to the other

@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import SLOW
+from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.effects import Effect, effect, registry
@@ -18,6 +19,10 @@ from trunk_ros.parameter import Parameter
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
 UNNAMED = ("unknown", "unknown_servo")
+FREED = 0.5  # of what an effect must gain on a joint: a linear look does not see all of it
+
+Products = dict[int, tuple[float, float]]
+"""By column: (rest . d, d . d) of a change d of the prediction."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,8 @@ class Candidate:
     """Where ``column`` is None: the joints that would gain, if not all."""
     own: dict[int, dict[str, Any]] = field(default_factory=dict)
     """Start values of joints that begin elsewhere than at ``start``."""
+    free: bool = False
+    """Fit also what the arm's description states."""
 
 
 def usable(problem: Problem) -> list[type[Effect]]:
@@ -70,12 +77,15 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
         if column in term.own and kind.texts:
             _add_source(term, kind, column, candidate.start)
         else:
-            _add(term, kind, problem, column, candidate.own.get(column, candidate.start))
+            free = candidate.free or bool(term.own and not term.given)
+            _add(term, kind, problem, column, candidate.own.get(column, candidate.start), free)
     return out
 
 
-def _add(term: Term, kind: type[Effect], problem: Problem, column: int, start: dict[str, Any]) -> None:
-    known = given(kind, problem) if kind.everywhere else {}
+def _add(
+    term: Term, kind: type[Effect], problem: Problem, column: int, start: dict[str, Any], free: bool
+) -> None:
+    known = given(kind, problem) if kind.everywhere and not free else {}
     own = term.own.setdefault(column, {})
     for parameter in kind.own_parameters(term.form):
         if parameter.name in known:
@@ -173,51 +183,81 @@ class Screen:
 
     def everywhere(self, kind: type[Effect]) -> Candidate | None:
         """The most promising start of an effect that acts on all joints alike."""
-        best: Candidate | None = None
-        columns = self.problem.columns
+        return max(self.all_everywhere(kind), key=lambda c: c.gain, default=None)
+
+    def all_everywhere(self, kind: type[Effect]) -> list[Candidate]:
+        """The same with values that the arm's description states, and with values of each joint's own."""
+        found: dict[bool, Candidate] = {}
         for form in kind.forms:
-            for starts in self._starts_of_all(kind, form):
-                trial = Candidate(kind.id, form, None, starts[0], own=dict(zip(columns, starts, strict=True)))
-                better = self._on_those_that_gain(kind, trial)
-                if better is not None and (best is None or better.gain > best.gain):
-                    best = better
-        return best
+            for trial, each in self._on_all(kind, form):
+                for free in self._freedoms(kind, form):
+                    better = self._on_those_that_gain(kind, replace(trial, free=free), each)
+                    if better and (free not in found or better.gain > found[free].gain):
+                        found[free] = better
+        return list(found.values())
 
-    def _starts_of_all(self, kind: type[Effect], form: str) -> list[tuple[dict[str, Any], ...]]:
-        """Start values of all joints at once: each joint's own, or, where all is shared, those of one for
-        all.
-        """
+    def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
+        """Whether a joint's size may be its own: where it is stated, both ways are tried."""
+        lead = kind.own_parameters(form)[0]
+        return (False, True) if kind.scalable and lead.name in given(kind, self.problem) else (False,)
+
+    def _on_all(self, kind: type[Effect], form: str) -> Iterator[tuple[Candidate, Products]]:
+        """Each choice of the shared values, with every joint's best choice of its own."""
         columns = self.problem.columns
-        each = [list(self._starts(kind, form, c)) for c in columns]
-        if any(not p.shared for p in kind.own_parameters(form)):
-            return list(zip(*each, strict=False))
-        different = {tuple(start.items()): start for starts in each for start in starts}
-        return [(start,) * len(columns) for start in different.values()]
+        starts = {c: list(self._starts(kind, form, c)) for c in columns}
+        names = [p.name for p in kind.own_parameters(form) if p.shared]
+        shared = [{n: s[n] for n in names if n in s} for each in starts.values() for s in each]
+        for values in _different(shared):
+            own, products = {}, {}
+            for c in columns:
+                options = _different([{**s, **values} for s in starts[c]])
+                looks = [self.products(Candidate(kind.id, form, c, s), c) for s in options]
+                best = max(range(len(looks)), key=lambda k: _merit(kind, form, *looks[k]))
+                own[c], products[c] = options[best], looks[best]
+            yield Candidate(kind.id, form, None, own[columns[0]], own=own), products
 
-    def _on_those_that_gain(self, kind: type[Effect], trial: Candidate) -> Candidate | None:
+    def _on_those_that_gain(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:
         """On all joints; where a joint has values of its own, on those that a linear look finds better
         off.
         """
-        each = {c: self.products(trial, c) for c in self.problem.columns}
+        if trial.free:
+            return self._each_by_itself(kind, trial, each)
         if any(not p.shared for p in kind.own_parameters(trial.form)):
-            each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > dd}
+            each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > dd or _lead(kind, trial).shared}
         if not each:
             return None
         sums = np.sum(list(each.values()), axis=0)
         found = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.problem))
         if found is None:
             return None
-        lead = kind.own_parameters(trial.form)[0].name
+        lead = _lead(kind, trial).name
         own = {
             c: {**start, lead: found.start[lead]} if kind.scalable else start
             for c, start in trial.own.items()
         }
         return replace(found, columns=tuple(each), own=own)
 
+    def _each_by_itself(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:
+        """Every joint at its own optimum, where that is worth an effect."""
+        found = {c: _scaled(kind, replace(trial, start=trial.own[c]), *each[c]) for c in each}
+        chosen = {c: f for c, f in found.items() if f and f.gain > FREED * need(self.problem, c)}
+        if not chosen:
+            return None
+        own = {c: f.start for c, f in chosen.items()}
+        gain = sum(f.gain for f in chosen.values())
+        return replace(trial, start=next(iter(own.values())), gain=gain, columns=tuple(chosen), own=own)
+
+    def _residual(self, column: int) -> Array:
+        """(m,) residual of the first recording over its whole grid."""
+        span = self.problem.views[0].span
+        valid = span.valid[:, column]
+        off = span.target[valid, column] - self.base[column][0][valid]
+        return np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
+
     def _starts(self, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         problem = self.problem
-        block = kind({}, {}, form)
-        for start in block.starts(problem.now(0, column, 0.0), column=0):
+        now = problem.now(0, column, 0.0)
+        for start in kind({}, {}, form).starts(now, 0, self._residual(column)):
             if not kind.texts:
                 yield start
                 continue
@@ -225,6 +265,22 @@ class Screen:
             for joint in problem.joints:
                 if joint != problem.joints[column] and joint not in words:
                     yield {**start, kind.texts[0]: joint}
+
+
+def _lead(kind: type[Effect], trial: Candidate) -> Parameter:
+    return kind.own_parameters(trial.form)[0]
+
+
+def _different(starts: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return list({tuple(start.items()): start for start in starts}.values())
+
+
+def _merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
+    """How well a start fits a joint, whatever its size where that can be scaled."""
+    if not kind.scalable:
+        return 2 * rd - dd
+    along = rd / np.sqrt(max(dd, 1e-12))
+    return float(along if kind.own_parameters(form)[0].shared else abs(along))
 
 
 def _scaled(
@@ -235,7 +291,7 @@ def _scaled(
     """
     if dd <= 1e-12:
         return None
-    lead: Parameter = kind.own_parameters(trial.form)[0]
+    lead = _lead(kind, trial)
     off = lead.null
     if kind.vanishes is not None:
         lead, off = kind.parameter(kind.vanishes[0]), kind.vanishes[1]

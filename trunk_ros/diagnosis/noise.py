@@ -5,15 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import SLOW
 
 BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 MEDIAN_TO_STD = 1.4826
 TRIMMED = 0.98658  # std of a normal variable within three of its std
+REMEMBERED = 0.16  # s that noise is compared over
 LEAST = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
+MOST = 0.985  # correlation
+STRIDES = (1, 2, 3, 4, 6, 8, 12, 16)
 
 
 @dataclass(frozen=True)
@@ -35,20 +39,54 @@ class Noise:
         return np.asarray(out)
 
 
-def noise_of(residuals: list[Array], masks: list[np.ndarray], coloured: bool = True) -> Noise:
-    """Noise of one signal from fourth differences of its residual at strides one to three, by the median.
+@dataclass(frozen=True)
+class Differences:
+    """Standard deviations of a residual's fourth differences at growing strides (k,)."""
 
-    What moves slowly against the sampling cancels in them, and rare kinks do not move a median. Without
-    ``coloured``
-    the noise is taken as white: samples far apart in time share none.
+    strides: tuple[int, ...]
+    spread: Array
+
+    @property
+    def correlation(self) -> float:
+        """Lag-one correlation of the AR(1) noise whose fourth differences grow likest with the stride.
+
+        What is left of the motion grows faster still, and makes it too large.
+        """
+        near = 1.0 / np.asarray(self.strides)
+        seen = 2.0 * np.log(self.spread)
+
+        def off(correlation: float) -> float:
+            rest = seen - np.log([_gain(correlation, s) for s in self.strides])
+            return float(near @ (rest - np.average(rest, weights=near)) ** 2)
+
+        found = float(minimize_scalar(off, bounds=(0.0, MOST), method="bounded").x)
+        return found if found > WHITE and off(found) < off(0.0) else 0.0
+
+    def noise(self, correlation: float) -> Noise:
+        """Noise of that correlation, of the size seen at the shortest stride."""
+        return Noise(max(float(self.spread[0]) / np.sqrt(_gain(correlation, 1)), LEAST), correlation)
+
+
+def differences_of(residuals: list[Array], masks: list[np.ndarray], longest: int = 1) -> Differences:
+    """Fourth differences of one signal at strides up to ``longest`` samples, by the median.
+
+    What moves slowly against the sampling cancels in them, and rare kinks do not move a median.
     """
-    spread = [_robust(residuals, masks, stride) for stride in (1, 2, 3)]
-    if spread[0] <= LEAST or not coloured:
-        return Noise(max(spread[0] / np.sqrt(_gain(0.0, 1)), LEAST))
-    correlation = _correlation(spread[1] ** 2 / spread[0] ** 2)
-    if correlation < WHITE:
-        return Noise(spread[0] / np.sqrt(_gain(0.0, 1)))
-    return Noise(spread[0] / np.sqrt(_gain(correlation, 1)), correlation)
+    strides = tuple(s for s in STRIDES if s <= longest)
+    spread = np.array([_robust(residuals, masks, s) for s in strides])
+    known = int(np.argmin(spread > LEAST)) if (spread <= LEAST).any() else len(strides)
+    return Differences(strides[: max(known, 1)], np.maximum(spread[: max(known, 1)], LEAST))
+
+
+def strides_within(step: float) -> int:
+    """The longest stride, in samples ``step`` s apart, at which what is left of the motion still cancels."""
+    return max(1, int(REMEMBERED / max(step, 1e-6))) if step < SLOW else 1
+
+
+def noise_of(residuals: list[Array], masks: list[np.ndarray], longest: int = 16) -> Noise:
+    """Noise of one signal; white where ``longest`` is 1 sample."""
+    seen = differences_of(residuals, masks, longest)
+    return seen.noise(seen.correlation if len(seen.strides) > 1 else 0.0)
 
 
 def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> float:
@@ -80,14 +118,3 @@ def _gain(correlation: float, stride: int) -> float:
     """Variance of the fourth difference over that of AR(1) noise."""
     lags = np.abs(np.subtract.outer(np.arange(5), np.arange(5))) * stride
     return float(BINOMIAL @ np.power(correlation, lags) @ BINOMIAL)
-
-
-def _correlation(ratio: float) -> float:
-    """The lag-one correlation for which strides two and one differ by this ratio of variances."""
-
-    def off(correlation: float) -> float:
-        return _gain(correlation, 2) / _gain(correlation, 1) - ratio
-
-    if off(0.0) >= 0.0:
-        return 0.0
-    return float(brentq(off, 0.0, 0.97)) if off(0.97) > 0.0 else 0.97

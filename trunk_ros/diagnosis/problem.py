@@ -11,9 +11,9 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW, Span
+from trunk_ros.diagnosis.align import Span
 from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload_of
-from trunk_ros.diagnosis.noise import Noise, noise_of
+from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
@@ -177,15 +177,18 @@ class Problem(ABC):
         return other
 
     def estimate_noise(self, explanation: Explanation) -> None:
-        """Take the noise from what an explanation leaves."""
-        noise = []
+        """Take the noise from what an explanation leaves: a size for each joint, one colour for all, as the
+        joints' sensors are alike and some joints may have more than noise left.
+        """
+        longest = strides_within(self.step)
+        seen = []
         for column in range(len(self.joints)):
             residuals = [self.residual(i, explanation, column) for i in range(len(self.views))]
-            noise.append(self._noise(residuals, [view.span.valid[:, column] for view in self.views]))
-        self.noise = noise
-
-    def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
-        return noise_of(residuals, masks, coloured=self.step < SLOW)
+            masks = [view.span.valid[:, column] for view in self.views]
+            seen.append(differences_of(residuals, masks, longest))
+        judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
+        colour = float(np.median(judged)) if judged else 0.0
+        self.noise = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
 
     def look_again(self, explanation: Explanation) -> None:
         """Let coupling and load see the angles that an explanation predicts, where the stage has any."""
@@ -247,9 +250,10 @@ class ServoProblem(Problem):
 
     stage = "servo"
 
-    def _noise(self, residuals: list[Array], masks: list[np.ndarray]) -> Noise:
+    def estimate_noise(self, explanation: Explanation) -> None:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""
-        return Noise(max(noise_of(residuals, masks).std, self.resolution(0)))
+        super().estimate_noise(explanation)
+        self.noise = [Noise(max(noise.std, self.resolution(0))) for noise in self.noise]
 
     def rest(self, column: int) -> float:
         """A joint that stands shows one step of the encoder, up to three times its mean power."""

@@ -132,7 +132,7 @@ class Search:
         """(gain, fit) of the effects that would help a column; kept while nothing that bears on it
         changes.
         """
-        key = (column, self.problem.version, now.explanation.key(column))
+        key = (column, self.problem.version, self.problem.noise[column], now.explanation.key(column))
         if key not in self.tried:
             self.tried[key] = self._try(now, column)
         return self.tried[key]
@@ -171,7 +171,7 @@ class Search:
         if not kinds:
             return []
         screen = Screen(self.problem, now.explanation)
-        found = [c for c in (screen.everywhere(k) for k in kinds) if c and c.gain > SIGNIFICANT]
+        found = [c for k in kinds for c in screen.all_everywhere(k) if c.gain > SIGNIFICANT]
         promising = sorted(found, key=lambda c: -c.gain)[:PROMISING_EVERYWHERE]
         trials = [
             revise.members(self, self.refit(extended(self.problem, now.explanation, c))) for c in promising
@@ -195,7 +195,9 @@ class Search:
             moved = self.problem.whiten_change([a - b for a, b in changes], column)
             size = float(moved @ moved)
             if size > need(self.problem, column):
-                sides.append(now.cost[column] - trial.cost[column] > EXPECTED * size)
+                gain = now.cost[column] - trial.cost[column]
+                left = now.cost[column] - self.problem.count(column)
+                sides.append(gain > EXPECTED * size or gain > MAJORITY * left)
         return sum(sides) > MAJORITY * len(sides)
 
     def credible(self, explanation: Explanation, column: int) -> bool:

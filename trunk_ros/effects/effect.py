@@ -158,17 +158,22 @@ class Effect(ABC):
         """
         return True
 
-    def starts(self, now: Now, column: int) -> list[dict[str, Any]]:
-        """Start values for a fit on one column: every combination of the scanned parameters."""
+    def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
+        """Start values for a fit on one column: every combination of the scanned parameters.
+
+        ``rest`` (n,): the residual there, where one is known.
+        """
         combined: list[dict[str, Any]] = [{}]
         for parameter in self.own_parameters(self.form):
             if parameter.optional:
                 continue
-            grid = self.grid(parameter, now, column)
+            grid = self.grid(parameter, now, column, rest)
             combined = [{**start, parameter.name: value} for start in combined for value in grid]
         return combined
 
-    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
         """Start values of one parameter; override where they depend on the recording."""
         return parameter.scan or (parameter.typical,)
 

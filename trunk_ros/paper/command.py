@@ -82,10 +82,15 @@ def page(wire: Wire, found: Workspace, pictures: list[bytes]) -> str:
     """The same as one HTML file, figures included."""
     text = files("trunk_ros.paper").joinpath("page.html").read_text(encoding="utf-8")
     template = Template(text, autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    return str(template.render(
-        quantities=quantities(wire), summary=found.summary(), columns=COLUMNS, remark=remark(found),
-        pictures=[base64.b64encode(picture).decode() for picture in pictures],
-    ))
+    return str(
+        template.render(
+            quantities=quantities(wire),
+            summary=found.summary(),
+            columns=COLUMNS,
+            remark=remark(found),
+            pictures=[base64.b64encode(picture).decode() for picture in pictures],
+        )
+    )
 
 
 def _table(title: str, columns: tuple[str, ...]) -> Table:

@@ -84,7 +84,10 @@ def quantities(wire: Wire) -> list[Quantity]:
 def _efficiency(wire: Wire) -> Quantity:
     smooth = replace(wire, mu1=np.full(5, 0.03), mu2=np.full(5, 0.02))
     return Quantity(
-        "Table 2, k_i·100", "%", 2, PRINTED_EFFICIENCY,
+        "Table 2, k_i·100",
+        "%",
+        2,
+        PRINTED_EFFICIENCY,
         {FORMULAS: 100 * wire.efficiency, DIFFERENTLY: 100 * smooth.efficiency},
         "mu1 = 0.03, mu2 = 0.02 in place of 0.10, 0.08; and it is 1/k_i of eq. (5), the force that arrives.",
     )
@@ -94,9 +97,16 @@ def _elongation(wire: Wire) -> Quantity:
     fine = replace(wire, section=FINE_SECTION)
     alike = replace(fine, a2=np.full(5, 0.4189))
     return Quantity(
-        "Table 2, Δl_i", "µm", 4, PRINTED_ELONGATION,
-        {FORMULAS: 1e6 * elongation(wire), FINE: 1e6 * elongation(fine),
-         DIFFERENTLY: 1e6 * elongation(alike), MODEL: 1e6 * wire.elongation},
+        "Table 2, Δl_i",
+        "µm",
+        4,
+        PRINTED_ELONGATION,
+        {
+            FORMULAS: 1e6 * elongation(wire),
+            FINE: 1e6 * elongation(fine),
+            DIFFERENTLY: 1e6 * elongation(alike),
+            MODEL: 1e6 * wire.elongation,
+        },
         "A_s = π·0.38²/4 = 0.113411 mm², and a2 = 0.4189 at joint 1 as well; mu is 0.10, 0.08 here, "
         "unlike in k_i. Eq. (7) has a factor 1/k_i more than eq. (6) with T' = T_i, which the nominal model "
         "takes.",
@@ -106,9 +116,16 @@ def _elongation(wire: Wire) -> Quantity:
 def _deviation(wire: Wire) -> Quantity:
     fine = replace(wire, section=FINE_SECTION)
     return Quantity(
-        "Table 2, Δθ_i", "arcmin", 4, PRINTED_DEVIATION,
-        {FORMULAS: deviation(wire) / ARCMIN, FINE: deviation(fine) / ARCMIN,
-         DIFFERENTLY: swapped_deviation(wire), MODEL: wire.dead_band / ARCMIN},
+        "Table 2, Δθ_i",
+        "arcmin",
+        4,
+        PRINTED_DEVIATION,
+        {
+            FORMULAS: deviation(wire) / ARCMIN,
+            FINE: deviation(fine) / ARCMIN,
+            DIFFERENTLY: swapped_deviation(wire),
+            MODEL: wire.dead_band / ARCMIN,
+        },
         "60·(π/180)·Δl[µm]/R_c[mm] of the printed Δl: degrees and radians are swapped in eq. (8), so that "
         "the angles come out too small by (180/π)²/1000 = 3.28. The table says degrees, the text minutes.",
     )
@@ -119,7 +136,13 @@ def _figures(wire: Wire) -> list[Quantity]:
     places = (("Fig. 5, largest Δy_i (θ = 0)", 0.0), ("Fig. 6, largest Δz_i (θ = 23°)", LIMIT))
     difference = "the Δθ as printed, taken as minutes, with l = 50 mm (no value of l is printed)."
     return [
-        Quantity(title, "µm", 1, ("", "", "", "", f"~{PRINTED_FIGURES[axis]}"),
-                 {way: 1e6 * positioning_error(angle, off)[axis][0] for way, off in ways.items()}, difference)
+        Quantity(
+            title,
+            "µm",
+            1,
+            ("", "", "", "", f"~{PRINTED_FIGURES[axis]}"),
+            {way: 1e6 * positioning_error(angle, off)[axis][0] for way, off in ways.items()},
+            difference,
+        )
         for axis, (title, angle) in enumerate(places)
     ]

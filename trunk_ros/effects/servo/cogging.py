@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.periods import periods
 from trunk_ros.parameter import Parameter
 
 
@@ -26,7 +28,6 @@ class Cogging(Effect):
             typical=24.0,
             null=24.0,
             shared=True,
-            scan=tuple(np.geomspace(4.0, 150.0, 70).tolist()),
         ),
         Parameter(
             "phase",
@@ -34,7 +35,7 @@ class Cogging(Effect):
             (-10.0, 10.0),
             "phase at gearbox angle 0",
             typical=1.0,
-            scan=(0.0, 0.785, 1.571, 2.356),
+            scan=(0.0, 0.785, 1.571, 2.356, 3.142, 3.927, 4.712, 5.498),
         ),
     )
     everywhere = True
@@ -42,6 +43,13 @@ class Cogging(Effect):
     confused_with = (
         ("load_droop", "turn one joint alone over its whole range: a cogging comes back many times"),
     )
+
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
+        if parameter.name != "cycles_per_rev" or rest is None:
+            return super().grid(parameter, now, column, rest)
+        return periods(now.gearbox[:, column], rest, *parameter.bounds, most=1) or (parameter.typical,)
 
     def adjust(self, core: Core, now: Now) -> None:
         core.cogging = np.vstack([np.broadcast_to(self[p.name], now.ratio.shape) for p in self.parameters])

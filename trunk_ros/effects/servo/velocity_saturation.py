@@ -43,7 +43,9 @@ class VelocitySaturation(Effect):
     def adjust(self, core: Core, now: Now) -> None:
         core.v_max = np.minimum(core.v_max, self["v_max"])
 
-    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
         fast = float(np.abs(_speed(now)).max())
         return tuple(max(share * fast, 2e-3) for share in (0.995, 0.97, 0.85, 0.7))
 

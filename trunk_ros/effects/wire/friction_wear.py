@@ -48,10 +48,12 @@ class FrictionWear(Effect):
         core.new[self.id] = gone[-1]
         return np.asarray(gone)
 
-    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
         """The mean speed is what the motion has."""
         if parameter.name != "speed":
-            return super().grid(parameter, now, column)
+            return super().grid(parameter, now, column, rest)
         mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
         return (float(np.clip(mean, *parameter.bounds)),)
 

@@ -9,6 +9,8 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 FREE = 100.0  # rad: no stop
+LEVELS = (0.6, 0.75, 0.85, 0.92, 0.97)  # of the samples that a fit starts from as free
+DEPTHS = (0.03, 0.01, 0.003)  # of the motion that a fit starts from as beyond
 
 
 class HardStop(Effect):
@@ -47,9 +49,14 @@ class HardStop(Effect):
         bound, give = cls.parameters[cls.forms.index(form)], cls.parameters[2]
         return bound, give
 
-    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
         u = now.gearbox[:, column] * now.ratio[column]
         if parameter.name == "give":
             return (0.0,)
-        levels = (0.6, 0.75, 0.85, 0.92, 0.97) if parameter.name == "upper" else (0.4, 0.25, 0.15, 0.08, 0.03)
-        return tuple(np.quantile(u, levels))
+        low, high = float(u.min()), float(u.max())
+        depth = np.array(DEPTHS) * (high - low)
+        if parameter.name == "upper":
+            return (*np.quantile(u, LEVELS), *(high - depth))
+        return (*np.quantile(u, 1.0 - np.array(LEVELS)), *(low + depth))

@@ -12,6 +12,7 @@ from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
 SOURCES = 3
+STANDS = 0.03  # of the motion of the joint that moves most
 
 
 def _gain(k: int) -> Parameter:
@@ -59,6 +60,11 @@ class JointCoupling(Effect):
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         pull, state = self._pull(now, state)
         return y - pull, state
+
+    def credible(self, now: Now) -> bool:
+        """A source that stands is no more than an offset."""
+        moved = np.ptp(now.angles, axis=0)
+        return all(moved[now.joints.index(s)] > STANDS * moved.max() for _, s, _ in self._links)
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

@@ -54,7 +54,7 @@ class LinkResonance(Effect):
     def credible(self, now: Now) -> bool:
         """It rings, and the samples are close enough to show it."""
         step = float(np.median(now.dt[1:])) if len(now.dt) > 1 else 0.0
-        return bool(np.all((self["damping"] < 0.4) & (self["frequency"] * step < 0.5)))
+        return bool(np.all((self["damping"] < 0.4) & (self["frequency"] * step < 1.0)))
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()

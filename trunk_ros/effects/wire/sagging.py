@@ -32,9 +32,11 @@ class Sagging(Effect):
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return y - self.sag(now), None
 
-    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
         if parameter is not self.parameters[0]:
-            return super().grid(parameter, now, column)
+            return super().grid(parameter, now, column, rest)
         return tuple(max(1.5e-3, q) for q in np.quantile(np.abs(now.load[:, column]), self.levels))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.periods import periods
 from trunk_ros.parameter import Parameter
 
 
@@ -28,7 +29,6 @@ class TransmissionRipple(Effect):
             "periods per turn of the gearbox shaft",
             typical=12.0,
             null=12.0,
-            scan=tuple(np.geomspace(3.0, 90.0, 60).tolist()),
         ),
         Parameter(
             "phase",
@@ -78,10 +78,12 @@ class TransmissionRipple(Effect):
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         return cls.parameters if form == "two_harmonics" else cls.parameters[:3]
 
-    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
         """Only ripples of which the motion spans more than a period can be told from a bent curve."""
-        values = super().grid(parameter, now, column)
-        if parameter.name != "cycles_per_rev":
-            return values
-        span = float(np.ptp(now.gearbox[:, column])) / (2 * np.pi)
-        return tuple(v for v in values if v * span >= 1.2) or values[-1:]
+        if parameter.name != "cycles_per_rev" or rest is None:
+            return super().grid(parameter, now, column, rest)
+        phi = now.gearbox[:, column]
+        low = max(parameter.bounds[0], 1.2 * 2 * np.pi / max(float(np.ptp(phi)), 1e-3))
+        return periods(phi, rest, low, parameter.bounds[1])

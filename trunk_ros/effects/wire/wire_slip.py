@@ -36,8 +36,10 @@ class WireSlip(Effect):
         risen = np.minimum(np.maximum((now.stamp[:, None] - self["onset"]) / RISE + 0.5, 0.0), 1.0)
         return np.asarray(self["step"] * risen)
 
-    def grid(self, parameter: Parameter, now: Now, column: int) -> tuple[float, ...]:
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
         if parameter.name != "onset":
-            return super().grid(parameter, now, column)
+            return super().grid(parameter, now, column, rest)
         span = now.stamp[-1] - now.stamp[0]
         return tuple(now.stamp[0] + span * np.linspace(0.04, 0.97, 80))

@@ -1,0 +1,26 @@
+"""Where a residual swings periodically over something."""
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+
+CELLS = 8.0  # per shortest period
+FINER = 8  # steps of the search per period that the range cannot hold
+
+
+def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tuple[float, ...]:
+    """The strongest lines of ``rest`` (n,) over ``x`` (n,) rad, in periods per turn, between ``low`` and
+    ``high``; the strongest first.
+
+    Source: Schuster (1898), the periodogram, of the sums in narrow cells of ``x``.
+    """
+    if np.ptp(x) <= 0.0 or not np.any(rest):
+        return ()
+    cell = 2 * np.pi / (CELLS * high)
+    bent = np.polynomial.Polynomial.fit(x, rest, 3)
+    sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent(x))
+    size = FINER * len(sums)
+    turns = 2 * np.pi * np.fft.rfftfreq(size, cell)
+    power = np.where((turns > low) & (turns < high), np.abs(np.fft.rfft(sums, size)), 0.0)
+    peaks = 1 + np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] > power[2:]))
+    return tuple(turns[peaks[np.argsort(-power[peaks])][:most]].tolist())
