@@ -19,7 +19,8 @@ SLOW = (1.0, 5.0)  # s
 
 
 def _lagged(x: Array, lag: int) -> Array:
-    return x - np.concatenate([np.repeat(x[:1], lag, axis=0), x[:-lag]])
+    out: Array = x - np.concatenate([np.repeat(x[:1], lag, axis=0), x[:-lag]])
+    return out
 
 
 def _slow(x: Array, time: float) -> Array:

@@ -19,8 +19,8 @@ import numpy as np
 from rich.console import Console
 
 from test.concealed.catalogue import CATALOGUE
-from test.concealed.demo_picture import SETTLED, Comparison, draw
-from test.concealed.demo_runs import Arm, DemoError, drive, other_motion, trunk
+from test.concealed.demo_picture import Comparison, draw
+from test.concealed.demo_runs import Arm, DemoError, drive, followed, other_motion, trunk
 from test.concealed.demo_table import answers, table
 from test.concealed.hide import NOISE, hide
 from test.concealed.nominal import Array
@@ -201,11 +201,8 @@ class Demo:
 
     def true_error(self, run: str) -> float:
         """Of the true joint angle against the reference, rad rms."""
-        wanted = read_angles(self.folder / run, "trunk/reference")
-        truth = np.load(self.folder / f"{run}_truth.npz")
-        _, ours, theirs = np.intersect1d(wanted.stamp, truth["stamp"], return_indices=True)
-        late = wanted.stamp[ours] - wanted.stamp[0] > SETTLED * 1e9
-        return float(np.sqrt(((truth["theta"][theirs] - wanted.angle[ours])[late] ** 2).mean()))
+        wanted, true = followed(self.folder / run)
+        return float(np.sqrt(((true - wanted) ** 2).mean()))
 
 
 def pooled(rms: Array) -> float:

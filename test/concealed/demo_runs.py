@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from test.concealed.nominal import JOINTS, RATIO, V_MAX
+from test.concealed.nominal import JOINTS, RATIO, V_MAX, Array
+from test.concealed.removed import SKIP, read_angles
 from test.concealed.trajectory import draw_reference
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -92,6 +93,17 @@ def drive(arm: Arm, bag: Path, seconds: float, noise_seed: int, *motion: Any) ->
             error = plant.communicate()[1].strip().splitlines() or ["no word"]
             raise DemoError(f"the concealed arm ended: {error[-1]}")
     return said
+
+
+def followed(bag: Path) -> tuple[Array, Array]:
+    """Reference and true joint angle (n, 5) rad at the same stamps of a run of `drive`, once it has
+    settled.
+    """
+    wanted = read_angles(bag, "trunk/reference")
+    truth = np.load(bag.with_name(f"{bag.name}_truth.npz"))
+    _, ours, theirs = np.intersect1d(wanted.stamp, truth["stamp"], return_indices=True)
+    late = wanted.stamp[ours] - wanted.stamp[0] > SKIP * 1e9
+    return wanted.angle[ours][late], truth["theta"][theirs][late]
 
 
 def other_motion(path: Path, seed: int, seconds: float) -> None:

@@ -48,7 +48,10 @@ class Echo:
         rng, size = np.random.default_rng(0), how["size"]
         self.scale = np.maximum(self._raw(seen).std(axis=0), 1e-9)
         self.into = how["inputs"] * rng.normal(size=(self.scale.size + 1, size))
-        links, self.source = rng.normal(size=(size, LINKS)), rng.integers(0, size, (size, LINKS)) * 1.0
+        links, self.source = (
+            rng.normal(size=(size, LINKS)),
+            rng.integers(0, size, (size, LINKS)).astype(np.float64),
+        )
         self.links = links * how["radius"] / _radius(links, self.source)
         self.leak = np.exp(rng.uniform(np.log(how["slowest"]), 0.0, size))
         rows, left = seen.place[seen.late], (seen.shown - seen.nominal)[seen.late]

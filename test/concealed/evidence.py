@@ -8,12 +8,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from test.concealed.evidence_others import REMOVABLE, WORSE, beaten, compared, median
 from test.concealed.intervals import NOTHING, ROUNDS, Estimate, bootstrap, wilson
 
 Marks: TypeAlias = dict[str, Any]
 STRENGTHS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, float("inf"))
 CONFIDENCES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.97, 1.01)
-REMOVABLE = 0.2  # of the noise: what is less on the second run is not counted as removable
 
 
 def rates(cases: list[Marks], effect: str | None = None) -> dict[str, Estimate]:
@@ -66,6 +66,12 @@ def calibration(cases: list[Marks]) -> list[tuple[float, Estimate]]:
     return out
 
 
+def _over_confident(cases: list[Marks]) -> Estimate:
+    """Mean confidence said, less the share of findings that was right."""
+    said = [(float(c), right) for case in cases for c, right in case["confidence"] if c is not None]
+    return bootstrap(said, lambda some: float(np.mean([c - right for c, right in some])))
+
+
 def confusion(cases: list[Marks]) -> Counter[tuple[str, str]]:
     """(hidden, said): hits, what was said in the place of what was missed, and nothing as "-"."""
     count: Counter[tuple[str, str]] = Counter()
@@ -87,22 +93,7 @@ def shares_removed(cases: list[Marks]) -> list[float]:
 def made_worse(cases: list[Marks]) -> list[str]:
     """Cases where the fitted model errs more than the nominal arm, by a tenth of the noise and more."""
     some = [c for c in cases if c.get("before") is not None]
-    return [c["name"] for c in some if c["after"] > c["before"] + 0.1 * c["noise"]]
-
-
-def _refitted(cases: list[Marks]) -> dict[str, Estimate]:
-    """The diagnosis beside a refit of nominal parameters, on the same cases (physics of the wire)."""
-    some = [c for c in cases if c["count"] and "refit" in c and c.get("before") is not None]
-    some = [c for c in some if min(c["before"], c["refit"]["fitted_before"]) > REMOVABLE * c["noise"]]
-    ways = {
-        "diagnosis, another run": [1 - c["after"] / c["before"] for c in some],
-        "refit, the fitted run": [1 - c["refit"]["fitted_after"] / c["refit"]["fitted_before"] for c in some],
-        "refit, another run": [1 - c["refit"]["after"] / c["refit"]["before"] for c in some],
-    }
-    medians = {f"{k}, median removed": bootstrap(v, lambda x: float(np.median(x))) for k, v in ways.items()}
-    mostly = {f"{k}, at least 80 %": _share([s >= 0.8 for s in v]) for k, v in ways.items()}
-    worse = {f"{k}, made worse": _share([s < 0.0 for s in v]) for k, v in ways.items()}
-    return {**medians, **mostly, **worse}
+    return [c["name"] for c in some if c["after"] > c["before"] + WORSE * c["noise"]]
 
 
 def _share(values: list[bool]) -> Estimate:
@@ -152,7 +143,10 @@ def evidence(cases: list[Marks]) -> dict[str, Any]:
         "removed": _removed(done),
         "removed_worst": min(shares_removed(done), default=None),
         "removed_from": {k: _removed(of[k])["removed, median"] for k in kinds if not k.startswith("clean")},
-        "refit": _refitted(done),
+        "others": compared(done),
+        "beaten": beaten(done),
+        "over_confident": _over_confident(done),
+        "seconds": median([c["seconds"] for c in done if not c.get("failed")]),
         "false_alarms": {
             "all": _share([bool(c["false"]) for c in clean]),
             **{k: _share([bool(c["false"]) for c in of[k]]) for k in kinds if k.startswith("clean")},

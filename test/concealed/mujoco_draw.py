@@ -126,8 +126,8 @@ def load_elasticity(rng: Rng, wish: Wish) -> Change:
 
 def _soft(b: Build, joints: Joints, soft: Array, payload: float = 0.0, light: float = 100.0) -> Build:
     """Soft wires; with light links their swinging does not show."""
-    more = {"payload": max(payload, b.payload), "light": light}
-    return replace(b, compliance=_with(b.compliance, joints, soft), **more)
+    compliance = _with(b.compliance, joints, soft)
+    return replace(b, compliance=compliance, payload=max(payload, b.payload), light=light)
 
 
 @_build

@@ -11,10 +11,12 @@ import json
 import multiprocessing
 import os
 import shutil
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +32,13 @@ from rich.progress import (
 
 from test.concealed.codes import ROOT, marks_code
 from test.concealed.evidence import as_json, evidence, shares_removed
+from test.concealed.evidence_others import live
 from test.concealed.judge import Task, judged, known_marks
+from test.concealed.paper_case import paper_rows
+from test.concealed.proof_comparisons import draw_comparisons
 from test.concealed.proof_figures import draw_figures
-from test.concealed.proof_table import as_markdown
+from test.concealed.proof_page import update_page
+from test.concealed.proof_table import Beside, as_markdown
 from test.concealed.seeds import CLEAN, CONCEALED, in_turn
 
 PART_SECONDS = 450.0  # no case begins later in a part; the last one and the figures fit into ten minutes
@@ -50,6 +56,7 @@ def parser() -> argparse.ArgumentParser:
         "--seconds", type=float, help="begin no case later, default 450 for the part, none for all"
     )
     asked.add_argument("--cases", type=int, help="only so many, in the order of the proof")
+    asked.add_argument("--page", action="store_true", help="only put the last table and figures into docs/")
     return asked
 
 
@@ -108,20 +115,34 @@ def _about(cases: list[dict[str, Any]]) -> str:
     )
 
 
-def write(cases: list[dict[str, Any]], output: Path) -> str:
+def _kept(path: Path) -> Any:
+    return json.loads(path.read_text()) if path.exists() else None
+
+
+def beside(output: Path) -> Beside:
+    """The paper's table, and what `live_proof` and the killing of recorders left in the folder."""
+    return Beside(_kept(output / "live.json") or [], paper_rows(), _kept(output / "kill.json"))
+
+
+def write(cases: list[dict[str, Any]], output: Path, more: Beside) -> str:
     """Writes results.json, table.md and the figures; gives the table."""
     found = evidence(cases)
-    table = as_markdown(found, cases, _about(cases))
+    table = as_markdown(found, cases, _about(cases), more)
     results = {
         "schema": "trunk_ros/proof/1",
         "code": marks_code(),
         "seeds": _seeds(),
         **as_json(found),
+        "live": {"arms": more.live, **as_json(live(more.live))},
+        "paper": [asdict(row) for row in more.paper],
+        "kill": more.kill,
         "cases": cases,
     }
     (output / "results.json").write_text(json.dumps(results, indent=1))
     (output / "table.md").write_text(table)
-    draw_figures(found, shares_removed([c for c in cases if "not_drawn" not in c]), output)
+    done = [c for c in cases if "not_drawn" not in c]
+    draw_figures(found, shares_removed(done), output)
+    draw_comparisons(found, more.live, output)
     return table
 
 
@@ -129,26 +150,45 @@ def _seeds() -> dict[str, list[int]]:
     return {kind: [some.start, some.stop] for kind, some in {**CONCEALED, **CLEAN}.items()}
 
 
-def main(argv: list[str] | None = None) -> int:
-    """0 when the files are written, 1 where no case could be done."""
-    asked = parser().parse_args(argv)
-    console = Console(stderr=True)
-    for name in THREADS:
-        os.environ.setdefault(name, "1")
+def _apart(output: Path, console: Console) -> None:
+    """The live graph and the killed recorders, each as its own command; what is done is not done again."""
+    steps: list[tuple[Any, ...]] = [("test.concealed.live_proof", "--output", output)]
+    if not (output / "kill.json").exists():
+        steps.append(("test.recording.kill", "--times", 100, "--output", output / "kill.json"))
+    for step in steps:
+        console.print(" ".join(map(str, step)))
+        subprocess.run([sys.executable, "-m", *map(str, step)], cwd=ROOT, check=False, stdout=sys.stderr)
+
+
+def _cases(asked: argparse.Namespace, console: Console) -> list[dict[str, Any]]:
     for left in ("open", "sealed", "answers"):  # of a round that was stopped
         shutil.rmtree(asked.output / left, ignore_errors=True)
-    asked.output.mkdir(parents=True, exist_ok=True)
     tasks = [Task(kind, seed, asked.output) for kind, seed in in_turn(asked.full)][: asked.cases]
     seconds = asked.seconds or (float("inf") if asked.full else PART_SECONDS)
+    return prove(tasks, asked.workers, seconds, console)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """0 when the files are written, 1 where no case could be done, 130 when stopped by hand."""
+    asked = parser().parse_args(argv)
+    console = Console(stderr=True)
+    if asked.page:
+        update_page(asked.output, ROOT / "docs")
+        return 0
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
+    asked.output.mkdir(parents=True, exist_ok=True)
     try:
-        cases = prove(tasks, asked.workers, seconds, console)
+        cases = _cases(asked, console)
+        if asked.full and asked.cases is None:
+            _apart(asked.output, console)
     except KeyboardInterrupt:
         console.print("stopped; the same command goes on where this ended")
         return 130
     if not cases:
         console.print("no case was done in the time given")
         return 1
-    print(write(cases, asked.output))
+    print(write(cases, asked.output, beside(asked.output)))
     return 0
 
 

@@ -82,7 +82,8 @@ def _removed(axis: Any, shares: list[float]) -> None:
     axis.set_title("Error removed: cases with at most so much")
 
 
-def _save(path: Path, size: tuple[float, float], draw: Callable[[Any], None]) -> None:
+def save(path: Path, size: tuple[float, float], draw: Callable[[Any], None]) -> None:
+    """Draws on one axis and writes the PNG."""
     from matplotlib import pyplot as plt
 
     figure, axis = plt.subplots(figsize=size, layout="constrained")
@@ -98,8 +99,8 @@ def draw_figures(found: dict[str, Any], shares: list[float], folder: Path) -> No
     matplotlib.use("Agg")
     style: Any = STYLE  # its keys are a closed set to mypy
     with matplotlib.rc_context(style):
-        _save(folder / "proof-strength.png", (6, 3.6), lambda axis: _strength(axis, found))
-        _save(folder / "proof-calibration.png", (5, 4), lambda axis: _calibration(axis, found))
-        _save(folder / "proof-effects.png", (7, 7.5), lambda axis: _effects(axis, found))
-        _save(folder / "proof-confusion.png", (8, 8), lambda axis: _confusion(axis, found))
-        _save(folder / "proof-removed.png", (6, 3.6), lambda axis: _removed(axis, shares))
+        save(folder / "proof-strength.png", (6, 3.6), lambda axis: _strength(axis, found))
+        save(folder / "proof-calibration.png", (5, 4), lambda axis: _calibration(axis, found))
+        save(folder / "proof-effects.png", (7, 7.5), lambda axis: _effects(axis, found))
+        save(folder / "proof-confusion.png", (8, 8), lambda axis: _confusion(axis, found))
+        save(folder / "proof-removed.png", (6, 3.6), lambda axis: _removed(axis, shares))

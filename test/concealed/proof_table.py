@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from test.concealed.evidence import made_worse, shares_removed
+from test.concealed.evidence_others import WAYS, live
 from test.concealed.intervals import Estimate
+from test.concealed.paper_case import Row
 
 
 def _rows(title: tuple[str, ...], rows: list[tuple[Any, ...]]) -> str:
@@ -52,11 +55,69 @@ def _lists(cases: list[dict[str, Any]]) -> str:
     return "\n".join(f"- {what}: {len(some)}{': ' + ', '.join(some) if some else ''}" for what, some in lines)
 
 
-def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str) -> str:
+def _others(found: dict[str, Any]) -> str:
+    rows = [
+        (WAYS[way], e["fitted"].text(), e["other"].text(), e["mostly"].text(), e["worse"].text(),
+         found["beaten"][way].text() if way in found["beaten"] else "")
+        for way, e in found["others"].items()
+    ]  # fmt: skip
+    title = ("way", "fitted run, median removed", "another run, median removed", "another run, at least 80 %",
+             "another run, made worse", "diagnosis leaves less")  # fmt: skip
+    return f"{found['others']['diagnosis']['other'].n} cases.\n\n" + _rows(title, rows)
+
+
+def _live(arms: list[dict[str, Any]]) -> str:
+    if not arms:
+        return "Not run."
+    rows = []
+    for one in arms:
+        if "failed" in one:
+            rows.append((one["seed"], ", ".join(one["effects"]), one["failed"], "", "", ""))
+            continue
+        joints, tip = (
+            f"{1e3 * one['before'][k]:.2f} → {1e3 * one['after'][k]:.3f}" for k in ("joints", "tip")
+        )
+        gone = 1 - one["after"]["joints"] / one["before"]["joints"]
+        rows.append(
+            (one["seed"], ", ".join(one["effects"]), f"{one['named']} of 3", joints, tip, f"{gone:.2f}")
+        )
+    title = ("arm", "hidden", "named", "joints [mrad rms]", "tip [mm rms]", "of the joint error removed")
+    return _rows(title, rows) + "\n\n" + _named(("over the arms", "share"), live(arms))
+
+
+def _paper(rows: list[Row]) -> str:
+    lines = [
+        (row.quantity, f"{100 * row.formulas_off:.1f} %", f"{100 * row.corrected_off:.3f} %", row.said)
+        for row in rows
+    ]
+    return _rows(
+        ("table 2", "formulas off by up to", "corrected, off by", "what was swapped or left out"), lines
+    )
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What the proof holds beside the cases: arms of the live graph, rows of the paper, killed recorders."""
+
+    live: list[dict[str, Any]]
+    paper: list[Row]
+    kill: dict[str, Any] | None = None
+
+
+def _kill(kill: dict[str, Any] | None) -> str:
+    if kill is None:
+        return "Not run."
+    return (
+        f"{kill['times']} recorders were killed at random moments. Every bag could be repaired and read; at "
+        f"most {kill['worst_lost_s']:.3f} s before the kill were lost."
+    )
+
+
+def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str, beside: Beside) -> str:
     """All tables. found: what `evidence` gives; about: what was run, a sentence."""
     worst, n = found["removed_worst"], len(shares_removed([c for c in cases if "not_drawn" not in c]))
     parts = [
-        about,
+        about + f" A diagnosis took {found['seconds'].text(1)} s in the median.",
         "### Effects named",
         _rates("cases", {"all": found["all"], **found["kinds"]}),
         "### Joints, regime, parameters (of hits)",
@@ -65,20 +126,35 @@ def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str) 
         _named(("what", "share"), found["removed"]),
         f"Worst case: {'–' if worst is None else f'{worst:.2f}'} (of {n}).",
         _named(("kind", "removed, median"), found["removed_from"]),
-        "### Against a refit of nominal parameters (ratio, dead band; physics of the wire alone)",
-        _named(("what", "share"), found["refit"]),
+        "![Share of the removable error removed, over the cases](figures/proof-removed.png)",
+        "### Against what people would use instead",
+        _others(found),
+        "![Share removed on the fitted and on another run](figures/proof-trap.png)",
+        "### On the live graph",
+        _live(beside.live),
+        *(["![True error before and after](figures/proof-live.png)"] if beside.live else []),
         "### False alarms on clean arms",
         _named(("arms", "with any finding"), found["false_alarms"]),
         "### Physics outside the table",
         _named(("what", "share"), found["unknown"]),
         "### Recall over strength",
         _strength(found["strength"]),
+        "![Recall over strength](figures/proof-strength.png)",
         "### Calibration of the confidence",
         _calibration(found["calibration"]),
+        f"Mean confidence less share right: {found['over_confident'].text()}.",
+        "![Calibration](figures/proof-calibration.png)",
         "### Per effect, strengths pooled",
         _rates("effect", found["effects"]),
+        "![Recall and precision per effect](figures/proof-effects.png)",
         "### Confusion (most frequent; - is nothing)",
         _confusion(found),
+        "![Hidden and said](figures/proof-confusion.png)",
+        "### The paper's own table",
+        "Computed by `python -m trunk_ros paper`; [The paper, checked](paper.md) has all of it.",
+        _paper(beside.paper),
+        "### Killed recorders",
+        _kill(beside.kill),
         "### Cases to look at",
         _lists(cases),
     ]

@@ -53,7 +53,7 @@ def _read_alike(reader: AnyReader, raws: list[tuple[str, bytes]]) -> Angles | No
     if len(raws) < 2:
         return None
     kind, first = raws[0]
-    message = reader.deserialize(first, kind)
+    message: Any = reader.deserialize(first, kind)
     at, size = _place_of_positions(first), 8 * len(message.position)
     same = first[12:at]
     if first[:2] != b"\x00\x01" or not all(len(raw) == len(first) and raw[12:at] == same for _, raw in raws):

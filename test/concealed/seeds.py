@@ -23,6 +23,7 @@ CLEAN = {
     "clean_wire": range(62_000, 62_030),
     "clean_mujoco": range(63_000, 63_030),
 }
+LIVE = range(70_000, 70_012)  # arms on the live graph, each with three effects
 KNOBS: dict[str, dict[str, Any]] = {
     "singles": {"count": 1, "level": (0.5, 10.0)}, "pairs": {"count": 2}, "triples": {"count": 3},
     "unknown": {"unknown": True}, "hard": {"count": None, "hard": True},

@@ -77,4 +77,4 @@ def features_of(seen: Seen) -> Features:
     even = uniform_filter1d(RATIO * seen.grid_phi, SMOOTH, axis=0, mode="nearest")
     speed = np.gradient(even, PERIOD, axis=0)
     memory = (RATIO * seen.grid_phi - theta) / HALF_WIDTH
-    return Features(theta, speed, load(theta), memory, np.arange(len(theta)) * PERIOD)
+    return Features(theta, speed, load(theta), memory, np.arange(len(theta), dtype=np.float64) * PERIOD)

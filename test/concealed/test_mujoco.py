@@ -87,11 +87,10 @@ def test_a_mass_on_a_tendon_swings_at_the_root_of_stiffness_over_inertia() -> No
     soft, settle = STIFF.copy(), np.full(COUNT, 1e-3)
     soft[0] = 1 / (inertia * (2 * np.pi * 5.0) ** 2)
     settle[0] = 2 * 0.05 / (2 * np.pi * 5.0)
-    phi = np.zeros((1500, COUNT))
+    phi: Array = np.zeros((1500, COUNT))
     phi[250:, 0] = 0.05
-    ran = run_mujoco(
-        Build(compliance=soft, settle=settle, balanced=True), phi, np.gradient(phi, STEP, axis=0)
-    )
+    speed: Array = np.gradient(phi, STEP, axis=0)
+    ran = run_mujoco(Build(compliance=soft, settle=settle, balanced=True), phi, speed)
     swing = ran.theta[400:, 0] - ran.theta[-200:, 0].mean()
     crossings = np.flatnonzero(np.diff(np.sign(swing[:500])) > 0)
     assert 1 / (np.diff(crossings).mean() * STEP) == pytest.approx(5.0, rel=0.05)

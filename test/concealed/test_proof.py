@@ -10,9 +10,14 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from test.concealed import codes, judge, proof
+from test.concealed import codes, judge, others, proof
+from test.concealed.codes import ROOT
 from test.concealed.evidence import evidence
+from test.concealed.evidence_others import WAYS
 from test.concealed.intervals import bootstrap, wilson
+from test.concealed.paper_case import Row
+from test.concealed.proof_page import BEGIN, END, update_page, with_table
+from test.concealed.proof_table import Beside
 from test.concealed.seeds import CLEAN, CONCEALED, PART, in_turn
 
 
@@ -65,20 +70,80 @@ def test_rates_alarms_and_removal_are_counted() -> None:
     assert found["confusion"][("backlash", "ratio_error")] == 1
 
 
+ARM = {"seed": 1, "effects": ["backlash"], "said": ["backlash"], "named": 1,
+       "before": {"joints": 2e-3, "tip": 1e-3}, "after": {"joints": 1e-4, "tip": 1e-4}}  # fmt: skip
+ROW = Row("k / %", (96.0,), 0.1, 1e-5, "mu1 = 0.03")
+
+
+def _others(after: float) -> dict[str, Any]:
+    errors = {"fitted_before": 1e-3, "fitted_after": 1e-5, "before": 1e-3, "after": after, "seconds": 1.0}
+    return {way: dict(errors) for way in WAYS if way != "diagnosis"}
+
+
+def test_a_fit_that_only_looks_good_is_seen_as_such() -> None:
+    trap = [_marks(name, others=_others(2e-3), fitted_before=1e-3, fitted_after=1e-4) for name in "abc"]
+    found = evidence([*trap, _marks("d")])
+    assert found["others"]["boosting"]["fitted"].value == pytest.approx(0.99)
+    assert found["others"]["boosting"]["other"].value == pytest.approx(-1.0)
+    assert found["others"]["boosting"]["worse"].value == 1.0
+    assert found["others"]["diagnosis"]["other"].value == pytest.approx(0.9)
+    assert found["others"]["diagnosis"]["other"].n == 3
+    assert found["beaten"]["echo"].value == 1.0
+
+
+def test_a_comparison_that_failed_has_removed_nothing() -> None:
+    others = {**_others(1e-4), "sindy": {"fitted_before": 1e-3, "before": 1e-3, "failed": "singular"}}
+    found = evidence([_marks("a", others=others)])
+    assert found["others"]["sindy"]["other"].value == 0.0
+    assert found["others"]["echo"]["other"].value == pytest.approx(0.9)
+
+
 def test_the_files_say_every_number_with_its_interval(tmp_path: Path) -> None:
+    cases = [_marks("a", others=_others(2e-3)), _marks("b", **MISSED)]
     table = proof.write(
-        [_marks("a"), _marks("b", **MISSED), {"name": "c", "kind": "hard", "not_drawn": "x"}], tmp_path
+        [*cases, {"name": "c", "kind": "hard", "not_drawn": "x"}], tmp_path, Beside([ARM], [ROW])
     )
     assert "0.50 (0.09 … 0.91)" in table
+    assert "| k / % | 10.0 % | 0.001 % | mu1 = 0.03 |" in table
+    assert "2.00 → 0.100" in table
     kept = json.loads((tmp_path / "results.json").read_text())
     assert set(kept["all"]["recall"]) == {"value", "low", "high", "n"}
-    assert len(list(tmp_path.glob("proof-*.png"))) == 5
+    assert kept["live"]["arms made worse"]["value"] == 0.0
+    assert len(list(tmp_path.glob("proof-*.png"))) == 7
+
+
+def test_the_page_gets_the_table_between_its_marks_and_nothing_else(tmp_path: Path) -> None:
+    docs, kept = tmp_path / "docs", tmp_path / "proof"
+    (docs / "figures").mkdir(parents=True)
+    kept.mkdir()
+    (docs / "PROOF.md").write_text(f"before\n{BEGIN}\nold\n{END}\nafter")
+    (kept / "table.md").write_text("new")
+    (kept / "proof-a.png").write_bytes(b"x")
+    update_page(kept, docs)
+    assert (docs / "PROOF.md").read_text() == f"before\n{BEGIN}\n\nnew\n\n{END}\nafter"
+    assert (docs / "figures" / "proof-a.png").exists()
+    with pytest.raises(ValueError, match="no place"):
+        with_table("no marks", "new")
+
+
+def test_docs_have_a_place_for_the_table() -> None:
+    with_table((ROOT / "docs" / "PROOF.md").read_text(), "x")
 
 
 def test_a_case_is_not_done_twice_unless_the_code_changed(tmp_path: Path) -> None:
     task = judge.Task("singles", 50_000, tmp_path)
     task.kept.parent.mkdir()
-    task.kept.write_text(json.dumps(_marks("singles_50000", code=codes.marks_code())))
+    task.kept.write_text(json.dumps(_marks("singles_50000", code=codes.marks_code(), source=None)))
     assert len(proof.prove([task], 1, 0.0, Console(quiet=True))) == 1
     task.kept.write_text(json.dumps(_marks("singles_50000", code="other")))
     assert judge.known_marks(task) is None
+
+
+def test_a_case_is_done_again_where_only_the_comparisons_are_missing(tmp_path: Path) -> None:
+    task = judge.Task("singles", 50_001, tmp_path)
+    task.kept.parent.mkdir()
+    marks = _marks("singles_50001", code=codes.marks_code(), source="gearbox_states")
+    task.kept.write_text(json.dumps(marks))
+    assert judge.known_marks(task) is None
+    others.keep(task.others, _others(1e-4))
+    assert judge.known_marks(task) == {**marks, "others": _others(1e-4)}
