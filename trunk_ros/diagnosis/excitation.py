@@ -67,14 +67,16 @@ def stretches(joints: int, own: Collection[int]) -> list[Stretch]:
 def limits_of(problem: Problem) -> Limits:
     """The arm's own limits; for joints that have none, what they did in the recordings.
 
-    Accelerations stay as they were, or where samples still show what lies between them.
+    Accelerations stay as they were, or where samples still show what lies between them; setpoints hold
+    between theirs.
     """
     arm, views = problem.arm, problem.views
     seen = np.concatenate([view.span.gearbox * arm.ratio for view in views])
     speed = np.concatenate([np.abs(view.span.velocity * arm.ratio) for view in views])
     bend = np.concatenate([_bend(view.span.velocity * arm.ratio, view.span.grid) for view in views])
     done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))
-    shown = UNSEEN * np.array([noise.std for noise in problem.noise]) / step**2
+    noise = np.array([each.std for each in problem.noise])
+    shown = GENTLE * np.ones(len(noise)) if problem.stage == "servo" else UNSEEN * noise / step**2
     stated = np.isfinite(arm.lower) & np.isfinite(arm.upper)
     return Limits(
         np.where(stated, arm.lower, seen.min(axis=0)),
