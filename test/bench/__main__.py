@@ -20,7 +20,7 @@ from rich.table import Table
 from test import bench
 from test.bench.row import Row
 
-HELPERS = ("__main__", "row")
+HELPERS = ("__main__", "bare", "row")
 MARKS = {True: "[green]reached[/]", False: "[red]missed[/]", None: ""}
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trunk_ros.nodes.follower import Follower
+from trunk_ros.nodes.follower import Follower, state_at
 from trunk_ros.trajectory import Limits, Trajectory, TrajectoryError
 
 JOINTS = ("a", "b")
@@ -71,3 +71,13 @@ def test_a_first_point_that_is_due_at_once_has_to_be_near():
     it.follow(to(0.01, 0.0, time=0.0), now=0.0)
     with pytest.raises(TrajectoryError, match="due at once but elsewhere"):
         it.follow(to(0.5, 0.0, time=0.0), now=0.0)
+
+
+def test_one_time_gives_what_many_times_give():
+    rng = np.random.default_rng(4)
+    at = np.array([-0.1, 0.0, 0.3, 1.0, 1.7, 2.0, 2.5])
+    for derivatives in (0, 1, 2):
+        points = rng.normal(size=(1 + derivatives, 3, 2))
+        path = Trajectory(JOINTS, np.array([0.0, 1.0, 2.0]), *points)
+        one_by_one = [np.array(each) for each in zip(*(state_at(path, time) for time in at), strict=True)]
+        np.testing.assert_allclose(one_by_one, path.sample(at), atol=1e-12)

@@ -50,9 +50,7 @@ def resting(seconds, angle=0.1):
 
 
 OFFSET = with_effects(zero_offset={"offset": 4e-3 * WHOLE})
-DRIFT = with_effects(
-    thermal_drift={"form": "straight", "rate": 2e-4 * WHOLE}
-)
+DRIFT = with_effects(thermal_drift={"form": "straight", "rate": 2e-4 * WHOLE})
 
 
 def test_an_offset_that_no_model_knows_goes_away_and_stays_away():

@@ -92,7 +92,7 @@ class TrunkNode(StreamNode):
 
     def now(self) -> int:
         """ns of the node's clock: in simulated time the stamp of the step under way."""
-        return self._last if self.simulated else self.get_clock().now().nanoseconds
+        return self._last if self.simulated else time.time_ns()
 
     def _start_clock(self) -> None:
         if self.simulated:
@@ -117,7 +117,7 @@ class TrunkNode(StreamNode):
         awake, before = time.monotonic(), self._woken
         self._woken = awake
         late = 0.0 if before is None else max(awake - before - self.period / SECOND, 0.0)
-        self._step(self.get_clock().now().nanoseconds, round(late * SECOND))
+        self._step(self.now(), round(late * SECOND))
 
     def _step(self, now: int, late: int) -> None:
         self._last = now
@@ -146,7 +146,7 @@ class TrunkNode(StreamNode):
                 self.progress.matched[">" + part.topic_name] = part.get_subscription_count()
             elif destroy == self.destroy_subscription:
                 self.progress.matched["<" + part.topic_name] = part.get_publisher_count()
-        self._tell()
+        self._tell(beat=True)
 
     # Life cycle
 

@@ -29,7 +29,7 @@ CONNECT = 5.0  # s for all partners to be connected once everybody is there; som
 SETTLED = 3  # looks in a row at which all partners are connected
 START = 30.0  # s for nodes to appear and to find each other
 PATIENCE = 10.0  # s for nodes to answer
-SLOW = 0.5  # s without progress after which the clock is said again
+SLOW = 2.0  # s without progress after which the clock is said again
 LOST = 3.0  # s without progress after which messages under way are given up
 
 
