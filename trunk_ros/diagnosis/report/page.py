@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +59,18 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "unexplained": result.unexplained,
         "unnamed": any(f.effect == "unknown" for f in result.findings),
         "experiments": result.experiments,
+        "runs": runs(result),
         "rivals_remain": any(f.equivalents for f in result.findings),
         "numbers": numbers(result),
         "provenance": provenance(result),
     }
+
+
+def runs(result: Diagnosis) -> list[tuple[str, str]]:
+    """File of each experiment's motion, and for how many s to run it."""
+    files = dict.fromkeys(e["trajectory"] for e in result.experiments if e.get("trajectory"))
+    motions = result.trajectories
+    return [(file, f"{ceil(motions[file].duration) + 1}" if file in motions else "S") for file in files]
 
 
 def quiet(result: Diagnosis, shown: list[Signal]) -> list[str]:
