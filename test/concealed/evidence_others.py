@@ -75,6 +75,12 @@ def compared(cases: list[Marks]) -> dict[str, dict[str, Estimate]]:
     return out
 
 
+def shares_by_way(cases: list[Marks]) -> dict[str, list[float]]:
+    """Shares removed on another run of the same cases, by the name of the way."""
+    some = comparable(cases)
+    return {words: _shares(some, way, "") for way, words in WAYS.items()}
+
+
 def beaten(cases: list[Marks]) -> dict[str, Estimate]:
     """How often the diagnosis leaves less error on the second run than each other way."""
     some = comparable(cases)

@@ -31,8 +31,8 @@ from rich.progress import (
 )
 
 from test.concealed.codes import ROOT, marks_code
-from test.concealed.evidence import as_json, evidence, shares_removed
-from test.concealed.evidence_others import live
+from test.concealed.evidence import as_json, evidence
+from test.concealed.evidence_others import live, shares_by_way
 from test.concealed.judge import Task, judged, known_marks
 from test.concealed.paper_case import paper_rows
 from test.concealed.proof_comparisons import draw_comparisons
@@ -141,7 +141,7 @@ def write(cases: list[dict[str, Any]], output: Path, more: Beside) -> str:
     (output / "results.json").write_text(json.dumps(results, indent=1))
     (output / "table.md").write_text(table)
     done = [c for c in cases if "not_drawn" not in c]
-    draw_figures(found, shares_removed(done), output)
+    draw_figures(found, shares_by_way(done), output)
     draw_comparisons(found, more.live, output)
     return table
 

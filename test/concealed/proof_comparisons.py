@@ -8,9 +8,7 @@ from typing import Any
 from test.concealed.demo_picture import FITTED, INK, LINE, MUTED, NOMINAL
 from test.concealed.evidence_others import WAYS
 from test.concealed.intervals import Estimate
-from test.concealed.proof_figures import STYLE, save
-
-LOWEST = -1.0  # what is less is drawn there
+from test.concealed.proof_figures import LOWEST, STYLE, save
 
 
 def _point(axis: Any, row: float, e: Estimate, color: str, label: str | None) -> None:
@@ -35,11 +33,12 @@ def _trap(axis: Any, others: dict[str, dict[str, Estimate]]) -> None:
         axis.text(1.04, row, f"{100 * worse.value:.0f} %", va="center", color=INK, fontsize=9)
     axis.text(1.04, len(names) - 0.45, "made worse", color=MUTED, fontsize=8)
     axis.axvline(0.0, color=MUTED, lw=0.8)
-    axis.set(xlim=(LOWEST - 0.03, 1.0), ylim=(-0.6, len(names) - 0.3))
+    lows = [e.low for one in others.values() for e in (one["fitted"], one["other"]) if e.n]
+    axis.set(xlim=(max(min([*lows, 0.0]), LOWEST) - 0.03, 1.0), ylim=(-0.6, len(names) - 0.3))
     axis.set_yticks(range(len(names)), [WAYS[name] for name in names])
     axis.set_xlabel("share of the error removed, median and 95 % interval")
     axis.set_title("What looks good on the fitted run, and what is left of it on the next")
-    axis.legend(frameon=False, loc="upper left", fontsize=8)
+    axis.legend(frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncol=2, fontsize=8)
 
 
 def _live(axis: Any, arms: list[dict[str, Any]]) -> None:
@@ -56,7 +55,7 @@ def _live(axis: Any, arms: list[dict[str, Any]]) -> None:
     axis.xaxis.set_minor_locator(_none())
     axis.set_xlabel("true joint angle off the reference [mrad rms]")
     axis.set_title("Concealed arms on the live graph, the same reference twice")
-    axis.legend(frameon=False, loc="upper right", fontsize=8, bbox_to_anchor=(1.0, 1.0))
+    axis.legend(frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.1), ncol=2, fontsize=8)
 
 
 def _within(axis: Any, x: float) -> bool:

@@ -17,6 +17,9 @@ STYLE: dict[str, Any] = {
     "axes.titlelocation": "left", "axes.titlesize": 10,
 }  # fmt: skip
 
+WAY_COLORS = (FITTED, NOMINAL, "#7f8a96", "#9b6fae", "#6d9a4f")
+LOWEST = -1.0
+
 
 def _errors(axis: Any, x: list[float], some: list[Estimate], **how: Any) -> None:
     y = np.array([e.value for e in some])
@@ -50,7 +53,7 @@ def _effects(axis: Any, found: dict[str, Any]) -> None:
             e = found["effects"][name][key]
             axis.plot([e.low, e.high], [row + off] * 2, color=color, lw=1.2)
             axis.plot(e.value, row + off, "o", ms=4, color=color, label=key if row == 0 else None)
-    axis.set_yticks(range(len(names)), names)
+    axis.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axis.set(xlim=(0, 1.02), title="Recall and precision per effect, 95 % intervals")
     axis.legend(frameon=False, loc="lower left")
 
@@ -63,9 +66,10 @@ def _confusion(axis: Any, found: dict[str, Any]) -> None:
         axis.add_patch(_square(at, color))
         axis.text(*at, str(n), ha="center", va="center", fontsize=7)
     axis.set(xlim=(-0.6, len(columns) - 0.4), ylim=(len(rows) - 0.4, -0.6))
-    axis.set_xticks(range(len(columns)), columns, rotation=90)
-    axis.set_yticks(range(len(rows)), rows)
-    axis.set(title="Hidden (rows) and said (columns); - is nothing")
+    plain = [[name.replace("-", "nothing").replace("_", " ") for name in side] for side in (columns, rows)]
+    axis.set_xticks(range(len(columns)), plain[0], rotation=90)
+    axis.set_yticks(range(len(rows)), plain[1])
+    axis.set(title="Hidden (rows) and said (columns)")
 
 
 def _square(at: tuple[int, int], color: str) -> Any:
@@ -74,12 +78,21 @@ def _square(at: tuple[int, int], color: str) -> Any:
     return Rectangle((at[0] - 0.5, at[1] - 0.5), 1, 1, color=color, lw=0)
 
 
-def _removed(axis: Any, shares: list[float]) -> None:
-    shown = np.sort(np.clip(shares, -0.5, 1.0))
-    axis.step(shown, np.arange(1, len(shown) + 1) / max(len(shown), 1), where="post", color=FITTED)
-    axis.set(xlim=(-0.52, 1.02), ylim=(0, 1.02), ylabel="share of cases")
-    axis.set(xlabel="share of the removable error removed on another motion (below -0.5 drawn there)")
-    axis.set_title("Error removed: cases with at most so much")
+def _removed(axis: Any, shares: dict[str, list[float]]) -> None:
+    """How many cases have at most so much removed; the lower a curve, the better."""
+    for (name, some), color in zip(shares.items(), WAY_COLORS, strict=True):
+        shown = np.sort(np.clip(some, LOWEST, 1.0))
+        at = np.concatenate([[LOWEST], shown, [1.0]])
+        height = np.concatenate([[0.0], np.arange(1, len(shown) + 1), [len(shown)]]) / max(len(shown), 1)
+        first = color == FITTED
+        axis.step(
+            at, height, where="post", color=color, lw=2.2 if first else 1.2, label=name, zorder=2 + first
+        )
+    axis.axvline(0.0, color=LINE, lw=0.8, zorder=0)
+    axis.set(xlim=(LOWEST - 0.02, 1.02), ylim=(0, 1.02), ylabel="share of cases with at most so much")
+    axis.set(xlabel=f"share of the error removed on another motion (below {LOWEST:g} drawn there)")
+    axis.set_title("Error removed on the same cases: low curves are good")
+    axis.legend(frameon=False, fontsize=8)
 
 
 def save(path: Path, size: tuple[float, float], draw: Callable[[Any], None]) -> None:
@@ -92,8 +105,8 @@ def save(path: Path, size: tuple[float, float], draw: Callable[[Any], None]) -> 
     plt.close(figure)
 
 
-def draw_figures(found: dict[str, Any], shares: list[float], folder: Path) -> None:
-    """Writes proof-*.png into the folder. found: what `evidence` gives."""
+def draw_figures(found: dict[str, Any], shares: dict[str, list[float]], folder: Path) -> None:
+    """Writes proof-*.png into the folder. found: what `evidence` gives; shares: by way, `shares_by_way`."""
     import matplotlib
 
     matplotlib.use("Agg")
