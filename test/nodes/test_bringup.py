@@ -72,11 +72,18 @@ def test_the_recording_is_one_that_the_diagnosis_reads(bag):
     assert np.ptp(recording.series["joint_states"].position, axis=0).min() > 0.05
 
 
-def test_runs_of_one_and_of_several_processes_have_identical_messages(bag, tmp_path):
+def test_runs_of_one_and_of_several_processes_have_identical_payloads_on_every_topic(bag, tmp_path):
     simulated(tmp_path / "again", "--processes")
     first, second = bag_messages(bag[0]), bag_messages(tmp_path / "again")
-    for topic in PER_STEP:
-        assert first[topic] == second[topic], topic
+    topics = [topic for topic in first if not topic.endswith("/transition_event")]  # of the wall's clock
+    assert set(PER_STEP) | {"/diagnostics", "/robot_description"} <= set(topics)
+    for topic in topics:
+        assert payloads(first[topic]) == payloads(second[topic]), topic
+
+
+def payloads(messages):
+    """Messages of a topic without padding; nodes that share one take turns in any order."""
+    return sorted(message.rstrip(b"\0") for message in messages)
 
 
 def test_real_time_in_several_processes_loses_nothing(tmp_path):

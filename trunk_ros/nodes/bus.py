@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -9,9 +10,11 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, State
+from trunk_ros.errors import ArgumentError
 from trunk_ros.model import Model
 from trunk_ros.trajectory import Array
 
+SIMULATED = "simulated"
 WAITING = 1000  # setpoints of the future that are kept
 SLOW = 1e-3  # rad/s below which friction takes no side
 
@@ -94,6 +97,22 @@ class SimulatedBus:
         wire = self.arm.wire
         friction = wire.pull_tension * (1 - wire.efficiency) * wire.shaft_radius
         return torque + friction * np.clip(speed / SLOW, -1.0, 1.0)
+
+
+def bus_of(name: str, model: Model) -> Bus:
+    """The bus of a name: ``simulated``, or ``module:Class`` of one that is called with the model.
+
+    Raises ArgumentError where there is no such class, and what the class raises.
+    """
+    if name == SIMULATED:
+        return SimulatedBus(model)
+    module, _, kind = name.partition(":")
+    try:
+        made = getattr(importlib.import_module(module), kind)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ArgumentError(f"bus {name!r} is neither {SIMULATED} nor MODULE:CLASS: {error}") from None
+    bus: Bus = made(model)
+    return bus
 
 
 def gearbox_limits(arm: Arm) -> tuple[Array, Array]:

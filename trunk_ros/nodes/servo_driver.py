@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.model import Declaration
 from trunk_ros.nodes.base import TrunkNode
-from trunk_ros.nodes.bus import Bus, SimulatedBus, gearbox_limits
+from trunk_ros.nodes.bus import SIMULATED, Bus, bus_of, gearbox_limits
 from trunk_ros.nodes.elapsed import Elapsed
 from trunk_ros.nodes.joints import JointMatcher, MessageError
 from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds
@@ -32,6 +32,7 @@ class ServoDriver(TrunkNode):
             (0.01, 60.0),
             "silence after which the setpoints are called stale; the arm holds",
         ),
+        Declaration("bus", SIMULATED, "", None, "the motors: simulated, or MODULE:CLASS of another bus"),
     )
 
     def configure(self) -> None:
@@ -40,16 +41,12 @@ class ServoDriver(TrunkNode):
         self.joints = arm.joints
         self.matcher = JointMatcher(arm.joints)
         self.lower, self.upper = gearbox_limits(arm)
-        self.bus: Bus = self.open_bus()
+        self.bus: Bus = bus_of(self.value("bus"), self.model)
         self.asked: Array | None = None
         self.elapsed = Elapsed()
         self.setpoints = self.watch("trunk/setpoints", self.value("timeout"))
         self.publish_state = self.publish_on(JointState, "trunk/gearbox_states")
         self.listen_to(JointState, "trunk/setpoints", self.on_setpoints)
-
-    def open_bus(self) -> Bus:
-        """The motors; override for other hardware."""
-        return SimulatedBus(self.model)
 
     def tick(self, now: int) -> None:
         """Read the shafts and publish."""
