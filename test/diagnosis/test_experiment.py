@@ -27,6 +27,7 @@ from trunk_ros.model import load_model
 from trunk_ros.motion import named_trajectory
 from trunk_ros.nodes.plan import plan_of
 from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.trajectory import Limits, load_trajectory
 
 FILE = "experiment_wire.yaml"
@@ -149,6 +150,25 @@ def test_rivals_that_can_turn_into_each_other_are_said_to_be_beyond_any_motion()
     assert told["statement"].startswith("No motion within the limits tells")
     assert told["trajectory"] == ""
     assert result.trajectories == {}
+
+
+@pytest.mark.parametrize("period", [0.01, 0.42], ids=["moving", "stop_and_measure"])
+def test_an_arm_without_limits_is_not_moved_beyond_what_it_did(period: float, tmp_path: Path) -> None:
+    stamp, rng = np.arange(3000) * period, np.random.default_rng(0)
+    alike = 0.7 + 0.3 * np.sin(2 * np.pi * np.arange(3000) / 300) + 0.1 * np.sin(np.arange(3000) / 17)
+    driving = np.column_stack([alike, alike])
+    shown = driving * [1.0, 1.01] + rng.normal(size=driving.shape) * 2e-4
+    topics = {"gearbox_states": driving, "joint_states": shown}
+    series = {key: JointSeries(stamp, ("a", "b"), position) for key, position in topics.items()}
+    result = diagnose([Recording("made", 1, float(stamp[-1]), series)], model="direct")
+    (motion,) = result.trajectories.values()
+    position, velocity, _ = motion.sample(np.linspace(0.0, motion.duration, 5000))
+    arrived = np.maximum.accumulate(position, axis=0) > alike.min()
+    assert position[arrived].min() >= alike.min()
+    assert position.max() <= alike.max()
+    assert np.abs(velocity).max() <= np.abs(np.gradient(alike, stamp)).max()
+    result.save(tmp_path)
+    assert plan_of(["--trajectory", str(tmp_path / FILE), "--model", "direct", "--without", "recorder"])
 
 
 def test_units_are_those_of_the_joints(designed: tuple[Problem, Experiment]) -> None:

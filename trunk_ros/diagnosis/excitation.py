@@ -11,12 +11,14 @@ from typing import Literal
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SAME
+from trunk_ros.description import ANY_ANGLE
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
 SECONDS = 8.0  # of one stretch
+SAMPLES = 200  # of one stretch at least
+MOMENT = 1e-3  # s: too short for a piece of a motion
 TURNS = 60  # of a stretch at most
 BEND = 5.7735  # peak acceleration of a rest-to-rest quintic, times its time squared over its way
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
@@ -77,7 +79,7 @@ def limits_of(problem: Problem) -> Limits:
     done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))
     noise = np.array([each.std for each in problem.noise])
     shown = GENTLE * np.ones(len(noise)) if problem.stage == "servo" else UNSEEN * noise / step**2
-    stated = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)
     return Limits(
         np.where(stated, arm.lower, seen.min(axis=0)),
         np.where(stated, arm.upper, seen.max(axis=0)),
@@ -90,15 +92,15 @@ def _bend(speed: Array, stamp: Array) -> Array:
     return np.abs(np.gradient(speed, stamp, axis=0)) if len(stamp) > 1 else np.zeros_like(speed)
 
 
-def motion(joints: tuple[str, ...], limits: Limits, parts: list[Stretch], own: Collection[int]) -> Trajectory:
+def motion(problem: Problem, limits: Limits, parts: list[Stretch], own: Collection[int]) -> Trajectory:
     """The stretches one after the other, from rest at 0, as one trajectory."""
-    paths = []
-    for joint in range(len(joints)):
+    paths, seconds = [], max(SECONDS, SAMPLES * problem.step)
+    for joint in range(len(problem.joints)):
         path = _Path(limits, joint)
         for number, part in enumerate(parts, start=1):
-            path.follow(part, joint in own, path.begin + number * SECONDS)
+            path.follow(part, joint in own, path.begin + number * seconds)
         paths.append(np.array(path.points))
-    return merge(joints, paths)
+    return merge(problem.joints, paths)
 
 
 class _Path:
@@ -138,9 +140,9 @@ class _Path:
         if way <= 0.0:
             return
         took = max(PEAK * way / (self.top * speed), sqrt(BEND * way / self.bend), QUICKEST)
-        if begin + took <= end + SAME:
+        if begin + took <= end + MOMENT:
             self.points.append((begin + took, here + copysign(way, angle - here)))
 
     def _stay(self, until: float) -> None:
-        if until > self.points[-1][0]:
+        if until > self.points[-1][0] + MOMENT:
             self.points.append((until, self.points[-1][1]))

@@ -135,7 +135,7 @@ class Design:
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
-        return motion(self.problem.joints, self.limits, parts, self.own)
+        return motion(self.problem, self.limits, parts, self.own)
 
     def ratios(self, parts: list[Stretch]) -> Array:
         """(duels,) misfit of each refitted rival, over what it takes to rule it out."""

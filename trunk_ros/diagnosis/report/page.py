@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import ceil
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -67,10 +68,14 @@ def content(result: Diagnosis) -> dict[str, Any]:
 
 
 def runs(result: Diagnosis) -> list[tuple[str, str]]:
-    """File of each experiment's motion, and for how many s to run it."""
+    """File of each experiment's motion with what else the command needs, and for how many s to run it."""
+    model = result.provenance.get("model", "trunk")
+    more = "" if model == "trunk" else f" --model {quote(str(model))}"
     files = dict.fromkeys(e["trajectory"] for e in result.experiments if e.get("trajectory"))
     motions = result.trajectories
-    return [(file, f"{ceil(motions[file].duration) + 1}" if file in motions else "S") for file in files]
+    return [
+        (file + more, f"{ceil(motions[file].duration) + 1}" if file in motions else "S") for file in files
+    ]
 
 
 def quiet(result: Diagnosis, shown: list[Signal]) -> list[str]:
