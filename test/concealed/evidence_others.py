@@ -36,9 +36,10 @@ def removed(case: Marks, way: str, run: str = "") -> float | None:
     known.
     """
     errors = _errors(case, way)
-    if f"{run}before" not in errors:
+    before = float(errors.get(f"{run}before", 0.0))
+    if before <= REMOVABLE * case["noise"]:
         return None
-    return 1 - float(errors.get(f"{run}after", errors[f"{run}before"])) / float(errors[f"{run}before"])
+    return 1 - float(errors.get(f"{run}after", before)) / before
 
 
 def _shares(cases: list[Marks], way: str, run: str) -> list[float]:

@@ -21,7 +21,7 @@ import numpy as np
 from rich.console import Console
 
 from test.concealed.codes import ROOT, closure, digest, package
-from test.concealed.demo_runs import Arm, DemoError, drive, followed, trunk
+from test.concealed.demo_runs import Arm, DemoError, drive, followed, other_motion, trunk
 from test.concealed.hide import hide
 from test.concealed.marks import matched
 from test.concealed.nominal import Array, tip
@@ -32,7 +32,7 @@ KINDS = (
     ("ratio_error", "joint_coupling", "load_elasticity", "transmission_ripple"),
     ("viscous_lag", "zero_offset", "viscoelastic_creep", "sensor_delay"),
 )
-SECONDS = 30.0
+SECONDS = 25.0
 
 
 @cache
@@ -63,15 +63,18 @@ def _tried(seed: int, folder: Path, seconds: float) -> dict[str, Any]:
     arm = Arm(seed, ",".join(effects))
     drive(arm, folder / "run_1", seconds, 1)
     trunk("diagnose", folder / "run_1", "--output", folder / "found")
-    drive(arm, folder / "run_2", seconds, 2, "--model", folder / "found" / "model.yaml")
+    motion = ("--trajectory", folder / "motion.yaml")
+    other_motion(folder / "motion.yaml", seed, seconds)
+    drive(arm, folder / "run_2", seconds, 2, *motion)
+    drive(arm, folder / "run_3", seconds, 3, *motion, "--model", folder / "found" / "model.yaml")
     diagnosis = json.loads((folder / "found" / "diagnosis.json").read_text())
     truth = [h.told() for h in hide(seed, effects)]
     return {
         "effects": effects,
         "said": [f["effect"] for f in diagnosis["findings"]],
         "named": len(matched(truth, diagnosis["findings"])),
-        "before": off(*followed(folder / "run_1")),
-        "after": off(*followed(folder / "run_2")),
+        "before": off(*followed(folder / "run_2")),
+        "after": off(*followed(folder / "run_3")),
     }
 
 

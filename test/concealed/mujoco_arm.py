@@ -26,6 +26,8 @@ MOTOR = 1e8  # N m/rad of a motor that gives way to nothing
 FRICTION = f'solreffriction="{2 * TICK} 1" solimpfriction="0.999 0.9999 0.001 0.5 2"'
 LIMITS = f'solreflimit="{2 * TICK} 1" solimplimit="0.999 0.9999 0.0001 0.5 2"'
 
+mujoco.set_mju_user_warning(lambda text: None)  # it would write a file where it runs; see `run_mujoco`
+
 
 @dataclass(frozen=True)
 class Build:
@@ -175,10 +177,16 @@ def _begin(model: Any, b: Build, phi: Array) -> Array:
 
 
 def run_mujoco(b: Build, phi: Array, v: Array) -> Ran:
-    """The arm for what the servos ask of the wheels: angle rad and speed rad/s, (n, 5) at 2 ms."""
+    """The arm for what the servos ask of the wheels: angle rad and speed rad/s, (n, 5) at 2 ms.
+
+    Raises RuntimeError where the engine warns or does not stay finite.
+    """
     model = mujoco.MjModel.from_xml_string(_xml(b))
     begin = _begin(model, b, phi[0])
-    states, sensed = rollout.rollout(model, mujoco.MjData(model), begin, _asked(phi, v)[None])
+    data = mujoco.MjData(model)
+    states, sensed = rollout.rollout(model, data, begin, _asked(phi, v)[None])
+    if any(warning.number for warning in data.warning) or not np.isfinite(states).all():
+        raise RuntimeError("the engine ran off: this build is too stiff for its steps")
     kept = np.concatenate([begin[None], states[0][SUB - 1 :: SUB][: len(phi) - 1]])
     q, u = kept[:, 1 : 1 + model.nq], kept[:, 1 + model.nq :]
     seen = sensed[0][SUB::SUB][: len(phi) - 1]  # sensors show the beginning of a step

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -107,6 +108,15 @@ def test_a_stop_holds_the_joint_and_the_others_do_not_feel_it(servo: tuple[Array
     assert ran.theta[:, 2].max() < 0.1 + 10 * NOISE
     free = [0, 1, 3, 4]
     assert np.sqrt(((ran.theta - said)[SETTLED:, free] ** 2).mean()) < NOISE
+
+
+def test_a_build_that_the_engine_cannot_step_is_refused(
+    servo: tuple[Array, Array], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RuntimeError, match="ran off"):
+        run_mujoco(Build(compliance=STIFF / 1e6), *servo)
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_tip_is_that_of_longer_links_on_a_tilted_base(servo: tuple[Array, Array]) -> None:

@@ -91,6 +91,12 @@ def test_a_fit_that_only_looks_good_is_seen_as_such() -> None:
     assert found["beaten"]["echo"].value == 1.0
 
 
+def test_a_run_without_anything_to_remove_does_not_count() -> None:
+    found = evidence([_marks("a", others=_others(1e-4), fitted_before=0.0, fitted_after=0.0)])
+    assert found["others"]["diagnosis"]["fitted"].n == 0
+    assert found["others"]["diagnosis"]["other"].n == 1
+
+
 def test_a_comparison_that_failed_has_removed_nothing() -> None:
     others = {**_others(1e-4), "sindy": {"fitted_before": 1e-3, "before": 1e-3, "failed": "singular"}}
     found = evidence([_marks("a", others=others)])
