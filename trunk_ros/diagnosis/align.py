@@ -21,6 +21,7 @@ LONGEST_GAP = 0.12  # s without a sample after which the comparison pauses
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 SETTLING = 0.3  # s in which a servo forgets how it began
 MOVED = 3e-4  # rad
+BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
 STANDS = 1e-4  # rad, more than the encoder's steps
 FIRST = 40  # samples that the angle at the start is the median of
 LONG = 100  # samples that a joint has to stand before it moves for them to tell anything
@@ -70,7 +71,8 @@ def wire_span(recording: Recording, model: Model) -> Span:
     arm = model.for_joints(joints).arm.only(joints)
     u, known = phi * arm.ratio, resistance(arm, gearbox, grid, phi)
     start = _start(u, rows, target, valid)
-    valid &= _counted(u, rows, start) & ~_forgotten(u, grid, gearbox.stamp)[rows]
+    least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))
+    valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, least)[rows]
     return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, (), known)
 
 
@@ -141,6 +143,7 @@ def resample(series: JointSeries, grid: Array) -> tuple[Array, Array]:
     if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
         return position, _velocity(series, position)
     inside = np.clip(grid, t[0], t[-1])
+    beyond = np.clip(grid - inside, *_one_step(t))[:, None]
     if len(t) < 4 or float(np.median(np.diff(t))) > SLOW:
         curve = PchipInterpolator(t, position) if len(t) > 1 else None
         values = np.repeat(position, len(grid), axis=0) if curve is None else curve(inside)
@@ -155,7 +158,13 @@ def resample(series: JointSeries, grid: Array) -> tuple[Array, Array]:
         step = (position[before] - position[after]) / (t[before] - t[after])
         values[guessed] = position[after] + (inside[guessed] - t[after])[:, None] * step
         slope[guessed] = step
-    return values, slope
+    return values + beyond * slope, slope
+
+
+def _one_step(stamp: Array) -> tuple[float, float]:
+    """How far before and after its samples a motion may be taken to go on [s]."""
+    step = float(np.median(np.diff(stamp)))
+    return -step, step
 
 
 def _gaps(stamp: Array) -> list[tuple[int, int]]:
@@ -210,22 +219,21 @@ def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray
     return out
 
 
-def _counted(u: Array, rows: np.ndarray, start: Array) -> np.ndarray:
+def _counted(u: Array, rows: np.ndarray, start: Array, least: Array) -> np.ndarray:
     """(n, joints): where the state of the play is known: from where a joint has moved enough for that at
     the start
     to be forgotten, and before where it was seen to stand as it began. A joint that hardly moves counts
     nowhere.
     """
     far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
-    engaged = far > np.maximum(0.15 * np.ptp(u, axis=0), MOVED)
+    engaged = far > least
     standing = (far < STANDS) & engaged.any(axis=0) & np.isfinite(start)
     return np.asarray((engaged | standing)[rows])
 
 
-def _forgotten(u: Array, grid: Array, stamp: Array) -> np.ndarray:
+def _forgotten(u: Array, grid: Array, stamp: Array, least: Array) -> np.ndarray:
     """(m, joints): where the state of the play is unknown after a gap, until the joint has moved on."""
     out = np.zeros(u.shape, dtype=bool)
-    least = np.maximum(0.15 * np.ptp(u, axis=0), MOVED)
     for _, before in _gaps(stamp):
         if stamp[before] - stamp[before - 1] > FORGETS:
             first = int(np.searchsorted(grid, stamp[before] - SAME))

@@ -25,11 +25,12 @@ def need(problem: Problem, column: int) -> float:
     """The gain on a column below which nothing is claimed there.
 
     The encoder's steps are an error of the input that stands still with the joint, so they are no noise to be
-    averaged.
+    averaged. Of coloured noise the colour is known only roughly.
     """
+    chance = SIGNIFICANT * (1.0 + problem.noise[column].correlation)
     steps = problem.resolution(column) / problem.noise[column].std
     least = problem.count(column) * max(RELEVANT, STEPS * steps**2)
-    return max(SIGNIFICANT, least, SHARE * problem.unexplained.get(column, 0.0))
+    return max(chance, least, SHARE * problem.unexplained.get(column, 0.0))
 
 
 def price(problem: Problem, term: Term) -> float:
