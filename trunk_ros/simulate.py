@@ -18,6 +18,7 @@ from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 from trunk_ros.resistance import resistance
 
+GAP = 1.5  # usual steps
 SOURCES = ("gearbox_states", "setpoints")
 
 
@@ -35,8 +36,10 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
     shown_at = given.stamp if measured is None else measured.stamp
     series: dict[str, JointSeries] = {}
     if source == "setpoints":
-        given = _gearbox(recording, given, model)
-        series["gearbox_states"] = given
+        wanted = recording.series.get("gearbox_states", given).stamp
+        given = _gearbox(given, np.union1d(wanted, _between(wanted, shown_at)), model)
+        there = np.searchsorted(given.stamp, wanted)
+        series["gearbox_states"] = JointSeries(wanted, joints, given.position[there])
     series["joint_states"] = _joints(given, shown_at, model)
     return Recording(recording.name, recording.start_ns, recording.duration, series, units=recording.units)
 
@@ -50,8 +53,15 @@ def _joints(gearbox: JointSeries, shown_at: Array, model: Model) -> JointSeries:
     return JointSeries(shown_at[kept], gearbox.joints, theta[rows])
 
 
-def _gearbox(recording: Recording, setpoints: JointSeries, model: Model) -> JointSeries:
-    wanted = recording.series.get("gearbox_states", setpoints).stamp
+def _between(stamp: Array, shown_at: Array) -> Array:
+    """Those of ``shown_at`` (m,) that lie in gaps of ``stamp`` (n,): there the gearbox is not guessed."""
+    usual = GAP * float(np.median(np.diff(stamp))) if len(stamp) > 1 else 0.0
+    after = np.clip(np.searchsorted(stamp, shown_at), 1, max(len(stamp) - 1, 1))
+    inside = (shown_at > stamp[0]) & (shown_at < stamp[-1])
+    return shown_at[inside & (np.diff(stamp)[after - 1] > usual)] if len(stamp) > 1 else shown_at[:0]
+
+
+def _gearbox(setpoints: JointSeries, wanted: Array, model: Model) -> JointSeries:
     grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
     last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     phi, _ = Chain(model.only(setpoints.joints), "servo").run(fill(setpoints.position)[last], grid)
