@@ -199,8 +199,8 @@ def test_what_is_wrong_is_said_in_one_line_with_the_file(what: str, tmp_path: Pa
         ("/**:\n\t- [", "is not YAML"),
         ("/**: {ros__parameters: {arm: 2001-99-99}}", "is not YAML"),
         ("[" * 3000, "is not YAML"),
-        ("&a {b: *a}", "not a ROS 2 parameter file"),
-        ("/**: {ros__parameters: &a {b: *a}}", "nested too deeply"),
+        ("&a {b: *a}", "refers to its own parts"),
+        ("/**: {ros__parameters: &a {b: *a}}", "refers to its own parts"),
         ("\x00", "is not YAML"),
     ],
 )

@@ -20,6 +20,7 @@ from trunk_ros.description import ANY_JOINTS, arm_from, arm_parameters, check_na
 from trunk_ros.description import Declaration as Declaration
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
+from trunk_ros.recording import plain_yaml
 from trunk_ros.share import share_folder
 
 Values = dict[str, Any]
@@ -229,17 +230,15 @@ def load_model(name: str | Path) -> Model:
     """Read a model file, or one of those in config/ by name. Raises ModelError in one line."""
     path = _model_path(name)
     try:
-        content = yaml.safe_load(path.read_text())
+        content = plain_yaml.load(path.read_bytes(), references=False)
     except OSError as error:
         raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise ModelError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
+    except ValueError as error:
+        raise ModelError(f"{path} {error}") from None
     try:
         return Model.from_parameters(dict(_flatten(_tree(content))))
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
-    except RecursionError:
-        raise ModelError(f"{path}: parameters are nested too deeply") from None
 
 
 def _model_path(name: str | Path) -> Path:

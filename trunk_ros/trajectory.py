@@ -12,6 +12,7 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from trunk_ros.errors import TrunkError
+from trunk_ros.recording import plain_yaml
 
 Array = NDArray[np.float64]
 
@@ -193,13 +194,13 @@ def load_trajectory(path: str | Path) -> Trajectory:
     Raises TrajectoryError that names the file and the field.
     """
     try:
-        return from_fields(yaml.safe_load(Path(path).read_text()))
+        return from_fields(plain_yaml.load(Path(path).read_bytes(), references=False))
     except OSError as error:
         raise TrajectoryError(f"cannot read the trajectory {path}: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise TrajectoryError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
     except TrajectoryError as error:
         raise TrajectoryError(f"{path}: {error}") from None
+    except ValueError as error:
+        raise TrajectoryError(f"{path} {error}") from None
 
 
 def save_trajectory(path: str | Path, trajectory: Trajectory) -> None:

@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+import yaml
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag1 import Writer as Writer1
@@ -15,9 +16,13 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from test.recording.bags import NOETIC, motion, only_file, pose, write_bag, write_ros1
 from trunk_ros.errors import TrunkError
+from trunk_ros.model import load_model
+from trunk_ros.nodes.bag_source import BagSource
+from trunk_ros.recording.import_bag import read_bag
 from trunk_ros.recording.import_csv import read_csv
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recover import recover
+from trunk_ros.trajectory import load_trajectory
 
 KINDS = ("mcap", "mcap_zstd", "mcap_message", "mcap_file", "sqlite3", "ros1", "ros1_lz4", "ros1_bz2")
 EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "100"))
@@ -149,8 +154,6 @@ KEYS = st.sampled_from(
 @example(key="relative_file_paths", value=["", ".", "..", "/"])
 @example(key="custom_data", value={"trunk_ros.units": "[[[["})
 def test_metadata_with_entries_of_another_kind(seeds, tmp_path, key, value):
-    import yaml
-
     bag = shutil.copytree(seeds["mcap"].parent, tmp_path / "bag", dirs_exist_ok=True)
     content = yaml.safe_load((bag / "metadata.yaml").read_text())
     content["rosbag2_bagfile_information"][key] = value
@@ -177,6 +180,69 @@ def test_damaged_tables(tmp_path, damage):
     one_line_or_fine(read_csv, table, tmp_path / "map.yaml")
 
 
+BAG_MAPPING = """
+joints: [a, b]
+gearbox_states:
+  position: {columns: ["/joint_states.position[0]", {expr: "'/joint_states.position[c]' * 2"}], unit: rad}
+joint_states:
+  position: {columns: ["/trunk/tip_pose.pose.position.x", "/joint_states.position[a]"], unit: [m, rad]}
+"""
+
+
+@FUZZ
+@given(damage=damages())
+def test_damaged_mappings_of_bags(seeds, tmp_path, damage):
+    mapping = tmp_path / "map.yaml"
+    mapping.write_bytes(damaged(BAG_MAPPING.encode(), damage))
+    one_line_or_fine(read_bag, seeds["mcap"], mapping)
+
+
+@pytest.mark.parametrize("kind", ["mcap", "mcap_zstd", "sqlite3"])
+@FUZZ
+@given(damage=damages())
+def test_damaged_bags_that_are_mapped(seeds, tmp_path, kind, damage):
+    (tmp_path / "map.yaml").write_text(BAG_MAPPING)
+    file = tmp_path / seeds[kind].name
+    file.write_bytes(damaged(seeds[kind].read_bytes(), damage))
+    one_line_or_fine(read_bag, file, tmp_path / "map.yaml")
+
+
+@pytest.mark.parametrize("kind", ["mcap", "mcap_zstd", "sqlite3", "ros1", "ros1_bz2"])
+@FUZZ
+@given(damage=damages())
+def test_damaged_bags_that_are_replayed(seeds, tmp_path, kind, damage):
+    file = tmp_path / seeds[kind].name
+    file.write_bytes(damaged(seeds[kind].read_bytes(), damage))
+    one_line_or_fine(replayed, file)
+
+
+def replayed(path: Path) -> int:
+    with BagSource(path) as bag:
+        return sum(len(data) for _, _, data in bag.messages({topic.name for topic in bag.topics}))
+
+
+MODEL = yaml.safe_dump({"/**": {"ros__parameters": load_model("trunk").parameters()}}).encode()
+
+
+@FUZZ
+@given(damage=damages())
+def test_damaged_models(tmp_path, damage):
+    model = tmp_path / "model.yaml"
+    model.write_bytes(damaged(MODEL, damage))
+    one_line_or_fine(load_model, model)
+
+
+@FUZZ
+@given(name=st.sampled_from(sorted(load_model("trunk").parameters())), value=YAML)
+@example(name="arm.joints", value=["a"] * 3)
+@example(name="arm.link_length", value=[float("nan")] * 5)
+def test_models_with_entries_of_another_kind(tmp_path, name, value):
+    model = tmp_path / "model.yaml"
+    flat = load_model("trunk").parameters() | {name: value}
+    model.write_text(yaml.safe_dump({"/**": {"ros__parameters": flat}}))
+    one_line_or_fine(load_model, model)
+
+
 LAUGHS = "".join(f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 9) if i else 'lol'}]\n" for i in range(30))
 MERGES = "".join(f"m{i}: &m{i} {{{f'<<: [*m{i - 1}, *m{i - 1}]' if i else 'a: b'}}}\n" for i in range(40))
 
@@ -185,6 +251,8 @@ MERGES = "".join(f"m{i}: &m{i} {{{f'<<: [*m{i - 1}, *m{i - 1}]' if i else 'a: b'
 def test_yaml_that_grows_when_it_is_read_is_refused_soon(seeds, tmp_path, bomb):
     (tmp_path / "map.yaml").write_text(bomb)
     one_line_or_fine(read_csv, tmp_path / "table.csv", tmp_path / "map.yaml")
+    one_line_or_fine(load_model, tmp_path / "map.yaml")
+    one_line_or_fine(load_trajectory, tmp_path / "map.yaml")
     bag = shutil.copytree(seeds["mcap"].parent, tmp_path / "bag")
     file = bag / "metadata.yaml"
     for old, new in (("- mcap.mcap", "- *l29"), ("custom_data: null", "custom_data: {a: *l29}")):
@@ -193,3 +261,10 @@ def test_yaml_that_grows_when_it_is_read_is_refused_soon(seeds, tmp_path, bomb):
         (bag / "metadata.yaml").write_text(bomb + (text.replace(old, new) if bomb == LAUGHS else text))
         one_line_or_fine(read_recording, bag)
         file.write_text(text)
+
+
+@pytest.mark.parametrize("name", ["arm.joints", "arm.link_length", "arm.payload", "servo.kp"])
+def test_a_model_that_grows_when_it_is_read_is_refused_soon(tmp_path, name):
+    (tmp_path / "model.yaml").write_text(f"{LAUGHS}/**: {{ros__parameters: {{{name}: *l29}}}}\n")
+    with pytest.raises(TrunkError, match="refers to its own parts"):
+        load_model(tmp_path / "model.yaml")

@@ -24,28 +24,40 @@ class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
         return True
 
 
-def load(data: bytes) -> Any:
-    """Content of a YAML text; ValueError says in one line what is wrong with it, and where."""
+class _ReferenceError(Exception):
+    """A reference where there may be none."""
+
+
+def load(data: bytes, references: bool = True) -> Any:
+    """Content of a YAML text; ValueError says in one line what is wrong with it, and where.
+
+    references: whether it may refer to its own parts, which parameter files of ROS 2 may not.
+    """
     if len(data) > _LARGEST:
         raise ValueError(f"is larger than {_LARGEST >> 20} MB")
     try:
-        _check_depth(data)
+        if _check_depth(data) and not references:
+            raise _ReferenceError
         return yaml.load(data, Loader=_Loader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         raise ValueError(f"is not YAML{f' in line {mark.line + 1}' if mark else ''}") from None
+    except _ReferenceError:
+        raise ValueError("refers to its own parts: write them out") from None
     except (ValueError, RecursionError, OverflowError, AttributeError, TypeError):
         raise ValueError("is not YAML") from None
 
 
-def _check_depth(data: bytes) -> None:
-    """The loader in C overflows the stack on deep nesting, which nothing can catch."""
-    depth = 0
+def _check_depth(data: bytes) -> bool:
+    """Whether there are references. Deep nesting overflows the stack of the C loader: nothing catches it."""
+    depth, references = 0, False
     for event in yaml.parse(data, Loader=_Loader):
+        references |= isinstance(event, yaml.AliasEvent)
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if depth > _DEEPEST:
             raise ValueError("nested too deeply")
+    return references
 
 
 def scalar(value: Any) -> str:
