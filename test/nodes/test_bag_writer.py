@@ -1,9 +1,11 @@
 """Bags as they are written: every reader opens them, and what does not fit is said."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 
 from test.nodes.graph import bag_messages
 from trunk_ros.errors import ArgumentError
@@ -88,3 +90,51 @@ def test_a_bag_without_messages_can_be_opened(tmp_path):
 def test_a_folder_that_exists_is_refused(tmp_path):
     with pytest.raises(ArgumentError, match="exists"):
         BagWriter(tmp_path, Options())
+
+
+def test_the_mcap_tools_find_every_message_by_its_index_and_check_every_chunk(tmp_path):
+    write(tmp_path / "bag", Options(chunk_bytes=1 << 12), count=500, size=200)
+    with (tmp_path / "bag/bag_0.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        summary = reader.get_summary()
+        assert summary.statistics.message_count == 500
+        assert len(summary.chunk_indexes) > 20
+        assert all(chunk.message_index_offsets for chunk in summary.chunk_indexes)
+        (channel,) = summary.channels.values()
+        assert channel.metadata["topic_type_hash"].startswith("RIHS01_")
+        assert "offered_qos_profiles" in channel.metadata
+        assert summary.schemas[channel.schema_id].encoding == "ros2msg"
+        first, end = BEGIN + 100 * 10**7, BEGIN + 200 * 10**7
+        found = [
+            message.sequence
+            for _, _, message in reader.iter_messages(["/talk"], starting_at=first, ending_before=end)
+        ]
+        assert found == list(range(100, 200))
+        (metadata,) = [each for each in reader.iter_metadata() if each.name == "trunk_ros"]
+        assert metadata.metadata == {"trunk_ros.loss": "{}"}
+
+
+@pytest.mark.parametrize("jump", [-3600 * 10**9, 3600 * 10**9, -BEGIN, 2**63 - 1, -(2**63)])
+@pytest.mark.parametrize("split", [0.0, 0.5])
+def test_a_clock_that_jumps_corrupts_nothing(tmp_path, jump, split):
+    writer, talk = BagWriter(tmp_path / "bag", Options(split_seconds=split)), channel()
+    writer.add_channel(talk)
+    for step, entry in enumerate(entries(talk, 100)):
+        moved = replace(entry, log_ns=entry.log_ns + (jump if 40 <= step < 60 else 0))
+        assert writer.put(moved)
+    writer.close(dict)
+    assert not writer.failure
+    assert len(bag_messages(tmp_path / "bag")["/talk"]) == 100
+    for file in (tmp_path / "bag").glob("*.mcap"):
+        with file.open("rb") as stream:
+            make_reader(stream, validate_crcs=True).get_summary()
+
+
+def test_a_fault_of_ours_is_not_hidden(tmp_path, monkeypatch):
+    writer, talk = BagWriter(tmp_path / "bag", Options()), channel()
+    writer.add_channel(talk)
+    monkeypatch.setattr(writer, "_write", lambda entry: 1 / 0)
+    assert writer.put(entries(talk, 1)[0])
+    wait_until(lambda: writer.failure)
+    with pytest.raises(ZeroDivisionError):
+        writer.close(dict)

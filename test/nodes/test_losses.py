@@ -1,6 +1,6 @@
 """Losses are counted from the publishers' own numbers."""
 
-from trunk_ros.nodes.losses import Tally
+from trunk_ros.nodes.losses import Tally, in_words
 
 
 def tally(numbers, publishers=1):
@@ -35,3 +35,13 @@ def test_the_longest_gap_is_kept():
     for at in (0, 10, 25, 30):
         it.note(None, at * 10**9)
     assert it.summary()["longest_gap_s"] == 15.0
+
+
+def test_a_run_is_summed_up_with_what_each_topic_lacks():
+    it = tally([1, 2, 5])
+    it.dropped = 1
+    assert in_words("run", {"/a": it.summary(), "/b": tally([1, 2]).summary()}) == [
+        "run: 4 messages on 2 topics, 3 lost",
+        "  /a: of 5 messages 2 lost on the way, 1 not written; longest gap 1 s",
+    ]
+    assert in_words("run", {"/b": tally([1]).summary()}) == ["run: 1 messages on 1 topics, none lost"]

@@ -14,9 +14,10 @@ from rosbags.highlevel import AnyReader
 
 from test.recording.bags import KIND, STORE, motion, only_file
 from trunk_ros.errors import RecordingError
+from trunk_ros.recording.mcap_write import ChunkWriter
 from trunk_ros.recording.message_types import RELIABLE, definition, qos_text
 from trunk_ros.recording.read import read_recording
-from trunk_ros.recording.recover import main, recover
+from trunk_ros.recording.recover import main, recover, unfinished
 
 COUNT = 2000
 
@@ -187,3 +188,23 @@ def test_the_command_says_what_it_did(killed, capsys):
     copy = shutil.copytree(killed, killed.with_name("copy"))
     assert main([str(copy)]) == 0
     assert "messages kept" in capsys.readouterr().out
+
+
+def test_a_file_that_was_just_begun_becomes_an_empty_bag(tmp_path):
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    ChunkWriter(bag / "bag_0.mcap").close()
+    assert "0 messages kept" in recover(bag)[0]
+    assert messages(bag) == 0
+
+
+def test_whether_a_bag_needs_repair_is_known(killed):
+    assert unfinished(killed)
+    recover(killed)
+    assert not unfinished(killed)
+    (killed / "metadata.yaml").unlink()
+    assert unfinished(killed)
+    with only_file(killed).open("rb+") as stream:
+        fcntl.flock(stream, fcntl.LOCK_EX)
+        with pytest.raises(RecordingError, match="is being recorded"):
+            unfinished(killed)
