@@ -3,13 +3,16 @@
 ros2 launch trunk_ros trunk.launch.py model:=found.yaml record:=/tmp/run
 """
 
-from launch.actions import DeclareLaunchArgument
+import sys
+
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.conditions import IfCondition
 from launch.substitutions import Command, LaunchConfiguration, NotEqualsSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
-from launch import LaunchDescription
+from launch import LaunchContext, LaunchDescription
 
 ARGUMENTS = {
     "model": ("trunk", "what the compensator believes the arm to be: model file, or a name in config/"),
@@ -19,7 +22,7 @@ ARGUMENTS = {
     "namespace": ("", "pushed in front of all names"),
     "use_sim_time": ("false", "take the time from /clock"),
     "record": ("", "folder of a bag to record everything into; empty: no recording"),
-    "state_publisher": ("false", "start robot_state_publisher, for RViz and tf"),
+    "state_publisher": ("auto", "robot_state_publisher, for RViz and tf: true, false, auto where installed"),
 }
 
 
@@ -29,7 +32,8 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument(name, default_value=default, description=description)
         for name, (default, description) in ARGUMENTS.items()
     ]
-    return LaunchDescription([*declared, *simulation(), compensator(), recorder(), state_publisher()])
+    publisher = OpaqueFunction(function=state_publisher)
+    return LaunchDescription([*declared, *simulation(), compensator(), recorder(), publisher])
 
 
 def common() -> dict[str, object]:
@@ -70,13 +74,30 @@ def recorder() -> Node:
     return node("recorder", {"output": output}, condition=IfCondition(NotEqualsSubstitution(output, "")))
 
 
-def state_publisher() -> Node:
-    """robot_state_publisher takes joint_states and robot_description's text."""
-    text = Command(["python3 -m trunk_ros.urdf ", LaunchConfiguration("plant_model")])
-    return Node(
+def state_publisher(context: LaunchContext) -> list[Node]:
+    """robot_state_publisher, where it is wanted: it takes joint_states and robot_description's text."""
+    wanted = LaunchConfiguration("state_publisher").perform(context)
+    if wanted == "false" or (wanted == "auto" and not installed("robot_state_publisher")):
+        return []
+    text = Command([f"{sys.executable} -m trunk_ros.urdf ", LaunchConfiguration("plant_model")])
+    publisher = Node(
         package="robot_state_publisher",
         executable="robot_state_publisher",
         namespace=LaunchConfiguration("namespace"),
-        parameters=[{"robot_description": ParameterValue(text, value_type=str)}],
-        condition=IfCondition(LaunchConfiguration("state_publisher")),
+        parameters=[
+            {
+                "robot_description": ParameterValue(text, value_type=str),
+                "use_sim_time": common()["use_sim_time"],
+            }
+        ],
     )
+    return [publisher]
+
+
+def installed(package: str) -> bool:
+    """Whether the ament index knows a package."""
+    try:
+        get_package_prefix(package)
+    except PackageNotFoundError:
+        return False
+    return True

@@ -1,6 +1,7 @@
 """Launch files: what can be checked where launch is not installed."""
 
 import ast
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 
 import pytest
 
@@ -47,3 +48,15 @@ def calls(tree, name):
     return [
         node for node in ast.walk(tree) if isinstance(node, ast.Call) and getattr(node.func, "id", "") == name
     ]
+
+
+@pytest.mark.skipif(find_spec("launch_ros") is None, reason="launch is not installed here")
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_launch_itself_reads_the_arguments_and_what_they_mean(path):
+    spec = spec_from_file_location("launched", path)
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    declared = module.generate_launch_description().get_launch_arguments()
+    assert {each.name: each.description for each in declared} == {
+        name: description for name, (_, description) in module.ARGUMENTS.items()
+    }

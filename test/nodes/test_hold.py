@@ -1,0 +1,183 @@
+"""When something goes wrong on the way, the arm holds, and the nodes go on."""
+
+import os
+import signal
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+
+from test.nodes.graph import JOINTS, needs_ros, running, words
+
+pytestmark = needs_ros
+
+
+@pytest.fixture
+def ends(peer):
+    """The test's ends of all topics of the compensator."""
+    from trunk_ros.nodes.ros import DiagnosticArray, JointState, JointTrajectory
+
+    class Ends:
+        gearbox = peer.publisher(JointState, "trunk/gearbox_states")
+        joints = peer.publisher(JointState, "joint_states")
+        asked = peer.publisher(JointState, "trunk/setpoints")
+        trajectory = peer.publisher(JointTrajectory, "trunk/joint_trajectory")
+        references = peer.listen(JointState, "trunk/reference")
+        setpoints = peer.listen(JointState, "trunk/setpoints")
+        states = peer.listen(JointState, "trunk/gearbox_states")
+        said = peer.listen(DiagnosticArray, "diagnostics")
+
+        @staticmethod
+        def go(angle, seconds):
+            from trunk_ros.nodes.messages import trajectory_message
+            from trunk_ros.trajectory import Trajectory
+
+            path = Trajectory(tuple(JOINTS), np.array([seconds]), np.full((1, 5), angle))
+            Ends.trajectory.publish(trajectory_message(path))
+
+        @staticmethod
+        def state(publisher, names, values):
+            from trunk_ros.nodes.ros import JointState
+
+            message = JointState(name=list(names), position=[float(value) for value in values])
+            message.header.stamp = peer.now()
+            publisher.publish(message)
+
+    return Ends
+
+
+def odd_messages():
+    """Names and values of messages that make no sense, or too little."""
+    nan, inf = float("nan"), float("inf")
+    return [
+        (["elbow"], [0.1]),
+        ([], []),
+        ([], [0.1, 0.2]),
+        (JOINTS, []),
+        (JOINTS, [0.1]),
+        (["joint_1", "joint_1"], [0.1, 0.2]),
+        (JOINTS, [nan] * 5),
+        (JOINTS, [inf, -inf, 0.0, 1e300, -1e300]),
+        ([""] * 3, [0.0] * 3),
+        (["joint_1" * 1000], [0.0]),
+    ]
+
+
+def test_no_message_brings_a_node_down(domain, peer, ends):
+    from trunk_ros.nodes.ros import JointTrajectory, JointTrajectoryPoint
+
+    with ExitStack() as stack:
+        names = ("servo_driver", "wire_elasticity", "compensator")
+        nodes = [stack.enter_context(running(name, domain=domain)) for name in names]
+        peer.until(lambda: len(ends.states) > 5 and ends.trajectory.get_subscription_count())
+        peer.until(lambda: all(words(ends.said, name) for name in names))
+        for joints, values in odd_messages():
+            for publisher in (ends.gearbox, ends.joints, ends.asked):
+                ends.state(publisher, joints, values)
+            point = JointTrajectoryPoint(positions=[float(value) for value in values])
+            ends.trajectory.publish(JointTrajectory(joint_names=joints, points=[point]))
+            ends.trajectory.publish(JointTrajectory(joint_names=joints, points=[JointTrajectoryPoint()] * 2))
+            peer.spin(0.05)
+        ends.go(0.1, 0.5)
+        peer.until(lambda: ends.references and ends.references[-1].position[0] == pytest.approx(0.1))
+        assert [node.poll() for node in nodes] == [None] * 3
+        for name in names:
+            peer.until(lambda name=name: "elbow" in words(ends.said, name))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_a_node_in_good_order(domain, peer, ends, number):
+    with running("compensator", domain=domain) as process:
+        peer.until(lambda: ends.said)
+        process.send_signal(number)
+        assert process.wait(timeout=20) == 0
+
+
+def test_when_the_driver_is_killed_the_reference_holds_and_goes_on_when_it_is_back(domain, peer, ends):
+    with running("compensator", domain=domain):
+        with running("servo_driver", domain=domain) as driver:
+            peer.until(lambda: len(ends.states) > 5 and ends.trajectory.get_subscription_count())
+            ends.go(0.3, 6.0)
+            peer.until(lambda: ends.references and ends.references[-1].position[0] > 0.05)
+            os.kill(driver.pid, signal.SIGKILL)
+            driver.wait()
+        peer.until(lambda: "no trunk/gearbox_states" in words(ends.said, "compensator"))
+        held = ends.references[-1].position[0]
+        peer.spin(0.5)
+        assert ends.references[-1].position[0] == held < 0.3
+        with running("servo_driver", domain=domain):
+            count = len(ends.states)
+            peer.until(lambda: len(ends.states) > count + 5)
+            ends.go(0.0, 1.0)
+            peer.until(lambda: ends.references[-1].position[0] == pytest.approx(0.0))
+
+
+def test_when_the_compensator_is_killed_the_motors_hold(domain, peer, ends):
+    with running("servo_driver", domain=domain), running("compensator", domain=domain) as compensator:
+        peer.until(lambda: len(ends.states) > 5 and ends.trajectory.get_subscription_count())
+        ends.go(0.3, 3.0)
+        peer.until(lambda: ends.states[-1].position[0] > 0.1)
+        os.kill(compensator.pid, signal.SIGKILL)
+        peer.until(lambda: "no trunk/setpoints" in words(ends.said, "servo_driver"))
+        held = np.array(ends.states[-1].position)
+        np.testing.assert_allclose(held, ends.setpoints[-1].position, atol=1e-3)
+        peer.spin(0.5)
+        np.testing.assert_allclose(ends.states[-1].position, held, atol=1e-4)
+
+
+def test_permuted_joints_mean_the_same_and_missing_ones_stay(domain, peer, ends):
+    with running("servo_driver", domain=domain):
+        peer.until(lambda: ends.states and ends.asked.get_subscription_count())
+        ends.state(ends.asked, JOINTS[::-1], [0.5, 0.4, 0.3, 0.2, 0.1])
+        peer.until(lambda: np.allclose(ends.states[-1].position, [0.1, 0.2, 0.3, 0.4, 0.5], atol=1e-3))
+        ends.state(ends.asked, ["joint_4", "joint_2"], [0.0, -0.2])
+        peer.until(lambda: np.allclose(ends.states[-1].position, [0.1, -0.2, 0.3, 0.0, 0.5], atol=1e-3))
+
+
+def test_lost_messages_are_bridged_by_holding(domain, peer, ends):
+    rng = np.random.default_rng(5)
+    with running("servo_driver", domain=domain):
+        peer.until(lambda: ends.states and ends.asked.get_subscription_count())
+        for step in range(100):
+            if rng.uniform() > 0.4:
+                ends.state(ends.asked, JOINTS, [0.003 * step] * 5)
+            peer.spin(0.01)
+        ends.state(ends.asked, JOINTS, [0.3] * 5)
+        peer.until(lambda: np.allclose(ends.states[-1].position, 0.3, atol=1e-3))
+    path = np.array([state.position for state in ends.states])
+    assert np.diff(path, axis=0).min() > -1e-3
+
+
+@pytest.mark.parametrize(
+    ("other", "words_of_it"),
+    [
+        ("q", "robot_description has no joint_1, but q_1"),
+        ("narrow", "joint_1 goes from -0.4014 to 0.4014 rad"),
+    ],
+)
+def test_a_compensator_whose_model_is_of_another_arm_refuses_to_move_it(
+    domain, peer, ends, other, words_of_it
+):
+    from dataclasses import replace
+
+    from trunk_ros.model import load_model
+    from trunk_ros.nodes.qos import LATCHED
+    from trunk_ros.nodes.ros import String
+    from trunk_ros.urdf import urdf
+
+    arm = load_model("trunk").arm
+    there = {
+        "q": replace(arm, joints=tuple(f"q_{number}" for number in range(1, 6))),
+        "narrow": replace(arm, lower=arm.lower / 2),
+    }[other]
+    description = peer.node.create_publisher(String, "robot_description", LATCHED)
+    description.publish(String(data=urdf(there)))
+    with running("compensator", domain=domain):
+        peer.until(lambda: words_of_it in words(ends.said, "compensator"))
+        ends.go(0.1, 0.5)
+        peer.spin(1.5)
+        assert not ends.setpoints
+        description.publish(String(data=urdf(arm)))
+        peer.spin(0.3)
+        ends.go(0.1, 0.5)
+        peer.until(lambda: len(ends.setpoints) > 5)
