@@ -95,10 +95,15 @@ def _told(
     return out
 
 
-def draw_mujoco_case(seed: int, kind: str | None = None, level: tuple[float, float] = (1.0, 30.0)) -> Case:
+def draw_mujoco_case(
+    seed: int, kind: str | None = None, level: tuple[float, float] = (1.0, 30.0), seconds: float = 60.0
+) -> Case:
     """A concealed arm in MuJoCo; kind: one of KINDS, in turn where None, or "clean"."""
     rng = np.random.default_rng([seed, 3])
-    asked, how = draw_motions(rng, Knobs()), draw_sensing(rng, False, bool(rng.uniform() < 0.3))
+    asked, how = (
+        draw_motions(rng, Knobs(seconds=seconds)),
+        draw_sensing(rng, False, bool(rng.uniform() < 0.3)),
+    )
     servos = [run_servo((), setpoint, 0.0) for setpoint in asked.setpoint]
     theta = nominal_wire(servos[0][0])
     changes = _changes(rng, kind or KINDS[seed % len(KINDS)], level, how.noise, theta)

@@ -46,6 +46,10 @@ GRACE = 100.0  # s for cases that have begun; what is not done by then is left f
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
+class ProofError(Exception):
+    """The proof cannot go on; one line."""
+
+
 def parser() -> argparse.ArgumentParser:
     """Arguments; FULL=1 in the environment is --full."""
     asked = argparse.ArgumentParser(prog="python -m test.concealed.proof", description=__doc__)
@@ -91,13 +95,18 @@ def _bar(console: Console) -> Progress:
 
 
 def prove(tasks: list[Task], workers: int, seconds: float, console: Console) -> list[dict[str, Any]]:
-    """Marks of the tasks that are done, those from before included."""
+    """Marks of the tasks that are done, those from before included.
+
+    Raises ProofError where a worker read other code than this process.
+    """
     kept = {task.name: known_marks(task) for task in tasks}
     marks = {name: one for name, one in kept.items() if one is not None}
     todo = [task for task in tasks if task.name not in marks]
     with _bar(console) as bar:
         shown = bar.add_task("concealed cases", total=len(tasks), completed=len(marks))
         for one in _running(todo, workers, time.monotonic() + seconds):
+            if one["code"] != marks_code():
+                raise ProofError("the code changed while the proof ran: run it where nobody edits, or again")
             marks[one["name"]] = one
             bar.update(shown, advance=1, description=f"{one['name']:18}")
     return [marks[task.name] for task in tasks if task.name in marks]
@@ -182,6 +191,9 @@ def main(argv: list[str] | None = None) -> int:
         cases = _cases(asked, console)
         if asked.full and asked.cases is None:
             _apart(asked.output, console)
+    except ProofError as error:
+        console.print(str(error))
+        return 1
     except KeyboardInterrupt:
         console.print("stopped; the same command goes on where this ended")
         return 130

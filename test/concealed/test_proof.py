@@ -153,3 +153,13 @@ def test_a_case_is_done_again_where_only_the_comparisons_are_missing(tmp_path: P
     assert judge.known_marks(task) is None
     others.keep(task.others, _others(1e-4))
     assert judge.known_marks(task) == {**marks, "others": _others(1e-4)}
+
+
+def test_marks_of_two_states_of_the_code_are_not_mixed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = judge.Task("singles", 50_002, tmp_path)
+    changed = [_marks(task.name, code="newer")]
+    monkeypatch.setattr(proof, "_running", lambda todo, workers, deadline: iter(changed))
+    with pytest.raises(proof.ProofError, match="code changed"):
+        proof.prove([task], 1, 1.0, Console(quiet=True))
