@@ -73,7 +73,23 @@ def options(search: Search, now: Fit) -> Fit:
             trial[name].given = frozenset()
             trial[name].shared.pop("payload", None)
             now = better(search, now, search.refit(trial))
+        elif given(kind, search.problem):
+            now = better(search, now, _as_stated(search, now, name))
     return now
+
+
+def _as_stated(search: Search, now: Fit, name: str) -> Fit | None:
+    """With what the arm's description states in the place of fitted values."""
+    bare = now.explanation.without(name)
+    found = Screen(search.problem, bare).all_everywhere(effect(name))
+    stated = next((c for c in found if not c.free), None)
+    if stated is None or stated.form != now.explanation[name].form:
+        return None
+    trial = search.refit(extended(search.problem, bare, stated))
+    for parameter in effect(name).own_parameters(stated.form):
+        if parameter.optional and parameter.shared:
+            trial = better(search, trial, _toggled(search, trial, name, parameter))
+    return trial
 
 
 def _toggled(search: Search, now: Fit, name: str, parameter: Parameter) -> Fit:
@@ -88,7 +104,9 @@ def _toggled(search: Search, now: Fit, name: str, parameter: Parameter) -> Fit:
     trial[name].shared[parameter.name] = parameter.typical
     best = search.refit(trial)
     bare = now.explanation.without(name)
-    start = Screen(search.problem, bare).everywhere(effect(name))
+    free = not now.explanation[name].given
+    starts = Screen(search.problem, bare).all_everywhere(effect(name))
+    start = next((c for c in starts if c.free == free), None) or next(iter(starts), None)
     if start is not None and start.form == now.explanation[name].form:
         anew = extended(search.problem, bare, start)
         anew[name].shared[parameter.name] = parameter.typical
@@ -217,8 +235,7 @@ def exchange_everywhere(search: Search, now: Fit) -> Fit:
         screen = Screen(search.problem, bare)
         for kind in usable(search.problem):
             if kind.everywhere and kind.id not in now.explanation:
-                candidate = screen.everywhere(kind)
-                if candidate is not None:
+                for candidate in screen.all_everywhere(kind):
                     trial = search.refit(extended(search.problem, bare, candidate))
                     now = better(search, now, drop(search, members(search, options(search, trial))))
     return now
