@@ -130,6 +130,19 @@ def test_a_clock_that_jumps_corrupts_nothing(tmp_path, jump, split):
             make_reader(stream, validate_crcs=True).get_summary()
 
 
+@pytest.mark.parametrize("split", [0.0, 0.5])
+def test_publishers_of_another_quality_that_come_later_do_no_harm(tmp_path, split):
+    writer, talk = BagWriter(tmp_path / "bag", Options(split_seconds=split)), channel()
+    writer.add_channel(talk)
+    for step, entry in enumerate(entries(talk, 100)):
+        if step == 30:
+            wait_until(lambda: not writer.queued_bytes)
+            talk.qos = [RELIABLE, RELIABLE | {"reliability": "best_effort"}]
+        assert writer.put(entry)
+    writer.close(dict)
+    assert len(bag_messages(tmp_path / "bag")["/talk"]) == 100
+
+
 def test_a_fault_of_ours_is_not_hidden(tmp_path, monkeypatch):
     writer, talk = BagWriter(tmp_path / "bag", Options()), channel()
     writer.add_channel(talk)

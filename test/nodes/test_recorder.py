@@ -56,6 +56,38 @@ def test_every_quality_of_service_is_matched_and_latched_messages_are_kept(recor
     assert len(messages["/fast"]) == 50
 
 
+def test_publishers_of_all_qualities_on_one_topic_are_heard_once_each(domain, peer, tmp_path):
+    from trunk_ros.nodes.ros import DurabilityPolicy, QoSProfile, ReliabilityPolicy, String
+
+    latched = QoSProfile(depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    careless = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    first, second = (
+        peer.node.create_publisher(String, "mixed", qos) for qos in (latched, QoSProfile(depth=100))
+    )
+    for text in ("latched 1", "latched 2"):
+        first.publish(String(data=text))
+    path = tmp_path / "bag"
+    with running("recorder", "--ros-args", "-p", f"output:={path}", domain=domain) as process:
+        peer.until(heard(second))
+        peer.spin(0.3)
+        expected = ["latched 1", "latched 2"]
+        third = None
+        for number in range(100):
+            if number == 40:  # joins while the others go on: the recorder has to ask for less
+                third = peer.node.create_publisher(String, "mixed", careless)
+            for publisher, name in ((first, "latching"), (second, "reliable")):
+                publisher.publish(String(data=f"{name} {number}"))
+                expected.append(f"{name} {number}")
+            peer.spin(0.01)
+        peer.until(heard(third))
+        peer.spin(0.5)
+        third.publish(String(data="careless"))
+        peer.spin(0.3)
+        assert ended(process, signal.SIGINT)[0] == 0
+    kept = [raw[8:].rstrip(b"\0").decode() for raw in bag_messages(path)["/mixed"]]
+    assert sorted(kept) == sorted([*expected, "careless"])
+
+
 def test_the_bag_carries_what_ros2_bag_needs(recorder):
     import yaml
 

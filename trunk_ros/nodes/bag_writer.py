@@ -39,7 +39,11 @@ class Options:
 
 @dataclass
 class Channel:
-    """One topic of the bag; ``count``: its messages in the files of the bag, known when they are closed."""
+    """One topic of the bag; ``count``: its messages in the files of the bag, known when they are closed.
+
+    ``written_qos``: the profiles as of its first message. All files and metadata.yaml have to say the same:
+    rosbags finds no message of a topic of which they do not.
+    """
 
     name: str
     type: str
@@ -47,6 +51,7 @@ class Channel:
     hash: str
     qos: list[dict[str, Any]]
     count: int = 0
+    written_qos: list[dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True)
@@ -238,13 +243,16 @@ class BagWriter:
 
     def _channel_id(self, part: Part, channel: Channel) -> int:
         if channel.name not in part.ids:
-            noted = {"offered_qos_profiles": qos_text(channel.qos), "topic_type_hash": channel.hash}
+            if channel.written_qos is None:
+                channel.written_qos = list(channel.qos)
+            text = qos_text(channel.written_qos)
+            noted = {"offered_qos_profiles": text, "topic_type_hash": channel.hash}
             described = (channel.name, channel.type, channel.definition, noted)
             part.ids[channel.name] = part.writer.add_channel(*described)
         return part.ids[channel.name]
 
     def _describe(self, custom: dict[str, str]) -> dict[str, Any]:
-        topics = [Topic(c.name, c.type, c.count, c.hash, c.qos) for c in self._channels]
+        topics = [Topic(c.name, c.type, c.count, c.hash, c.written_qos or c.qos) for c in self._channels]
         return information([part.describe() for part in self._parts], topics, custom)
 
 

@@ -36,13 +36,18 @@ def _span(ns: int) -> dict[str, int]:
 def hearing_all(offered: Sequence[Any], depth: int) -> Any:
     """The strictest profile that every publisher still matches, so that no message is left out."""
     reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
-    latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
+    latched = all(latches(profile) for profile in offered)
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=depth,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
+
+
+def latches(profile: Any) -> bool:
+    """Whether a publisher keeps its last messages for who comes later."""
+    return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def recorded(profiles: Sequence[Any], depth: int, latched: bool = False) -> Any:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.bag_writer import BagWriter, Channel, Entry
 from trunk_ros.nodes.base import TrunkNode
+from trunk_ros.nodes.ear import Ear
 from trunk_ros.nodes.health import ERROR
 from trunk_ros.nodes.interfaces import message_class, message_definition
 from trunk_ros.nodes.losses import Tally, in_words
 from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.qos import hearing_all, stricter, unique
+from trunk_ros.nodes.qos import hearing_all, latches, stricter, unique
 from trunk_ros.nodes.recorder_parameters import MIB, PARAMETERS, bag_options
 from trunk_ros.nodes.ros import LifecycleState, SubscriptionEventCallbacks, TransitionCallbackReturn, rclpy
 from trunk_ros.nodes.run_notes import WallClock, manifest
@@ -24,17 +25,6 @@ TAKE = 0.004  # s between two looks for messages
 AT_ONCE = 2000  # messages of one topic taken before the next topic has its turn
 QUIET = 10  # empty looks after which everything has arrived
 LAST = 1.0  # s after which no more is waited for
-
-
-@dataclass
-class Ear:
-    """A topic that is listened to."""
-
-    kind: Any
-    subscription: Any
-    profile: Any
-    channel: Channel
-    tally: Tally
 
 
 class Recorder(TrunkNode):
@@ -88,24 +78,37 @@ class Recorder(TrunkNode):
 
     def hear(self, topic: str, kind: str, publishers: list[Any]) -> None:
         """Listen with a profile that all publishers match. Raises TrunkError for a type not installed."""
-        profile = hearing_all([each.qos_profile for each in publishers], int(self.value("depth")))
+        profile = self.profile_for(publishers)
         ear = self.ears.get(topic)
         if ear is None:
-            text, known_hash = message_definition(kind)
-            offered = str(publishers[0].topic_type_hash)
-            digest = offered if offered.startswith("RIHS") else known_hash
-            channel = Channel(topic, kind, text, digest, unique(publishers))
-            ear = Ear(message_class(kind), self.subscribe(topic, kind, profile), profile, channel, Tally())
-            assert self.writer is not None
-            self.writer.add_channel(channel)
-            self.ears[topic] = ear
-            self.progress.received.setdefault(topic, 0)
+            ear = self.new_ear(topic, kind, profile, publishers)
         elif stricter(ear.profile, profile):
-            self.take()
-            self.taker.destroy_subscription(ear.subscription)
+            ear.settle(self.taker.destroy_subscription, at_once=True)
+            ear.beside(ear.subscription)
             ear.subscription, ear.profile = self.subscribe(topic, kind, profile), profile
-        self.ears[topic].tally.publishers = len(publishers)
-        self.ears[topic].channel.qos = unique(publishers)
+        ear.settle(self.taker.destroy_subscription)
+        ear.tally.publishers = len(publishers)
+        ear.channel.qos = unique(publishers)
+
+    def new_ear(self, topic: str, kind: str, profile: Any, publishers: list[Any]) -> Ear:
+        """Begin to listen; where only some publishers latch, for a while also to what they have latched."""
+        text, known_hash = message_definition(kind)
+        offered = str(publishers[0].topic_type_hash)
+        digest = offered if offered.startswith("RIHS") else known_hash
+        channel = Channel(topic, kind, text, digest, unique(publishers))
+        ear = Ear(message_class(kind), self.subscribe(topic, kind, profile), profile, channel, Tally())
+        latched = [each for each in publishers if latches(each.qos_profile)]
+        if latched and len(latched) < len(publishers):
+            ear.beside(self.subscribe(topic, kind, self.profile_for(latched)))
+        assert self.writer is not None
+        self.writer.add_channel(channel)
+        self.ears[topic] = ear
+        self.progress.received.setdefault(topic, 0)
+        return ear
+
+    def profile_for(self, publishers: list[Any]) -> Any:
+        """The strictest profile that these publishers match."""
+        return hearing_all([each.qos_profile for each in publishers], int(self.value("depth")))
 
     def subscribe(self, topic: str, kind: str, profile: Any) -> Any:
         """A subscription that no executor serves."""
@@ -127,10 +130,7 @@ class Recorder(TrunkNode):
             self.health.note(jump)
         total = 0
         for topic, ear in self.ears.items():
-            for _ in range(AT_ONCE):
-                taken = ear.subscription.handle.take_message(ear.kind, True)
-                if taken is None:
-                    break
+            for taken in ear.take(AT_ONCE):
                 total += self.keep(topic, ear, *taken)
         if self.writer is not None and self.writer.failure and not self.fault:
             self.fault = self.writer.failure
