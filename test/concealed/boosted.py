@@ -12,7 +12,7 @@ from test.concealed.nominal import COUNT, Array
 from test.concealed.seen import Features, Seen, features_of
 from test.concealed.sensing import PERIOD
 
-SETTINGS: dict[str, Any] = {"max_iter": 100, "learning_rate": 0.1, "max_leaf_nodes": 15,
+SETTINGS: dict[str, Any] = {"max_iter": 100, "learning_rate": 0.1, "max_leaf_nodes": 4,
                             "min_samples_leaf": 40, "l2_regularization": 0.0}  # fmt: skip
 LAGS = (5, 20, 100, 300)  # samples of 10 ms
 SLOW = (1.0, 5.0)  # s

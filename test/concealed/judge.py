@@ -78,9 +78,9 @@ def _removal(where: Concealed, out: Path, answer: Answer) -> Marks:
     run_2, predicted = where.folder / "run_2", out / "predicted"
     try:
         command("simulate", run_2, "--model", out / "model.yaml", "--from", source, "--output", predicted)
+        before, after = removable(run_2, predicted, answer.clean, source, answer.told["noise"]["noise"])
     except Exception as error:  # a model that does not run on another motion has removed nothing
         return {"failed": f"simulate: {error}"}
-    before, after = removable(run_2, predicted, answer.clean, source, answer.told["noise"]["noise"])
     return {"before": before, "after": after}
 
 

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from test.concealed.boosted import Boosted
@@ -57,11 +56,7 @@ def _after(method: Callable[[Seen], Any], seen: tuple[Seen, Seen], clean: Array,
     try:
         fitted = method(seen[0])
         said = [one.nominal + fitted.residual(one) for one in seen]
-    except (
-        ValueError,
-        FloatingPointError,
-        np.linalg.LinAlgError,
-    ) as error:  # their failure is told, not hidden
+    except Exception as error:  # their failure is told, and does not end the proof
         return {"failed": str(error)}
     return {
         "fitted_after": seen[0].error(said[0], None, noise),

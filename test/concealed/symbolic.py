@@ -17,7 +17,7 @@ from test.concealed.nominal import Array
 from test.concealed.seen import Seen, features_of
 from test.concealed.sensing import PERIOD
 
-SETTINGS: dict[str, Any] = {"degree": 2, "threshold": 0.1, "alpha": 1.0, "time": False}
+SETTINGS: dict[str, Any] = {"degree": 1, "threshold": 0.3, "alpha": 1.0, "time": False}
 EVERY = 3  # of the samples that the fit takes: neighbours say the same
 UNIT = 1e-4  # rad, of the residual: the noise of a sensor
 
