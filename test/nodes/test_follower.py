@@ -81,3 +81,9 @@ def test_one_time_gives_what_many_times_give():
         path = Trajectory(JOINTS, np.array([0.0, 1.0, 2.0]), *points)
         one_by_one = [np.array(each) for each in zip(*(state_at(path, time) for time in at), strict=True)]
         np.testing.assert_allclose(one_by_one, path.sample(at), atol=1e-12)
+
+
+def test_a_trajectory_that_does_not_end_at_rest_is_refused():
+    moving = Trajectory(JOINTS, np.array([1.0]), np.array([[0.4, 0.0]]), np.array([[0.0, 0.1]]))
+    with pytest.raises(TrajectoryError, match=r"b would still move at 0.1 rad/s at the last point"):
+        follower().follow(moving, now=0.0)

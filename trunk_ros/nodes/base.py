@@ -9,6 +9,7 @@ from typing import Any
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Declaration, Model
 from trunk_ros.nodes import parameters
+from trunk_ros.nodes.elapsed import LONGEST_PAUSE
 from trunk_ros.nodes.messages import SECOND, nanoseconds, time_message
 from trunk_ros.nodes.progress import Listener
 from trunk_ros.nodes.ros import (
@@ -76,7 +77,7 @@ class TrunkNode(StreamNode):
         """One step of the loop at ``now`` ns."""
 
     def rewound(self, now: int) -> None:
-        """Simulated time was set back to ``now`` ns."""
+        """Time was set to ``now`` ns: back, or far ahead."""
 
     def halt(self) -> None:
         """The node was deactivated: the arm is to hold."""
@@ -106,12 +107,8 @@ class TrunkNode(StreamNode):
 
     def _on_clock(self, message: Any) -> None:
         now = nanoseconds(message.clock)
-        if now < self._last:
-            self.health.note("time jumped back")
-            self.rewound(now)
-        elif now - self._last < self.period and self._last >= 0:
-            return
-        self._step(now, 0)
+        if self._last < 0 or not 0 <= now - self._last < self.period:
+            self._step(now, 0)
 
     def _on_timer(self) -> None:
         awake, before = time.monotonic(), self._woken
@@ -120,7 +117,10 @@ class TrunkNode(StreamNode):
         self._step(self.now(), round(late * SECOND))
 
     def _step(self, now: int, late: int) -> None:
-        self._last = now
+        before, self._last = self._last, now
+        if before >= 0 and not 0 <= now - before <= LONGEST_PAUSE:
+            self.health.note("time jumped back" if now < before else "time jumped ahead")
+            self.rewound(now)
         self.health.ticked(late)
         if self.active:
             self.guarded(self.tick, now)

@@ -228,7 +228,7 @@ class Compensator(TrunkNode):
         self.since = None
         if self.follower is not None:
             self.follower.hold(self.follower.position)
-        self.end_goal("time jumped back")
+        self.end_goal("time was set")
 
     def release(self) -> None:
         """Watch the parameters no longer."""

@@ -12,6 +12,7 @@ from trunk_ros.trajectory import Array, Limits, Trajectory, TrajectoryError
 EXPONENTS = np.arange(6.0)
 SHIFTED = np.array([np.maximum(np.arange(6) - order, 0) for order in range(3)])
 FACTORS = np.array([np.ones(6), np.arange(6.0), np.arange(6.0) * (np.arange(6.0) - 1)])  # of derivatives
+STILL = 1e-6  # rad/s
 START_TOLERANCE = 0.02  # rad between the arm and a point that is due at once
 
 
@@ -56,7 +57,8 @@ class Follower:
         ``begin``: when its time 0 is, by default now; past points are left out.
 
         Raises TrajectoryError with the reason, and goes on with what was under way, where a joint is unknown,
-        a limit would be broken, all points are past, or the first is due at once somewhere else.
+        a limit would be broken, all points are past, the last is not at rest, or the first is due at once
+        somewhere else.
         """
         position, velocity, acceleration = self._state(now)
         plan = trajectory.for_joints(self.joints, position)
@@ -67,6 +69,7 @@ class Follower:
             )
         plan = plan.after(position, velocity, acceleration)
         plan.check(self.limits)
+        check_rest(plan)
         self._active, self._begin = plan, now
         return now + plan.duration
 
@@ -91,6 +94,16 @@ def state_at(plan: Trajectory, at: float) -> tuple[Array, Array, Array]:
 def limits_of(arm: Arm, acceleration: float) -> Limits:
     """What a trajectory may ask of an arm's joints; ``acceleration`` rad/s^2 at most."""
     return Limits(arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), np.full(len(arm.joints), acceleration))
+
+
+def check_rest(plan: Trajectory) -> None:
+    """Raise TrajectoryError where a joint would still move at the last point, from which on it is held."""
+    if plan.velocity is not None and (moving := np.abs(plan.velocity[-1]) > STILL).any():
+        j = int(np.argmax(moving))
+        raise TrajectoryError(
+            f"{plan.joints[j]} would still move at {plan.velocity[-1, j]:.4g} rad/s at the last point: "
+            "give it velocity 0 there"
+        )
 
 
 def remaining(plan: Trajectory, delay: float) -> Trajectory:

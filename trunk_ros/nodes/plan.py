@@ -17,7 +17,7 @@ from trunk_ros import __version__
 from trunk_ros.errors import ArgumentError
 from trunk_ros.model import Model, load_model
 from trunk_ros.motion import NAMES, named_trajectory
-from trunk_ros.nodes.follower import limits_of
+from trunk_ros.nodes.follower import check_rest, limits_of
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import BAG_FILES, prepare_output
 from trunk_ros.trajectory import Trajectory, TrajectoryError, load_trajectory
@@ -182,7 +182,9 @@ def check(trajectory: Trajectory, model: Model, name: str) -> None:
     limits = limits_of(arm, np.inf)
     rest = np.zeros(len(arm.joints))
     try:
-        trajectory.for_joints(arm.joints, rest).after(rest, rest, rest).check(limits)
+        motion = trajectory.for_joints(arm.joints, rest).after(rest, rest, rest)
+        motion.check(limits)
+        check_rest(motion)
     except TrajectoryError as error:
         raise TrajectoryError(f"--trajectory {name}: {error}") from None
 
