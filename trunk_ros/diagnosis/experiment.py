@@ -21,18 +21,18 @@ from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.search import Search
-from trunk_ros.diagnosis.separation import Difference, Duel, Other, expected, span_of
+from trunk_ros.diagnosis.separation import HOPELESS, Difference, Duel, Other, expected, span_of
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 from trunk_ros.trajectory import Trajectory
 
+FORMS = 2  # of a rival beside its best one
 MOST = 4  # stretches of a motion
-AGAIN = 8  # stretches that are tried once more beside the best one
+AGAIN = 6  # stretches that are tried once more beside the best one
 SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
 AMPLE = 4.0  # likewise: no further stretch is added
-HOPELESS = 0.1  # likewise, in the best stretch: four of them and repeats would not do
 REPEATS = 4  # of a motion that is too short
-TRIALS = 30  # of the local search
+TRIALS = 24  # of the local search
 STANDS = 1e-3  # rad/s
 LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
 FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
@@ -72,7 +72,7 @@ def sides_of(search: Search, state: Fit, name: str, rival: str, evidence: Eviden
 
 
 def forms_of(search: Search, best: Other, name: str, total: float, limit: float) -> list[Other]:
-    """An effect in all forms and with all sources that lose less than ``limit`` against ``total``, the best
+    """An effect in the forms and with the sources that lose less than ``limit`` against ``total``, best
     first.
     """
     kind, there = effect(name), best.explanation
@@ -81,7 +81,7 @@ def forms_of(search: Search, best: Other, name: str, total: float, limit: float)
     if kind.texts:
         trials += [from_source(there, name, joint, search.problem.joints) for joint in search.problem.joints]
     fits = [search.refit(trial) for trial in trials if trial != there]
-    close = [fit for fit in fits if fit.total - total < limit]
+    close = sorted((fit for fit in fits if fit.total - total < limit), key=lambda fit: fit.total)[:FORMS]
     return [best, *(Other(search, fit.explanation, fit.total - total) for fit in close)]
 
 
@@ -151,13 +151,13 @@ class Design:
         """The stretches that tell most; each pair from the side from which it can be told; its best ratio."""
         candidates = stretches(len(self.problem.joints), self.own)
         ratios = np.array([self.ratios([part]) for part in candidates])
-        faced = self.duels
-        if ratios.max(axis=0).min() < SURE:
-            self.duels = [back for _, back in self.sides]
-            back = np.array([self.ratios([part]) for part in candidates])
-            turned = (ratios.max(axis=0) < SURE) & (back.max(axis=0) > ratios.max(axis=0))
-            faced = [pair[int(t)] for pair, t in zip(self.sides, turned, strict=True)]
-            ratios = np.where(turned, back, ratios)
+        back, alike = np.zeros_like(ratios), ratios.max(axis=0) < SURE
+        self.duels = [turned for (_, turned), a in zip(self.sides, alike, strict=True) if a]
+        if self.duels:
+            back[:, alike] = [self.ratios([part]) for part in candidates]
+        turned = back.max(axis=0) > ratios.max(axis=0)
+        faced = [pair[int(t)] for pair, t in zip(self.sides, turned, strict=True)]
+        ratios = np.where(turned, back, ratios)
         order = np.argsort(-np.log1p(ratios).sum(axis=1), kind="stable")
         return [candidates[k] for k in order[:AGAIN]], faced, ratios.max(axis=0)
 

@@ -22,6 +22,7 @@ from trunk_ros.trajectory import Trajectory
 CONTROL = 0.01  # s between setpoints, as bringup gives them
 BLIND = 1e-9  # squared change of the unit-noise residual per value that neither motion shows
 ROUNDS = 6  # of the full refit
+HOPELESS = 0.1  # of what it takes to rule a rival out, in one stretch: four of them would not do
 
 
 @dataclass
@@ -57,6 +58,11 @@ class Pinned(Residuals):
 
     def jacobian(self, x: Array) -> Array:
         return np.vstack([super().jacobian(x), self.root])
+
+    def unfitted(self) -> float:
+        """Squared misfit with the values as they are."""
+        rest = self(self.at)
+        return float(rest @ rest)
 
     def linear(self) -> float:
         """Squared misfit after one step of a refit."""
@@ -134,10 +140,12 @@ class Duel:
 
     def ratio(self, there: Problem) -> float:
         """Squared misfit of the other on an expected recording over what it takes to rule it out."""
-        misfits = [
-            (sum(p.linear() for p in other.pinned(there, self.columns)), other) for other in self.others
-        ]
-        return min(misfit / self.wanted(there, other) for misfit, other in misfits)
+        return min(self._ratio(there, other) for other in self.others)
+
+    def _ratio(self, there: Problem, other: Other) -> float:
+        pinned, wanted = other.pinned(there, self.columns), self.wanted(there, other)
+        unfitted = sum(p.unfitted() for p in pinned) / wanted  # a refit can but lower it
+        return unfitted if unfitted < HOPELESS else sum(p.linear() for p in pinned) / wanted
 
     def wanted(self, there: Problem, other: Other) -> float:
         """The misfit at which it is no equivalent any more, both runs taken together."""
