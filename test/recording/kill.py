@@ -25,6 +25,8 @@ from rosbags.rosbag2 import Reader
 
 from trunk_ros.recording.read import read_recording
 
+RECORDER = f"recorder_{os.getpid()}"  # nobody else's on the same domain
+TOPIC = f"/{RECORDER}/joint_states"
 ROOT = Path(__file__).resolve().parents[2]
 PERIOD = 0.002  # s between two messages
 LONGEST = 3.0  # s after its start, or after it has begun to hear, that a recorder is killed at the latest
@@ -59,7 +61,7 @@ class Sender:
         self.context = rclpy.Context()
         self.context.init()
         self.node = rclpy.create_node("sender", context=self.context)
-        self.publisher = self.node.create_publisher(JointState, "joint_states", 1000)
+        self.publisher = self.node.create_publisher(JointState, TOPIC, 1000)
         self.message = lambda ns: joint_state(ns, ["joint_1", "joint_2"], np.zeros(2))
         self.sent: dict[int, float] = {}
 
@@ -69,9 +71,14 @@ class Sender:
         while (now := time.monotonic()) < end and not (heard and self.sent):
             stamp = time.time_ns()
             self.publisher.publish(self.message(stamp))
-            if self.publisher.get_subscription_count():
+            if self.sent or self.is_heard():
                 self.sent[stamp] = now
             time.sleep(PERIOD)
+
+    def is_heard(self) -> bool:
+        """Whether our recorder, and not somebody else's on the same domain, listens."""
+        ears = self.node.get_subscriptions_info_by_topic(TOPIC)
+        return any(each.node_name == f"_{RECORDER}_taker" for each in ears)
 
     def close(self) -> None:
         """Leave the graph."""
@@ -82,7 +89,8 @@ class Sender:
 @contextmanager
 def recorder(bag: Path) -> Iterator[subprocess.Popen[bytes]]:
     """A recorder in a process of its own."""
-    command = [sys.executable, "-m", "trunk_ros", "recorder", "--ros-args", "-p", f"output:={bag}"]
+    given = ["-p", f"output:={bag}", "-p", f"topics:=['{TOPIC}']", "-r", f"__node:={RECORDER}"]
+    command = [sys.executable, "-m", "trunk_ros", "recorder", "--ros-args", *given]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield process
@@ -131,7 +139,7 @@ def stamps(bag: Path) -> set[int]:
     """Stamps of the messages in a bag [ns], which every reader must find alike."""
     found = set()
     with AnyReader([bag]) as reader:
-        wanted = [each for each in reader.connections if each.topic == "/joint_states"]
+        wanted = [each for each in reader.connections if each.topic == TOPIC]
         for connection, _, data in reader.messages(wanted) if wanted else ():
             stamp: Any = reader.deserialize(data, connection.msgtype).header.stamp
             found.add(stamp.sec * 10**9 + stamp.nanosec)
