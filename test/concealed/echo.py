@@ -12,7 +12,7 @@ from numba import njit
 from test.concealed.nominal import Array
 from test.concealed.seen import Seen, features_of
 
-SETTINGS: dict[str, Any] = {"size": 300, "radius": 0.9, "slowest": 1.0, "ridge": 0.1, "inputs": 0.03}
+SETTINGS: dict[str, Any] = {"size": 300, "radius": 0.5, "slowest": 1.0, "ridge": 0.1, "inputs": 0.03}
 LINKS = 10  # per neuron
 
 

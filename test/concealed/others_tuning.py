@@ -31,9 +31,9 @@ from test.concealed.symbolic import Symbolic
 FIRST = 40_000  # seeds from here on; the proof's begin at 50 000
 REMOVABLE = 0.2  # of the noise
 GRIDS: dict[Callable[..., Any], dict[str, tuple[Any, ...]]] = {
-    Boosted: {"learning_rate": (0.05, 0.1), "max_leaf_nodes": (4,), "max_iter": (100, 300)},
-    Symbolic: {"degree": (1, 2), "threshold": (0.3, 1.0), "alpha": (1.0,), "time": (False, True)},
-    Echo: {"slowest": (1.0,), "ridge": (0.1,), "inputs": (0.01, 0.03), "radius": (0.5, 0.9)},
+    Boosted: {"learning_rate": (0.05, 0.1), "max_leaf_nodes": (4, 15), "min_samples_leaf": (40, 200)},
+    Symbolic: {"degree": (1, 2), "threshold": (0.1, 0.3, 1.0), "alpha": (1.0, 100.0)},
+    Echo: {"radius": (0.5, 0.9), "slowest": (0.1, 1.0), "ridge": (0.01, 0.1), "inputs": (0.03, 0.1)},
 }  # fmt: skip
 
 
@@ -70,7 +70,7 @@ def shares(method: Callable[..., Any], cases: list[tuple[Seen, Seen, Array]], **
 def main(argv: list[str] | None = None) -> int:
     """Command line."""
     parser = argparse.ArgumentParser(prog="python -m test.concealed.others_tuning", description=__doc__)
-    parser.add_argument("--cases", type=int, default=18)
+    parser.add_argument("--cases", type=int, default=24)
     parser.add_argument("--methods", default="Boosted,Symbolic,Echo")
     asked = parser.parse_args(argv)
     cases = list(tuning_cases(asked.cases))
