@@ -35,6 +35,10 @@ class Ear:
         """Listen to another subscription too, for a while."""
         self.former, self._until = former, time.monotonic() + OVERLAP
 
+    def unchanged(self, publishers: int) -> bool:
+        """Whether a topic still has so many publishers, and nothing is to be settled."""
+        return self.former is None and publishers == self.tally.publishers
+
     def settle(self, destroy: Callable[[Any], Any], at_once: bool = False) -> None:
         """Give up the former subscription once its time is over."""
         if self.former is not None and (at_once or time.monotonic() > self._until):

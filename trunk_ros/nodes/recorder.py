@@ -21,6 +21,7 @@ from trunk_ros.nodes.ros import LifecycleState, SubscriptionEventCallbacks, Tran
 from trunk_ros.nodes.run_notes import WallClock, manifest
 
 LOOK = 0.1  # s between two looks at the graph
+TURNS = 20  # looks after which a topic's publishers are asked for their QoS again
 TAKE = 0.004  # s between two looks for messages
 AT_ONCE = 2000  # messages of one topic taken before the next topic has its turn
 QUIET = 10  # empty looks after which everything has arrived
@@ -40,6 +41,7 @@ class Recorder(TrunkNode):
         options = bag_options(self)
         self.manifest = manifest(self)
         self.ears: dict[str, Ear] = {}
+        self.looks = 0
         self.refused: dict[str, str] = {}
         self.early: list[Entry] = []
         self.wall = WallClock()
@@ -59,9 +61,13 @@ class Recorder(TrunkNode):
 
     def look(self) -> None:
         """Subscribe to topics that have appeared, and anew where a publisher's QoS asks for it."""
-        for topic, kinds in self.get_topic_names_and_types():
+        self.looks += 1
+        for number, (topic, kinds) in enumerate(self.get_topic_names_and_types(), self.looks):
+            ear = self.ears.get(topic)
             if not self.is_wanted(topic) or topic in self.refused:
                 continue
+            if ear is not None and number % TURNS and ear.unchanged(self.count_publishers(topic)):
+                continue  # to ask for QoS costs other nodes of the process their turn
             publishers = self.get_publishers_info_by_topic(topic)
             if not publishers:
                 continue
