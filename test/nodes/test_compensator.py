@@ -50,6 +50,10 @@ def test_a_foreign_reference_comes_out_as_the_model_run_backward(domain, peer, g
         peer.spin(0.3)
         wanted[3] = (0.02 - arm.dead_band[3]) / arm.ratio[3]
         np.testing.assert_allclose(graph.setpoints[-1].position, wanted, atol=1e-9)
+        graph.ask([0.5], joints=["joint_2"])
+        told = "reference refused: joint_2 at 0.5000 rad is outside -0.4014 ... 0.4014"
+        peer.until(lambda: told in words(graph.said, "compensator"))
+        np.testing.assert_allclose(graph.setpoints[-1].position, wanted, atol=1e-9)
 
 
 def test_trajectories_are_followed_stopped_and_refused_as_joint_trajectory_controller_does(

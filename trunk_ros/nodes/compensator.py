@@ -49,7 +49,7 @@ class Compensator(TrunkNode):
         self.foreign: Array | None = None
         self.waiting: Any = None
         self.since: int | None = None
-        self.foreign_reference = ForeignReference(self.joints)
+        self.foreign_reference = ForeignReference(self.model.arm)
         self.observation = Observation(self.model, self.simulated)
         self.gearbox_matcher, self.joints_matcher = JointMatcher(self.joints), JointMatcher(self.joints)
         self.open_streams()

@@ -7,19 +7,22 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.nodes.joints import JointMatcher, MessageError
 from trunk_ros.nodes.ros import JointState, deserialize_message
 from trunk_ros.trajectory import Array
 
 REMEMBERED = 1000  # stamps of our own messages
+ROUNDING = 1e-9  # rad
 STAMP = slice(4, 12)  # bytes of the stamp in a serialised message with a header
 
 
 class ForeignReference:
     """Knows our own messages by their stamps, without looking into each."""
 
-    def __init__(self, joints: tuple[str, ...]):
-        self.matcher = JointMatcher(joints)
+    def __init__(self, arm: Arm):
+        self.arm = arm
+        self.matcher = JointMatcher(arm.joints)
         self._ours: deque[bytes] = deque(maxlen=REMEMBERED)
 
     def sent(self, message: Any) -> None:
@@ -32,9 +35,19 @@ class ForeignReference:
         return None if raw[STAMP] in self._ours else deserialize_message(raw, JointState)
 
     def position(self, message: Any) -> Array:
-        """Wanted angles (joints,) rad, NaN where it has none. Raises MessageError where one is no number."""
+        """Wanted angles (joints,) rad, NaN where it has none.
+
+        Raises MessageError where one is no number, or outside the joint's limits.
+        """
         given = self.matcher.gather(message.name, message.position)
         named = [joint not in self.matcher.missing for joint in self.matcher.joints]
         if len(message.position) and not np.isfinite(given[named]).all():
             raise MessageError("reference refused: not a number")
+        lower, upper = self.arm.lower, self.arm.upper
+        if (outside := (given < lower - ROUNDING) | (given > upper + ROUNDING)).any():
+            j = int(np.argmax(outside))
+            raise MessageError(
+                f"reference refused: {self.arm.joints[j]} at {given[j]:.4f} rad is outside "
+                f"{lower[j]:.4f} ... {upper[j]:.4f}; holding the last one"
+            )
         return given
