@@ -32,7 +32,7 @@ AGAIN = 6  # stretches that are tried once more beside the best one
 SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
 AMPLE = 4.0  # likewise: no further stretch is added
 REPEATS = 4  # of a motion that is too short
-TRIALS = 24  # of the local search
+TRIALS, FEWEST = 48, 8  # simulations of rivals in the local search; motions that it tries at least
 STANDS = 1e-3  # rad/s
 LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
 FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
@@ -177,9 +177,10 @@ class Design:
             return -self.score([*before, _at(last, x)])
 
         simplex = np.vstack([start, start + np.diag(np.where(start + FIRST > HIGH, -FIRST, FIRST))])
+        tries = max(TRIALS // sum(len(duel.others) for duel in self.duels), FEWEST)
         found = minimize(
             loss, start, method="Nelder-Mead", bounds=list(zip(LOW, HIGH, strict=True)),
-            options={"maxfev": TRIALS, "initial_simplex": simplex},
+            options={"maxfev": tries, "initial_simplex": simplex},
         )  # fmt: skip
         return max((parts, [*before, _at(last, found.x)]), key=self.score)
 
