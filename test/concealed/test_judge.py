@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from test.concealed import judge
+from test.concealed import judge, others
 from test.concealed.case import draw_case
 from test.concealed.codes import ROOT
 from test.concealed.solver import Said
@@ -36,7 +36,7 @@ def diagnoses(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
 
     monkeypatch.setattr(judge, "drawn", lambda kind, seed: CASE)
     monkeypatch.setattr(judge, "diagnosed", diagnosed)
-    monkeypatch.setattr(judge.others, "compared", compared)
+    monkeypatch.setattr(others, "compared", compared)
     return bags
 
 
@@ -67,7 +67,7 @@ def test_changed_code_of_the_diagnosis_keeps_the_comparisons(
     task = judge.Task("singles", 1, tmp_path)
     judge.judged(task)
     monkeypatch.setattr(judge, "marks_code", lambda: "newer")
-    monkeypatch.setattr(judge.others, "compared", None)
+    monkeypatch.setattr(others, "compared", None)
     assert judge.judged(task)["others"] == OTHERS
     assert len(diagnoses) == 2
 
