@@ -15,6 +15,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.derivatives import smooth
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.effort import measured_load
+from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries
 
 
@@ -71,9 +72,16 @@ def swung(arm: Arm, grid: Array, phi: Array) -> Resistance:
 
 
 def carried(arm: Arm, gearbox: JointSeries, grid: Array, theta: Array) -> Resistance:
-    """The motors' torque without friction; the computed weight where a joint's torque does not tell."""
+    """The motors' torque without friction; the computed weight where a joint's torque does not tell, and
+    for arms without masses the torque as it is.
+    """
     moment = measured_load(gearbox, arm.ratio).moment
     measured = np.column_stack([np.interp(grid, gearbox.stamp, column) for column in moment.T])
     known, lever = np.isfinite(measured), arm.lever(theta)
     bare = arm.load(theta) - arm.payload * lever
+    if not arm.has_load:
+        assert gearbox.effort is not None
+        bare = (
+            -np.column_stack([np.interp(grid, gearbox.stamp, e) for e in fill(gearbox.effort).T]) / arm.ratio
+        )
     return Resistance(np.where(known, measured, bare), np.where(known, 0.0, lever), False)

@@ -13,7 +13,8 @@ from trunk_ros.recording.recording import Recording
 from trunk_ros.share import config_path
 from trunk_ros.simulate import simulate
 
-FOLDER = Path(__file__).parents[3] / "shared" / "real" / "dvrk-wrist"
+REAL = Path(__file__).parents[3] / "shared" / "real"
+FOLDER = REAL / "dvrk-wrist"
 LINEAR = {"exp1": (0.121, 0.122), "exp2": (0.099, 0.103), "exp4": (0.141, 0.074)}
 """rms [rad] of q5 and q6 under a linear map of all six commands, fitted on the first 70 % of train_random."""
 QUASI_STATIC = {"sensor_delay", "viscous_lag", "stribeck_friction", "link_resonance"}
@@ -55,3 +56,78 @@ def test_the_cross_talk_of_q5_and_q6_is_named(result: Diagnosis) -> None:
 def test_a_recording_that_stops_to_measure_shows_nothing_of_speed(result: Diagnosis) -> None:
     assert not QUASI_STATIC & {f.effect for f in result.findings}
     assert "high_speed" not in {f.regime for f in result.findings}
+
+
+def diagnosed(folder: str, name: str, mapping: str) -> Diagnosis:
+    run = read_csv(REAL / folder / f"{name}.csv", config_path(f"import/{mapping}"))
+    return diagnose([run], model="direct")
+
+
+def named(result: Diagnosis) -> set[str]:
+    return {f.effect for f in result.findings}
+
+
+def value(result: Diagnosis, effect: str, joint: str, parameter: str) -> tuple[float, float]:
+    (found,) = [f for f in result.findings if f.effect == effect]
+    told = found.parameters[joint][parameter]
+    return told["value"], told["std"]
+
+
+def test_dead_zone_and_hysteresis_of_the_tendon_sheath_are_named() -> None:
+    assert {"backlash", "presliding_hysteresis"} <= named(
+        diagnosed("tendon-sheath", "test0224", "tendon-sheath")
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "mapping"),
+    [
+        ("test0224", "tendon-sheath"),
+        ("odd_test", "tendon-sheath"),
+        ("ff", "tendon-sheath-feedforward"),
+        ("aurora_ff", "tendon-sheath-feedforward"),
+        *((f"sheath_{angle}deg", "tendon-sheath") for angle in ("000", "060", "120", "180", "240")),
+    ],
+)
+def test_a_slow_swing_of_the_tendon_sheath_shows_a_dead_band_and_nothing_of_speed(
+    name: str, mapping: str
+) -> None:
+    result = diagnosed("tendon-sheath", name, mapping)
+    assert "backlash" in named(result)
+    assert not QUASI_STATIC & named(result)
+
+
+def test_a_bent_sheath_has_a_wider_dead_band_and_a_smaller_ratio_than_a_straight_one() -> None:
+    straight = diagnosed("tendon-sheath", "sheath_000deg", "tendon-sheath")
+    run = read_csv(REAL / "tendon-sheath" / "sheath_180deg.csv", config_path("import/tendon-sheath"))
+    bent = diagnose([run], model=straight.model)
+    for effect, parameter, sign in (("backlash", "half_width", 1.0), ("ratio_error", "relative", -1.0)):
+        before, std_before = value(straight, effect, "bend", parameter)
+        after, std_after = value(bent, effect, "bend", parameter)
+        assert sign * (after - before) > 3.0 * np.hypot(std_before, std_after)
+
+
+@pytest.mark.parametrize(
+    "name", ["z-0.105_28", "z-0.105_33", "z-0.105_59", "z-0.205_20", "z-0.205_34", "z-0.205_57"]
+)
+def test_the_compliance_of_the_tip_is_that_of_a_straight_line_over_the_measured_force(name: str) -> None:
+    result = diagnosed("tip-compliance", name, "tip-compliance")
+    table = np.genfromtxt(REAL / "tip-compliance" / f"{name}.csv", delimiter=",", names=True)
+    off = table["tip_optical_z_m"] - table["tip_encoder_z_m"]
+    compliance, std = value(result, "load_elasticity", "tip_z", "compliance")
+    assert compliance == pytest.approx(np.polyfit(table["force_z"], off, 1)[0], rel=0.02)
+    assert 0.0 < std < 0.05 * compliance
+    assert not QUASI_STATIC & named(result)
+
+
+def test_the_flexible_arm_rings_at_the_strongest_line_of_its_deflection() -> None:
+    result = diagnosed("flexible-link", "flexarm_K1_6", "flexible-link")
+    table = np.genfromtxt(REAL / "flexible-link" / "flexarm_K1_6.csv", delimiter=",", names=True)
+    deflection = table["tip_deflection_m"] - table["tip_deflection_m"].mean()
+    line = np.fft.rfftfreq(80000, 1e-3)[np.argmax(np.abs(np.fft.rfft(deflection, 80000)))]
+    assert value(result, "link_resonance", "arm", "frequency")[0] == pytest.approx(line, rel=0.05)
+    assert value(result, "link_resonance", "arm", "damping")[0] < 0.03
+
+
+def test_the_rigid_arm_does_not_ring() -> None:
+    assert not named(diagnosed("flexible-link", "rigidarm_K1_6", "flexible-link"))

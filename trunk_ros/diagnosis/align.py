@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.held import new_readings
+from trunk_ros.diagnosis.loops import comes_back, is_wide, turned
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.fill import fill as fill
@@ -47,9 +49,10 @@ class Span:
     gearbox: Array
     start: Array
     """(joints,) the target while the joint stands as it began, NaN where unknown."""
-    notes: tuple[str, ...] = field(default=())
     resistance: Resistance | None = None
     """What the recording tells of the load, where the model takes it from there."""
+    held: float = 0.0
+    """Time [s] for which the sensor of the target repeats each reading; the repeats are left out."""
 
     @property
     def stamp(self) -> Array:
@@ -63,7 +66,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     """
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
-    gearbox, measured = gearbox.select(joints), measured.select(joints)
+    gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(gearbox, grid)
     valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]
@@ -72,8 +75,27 @@ def wire_span(recording: Recording, model: Model) -> Span:
     u, known = phi * arm.ratio, resistance(arm, gearbox, grid, phi)
     start = _start(u, rows, target, valid)
     least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))
+    least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
     valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, least)[rows]
-    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, (), known)
+    if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
+        valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
+    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held)
+
+
+def _beside_wide_loops(u: Array, speed: Array, target: Array, valid: np.ndarray) -> np.ndarray:
+    """(n, joints): from the first turn on where the loop is wide: its play is not as forgetful as a narrow
+    one.
+    """
+    out = np.ones_like(valid)
+    for j, seen in enumerate(valid.T):
+        if is_wide(u[seen, j], speed[seen, j], (target - u)[seen, j]):
+            out[:, j] = turned(u[:, j])
+    return out
+
+
+def _goes_on(u: Array) -> np.ndarray:
+    """(joints,): where a joint moves, and one way only."""
+    return np.array([not comes_back(column) and float(np.ptp(column)) > MOVED for column in u.T])
 
 
 def servo_span(recording: Recording, model: Model) -> Span:
@@ -91,7 +113,7 @@ def servo_span(recording: Recording, model: Model) -> Span:
     target = np.where(valid, measured, 0.0)
     unknown = np.full(len(joints), np.nan)
     known = resistance(model.for_joints(joints).arm.only(joints), gearbox, grid, phi)
-    return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, (), known)
+    return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
 
 def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:

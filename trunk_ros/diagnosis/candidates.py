@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.problem import Problem
@@ -18,6 +17,7 @@ from trunk_ros.parameter import Parameter
 
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
+SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 UNNAMED = ("unknown", "unknown_servo")
 FREED = 0.5  # of what an effect must gain on a joint: a linear look does not see all of it
 
@@ -49,10 +49,11 @@ def usable(problem: Problem) -> list[type[Effect]]:
     arm = problem.arm
     has = {
         "load": problem.has_load,
+        "weight": arm.has_load,
         "dead_band": bool(np.any(arm.dead_band > 0)),
         "several": len(arm.joints) > 1,
     }
-    unseen = DYNAMIC if problem.step > SLOW else ()
+    unseen = () if problem.speed_tells else DYNAMIC
     return [
         kind
         for name, kind in registry().items()
@@ -62,6 +63,11 @@ def usable(problem: Problem) -> list[type[Effect]]:
         and kind.regime not in unseen
         and all(has[need] for need in kind.needs)
     ]
+
+
+def seen_forms(problem: Problem, kind: type[Effect], column: int) -> tuple[str, ...]:
+    """The forms of an effect that a joint's motion can show: in a wide loop what is flat is a dead band."""
+    return (kind.rising or kind.forms) if column in problem.wide else kind.forms
 
 
 def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -> Explanation:
@@ -79,7 +85,16 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
         else:
             free = candidate.free or bool(term.own and not term.given)
             _add(term, kind, problem, column, candidate.own.get(column, candidate.start), free)
+            if kind.beyond in out and column in problem.wide:
+                _take_off(out[kind.beyond], term, column)
     return out
+
+
+def _take_off(flat: Term, rounded: Term, column: int) -> None:
+    """Let a rounded part of a wide loop begin in the place of as much of its flat part."""
+    name, lead = (effect(t.effect).parameters[0].name for t in (flat, rounded))
+    if column in flat.own:
+        flat.own[column][name] = max(flat.own[column][name] - rounded.own[column][lead] / 2, 0.0)
 
 
 def _add(
@@ -153,7 +168,7 @@ class Screen:
 
     def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
         """The best start of each form that comes near the best one."""
-        found = [c for c in (self.local_form(kind, form, column) for form in self._forms(kind)) if c]
+        found = [c for c in (self.local_form(kind, form, column) for form in self._forms(kind, column)) if c]
         best = max((c.gain for c in found), default=0.0)
         return [c for c in found if c.gain > NEAR * best]
 
@@ -175,11 +190,11 @@ class Screen:
                 best = better
         return best
 
-    def _forms(self, kind: type[Effect]) -> tuple[str, ...]:
+    def _forms(self, kind: type[Effect], column: int) -> tuple[str, ...]:
         """The forms to try: that of the effect on other joints, if it is there."""
         if kind.id in self.explanation:
             return (self.explanation[kind.id].form,)
-        return tuple(form for form in kind.forms if form not in kind.refined)
+        return tuple(form for form in seen_forms(self.problem, kind, column) if form not in kind.refined)
 
     def everywhere(self, kind: type[Effect]) -> Candidate | None:
         """The most promising start of an effect that acts on all joints alike."""
@@ -223,7 +238,9 @@ class Screen:
         if trial.free:
             return self._each_by_itself(kind, trial, each)
         if any(not p.shared for p in kind.own_parameters(trial.form)):
-            each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > dd or _lead(kind, trial).shared}
+            size = _too_large(list(each.values())) if kind.scalable else 1.0
+            shared = _lead(kind, trial).shared
+            each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > size * dd or shared}
         if not each:
             return None
         sums = np.sum(list(each.values()), axis=0)
@@ -256,15 +273,31 @@ class Screen:
 
     def _starts(self, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         problem = self.problem
-        now = problem.now(0, column, 0.0)
-        for start in kind({}, {}, form).starts(now, 0, self._residual(column)):
+        rest = None if column in problem.wide else self._residual(column)
+        for start in kind({}, {}, form).starts(problem.shown(column), 0, rest):
             if not kind.texts:
                 yield start
+                yield from self._wide_starts(kind, form, column, start)
                 continue
             words = self.explanation.get_words(kind.id, column)
             for joint in problem.joints:
                 if joint != problem.joints[column] and joint not in words:
                     yield {**start, kind.texts[0]: joint}
+
+    def _wide_starts(
+        self, kind: type[Effect], form: str, column: int, start: dict[str, Any]
+    ) -> Iterator[dict[str, Any]]:
+        """Starts far from null for what makes a wide loop: a linear look does not reach that far."""
+        if column in self.problem.wide and kind.regime == "reversal":
+            now, lead = self.problem.now(0, column, 0.0), kind.own_parameters(form)[0]
+            for share in SHARES:
+                yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}
+
+
+def _too_large(products: list[tuple[float, float]]) -> float:
+    """By what a start has to be made smaller to fit the joints that it helps; 1 where it is not too large."""
+    helped = [(rd, dd) for rd, dd in products if rd > 0.0 and dd > 0.0]
+    return min(1.0, sum(rd for rd, _ in helped) / sum(dd for _, dd in helped)) if helped else 1.0
 
 
 def _lead(kind: type[Effect], trial: Candidate) -> Parameter:

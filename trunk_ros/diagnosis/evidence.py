@@ -18,6 +18,7 @@ from trunk_ros.effects import effect
 
 RIVALS = 3
 BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
+REST = 1.5  # times the power of noise: what is left is more than that
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 TIMES = ("delay", "time_constant")
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
@@ -47,8 +48,17 @@ def spreads(search: Search, state: Fit) -> dict[tuple[str, str, int | None], flo
         if residuals.free:
             x = np.clip(state.explanation.get(residuals.free), *bounds(residuals.free))
             rest = np.concatenate(residuals.parts(x))
-            out |= _deviations(residuals, residuals.jacobian(x), state.explanation, float(np.mean(rest**2)))
+            out |= _deviations(residuals, residuals.jacobian(x), state.explanation, _power(rest))
     return out
+
+
+def _power(rest: np.ndarray) -> float:
+    """Power of whitened residuals (n,); what goes on in one direction counts as one sample, where it is no
+    noise.
+    """
+    power = float(np.mean(rest**2))
+    turns = max(int(np.count_nonzero(np.diff(np.sign(rest)))), 1)
+    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > REST else power
 
 
 def _deviations(
@@ -122,7 +132,9 @@ def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, tuple
     others = [k for k in usable(problem) if k.id not in state.explanation]
     screen = Screen(problem, bare.explanation, columns)
     losses: dict[str, tuple[float, Explanation]] = {}
-    local = [k for k in others if not k.everywhere]
+    local = [
+        k for k in others if not k.everywhere and all(search.open(k.id, c, bare.explanation) for c in columns)
+    ]
     promising = {c: screen.ranked(local, c, RIVALS) for c in columns}
     for kind in {effect(candidate.effect) for found in promising.values() for candidate in found}:
         loss, fitted = 0.0, bare.explanation.copy()

@@ -126,13 +126,20 @@ def _parameters(
             )
         for c in term.columns:
             if p.name in term.own[c]:
-                unit = p.unit.replace("rad", problem.units.get(problem.joints[c], "rad"))
+                unit = unit_of(p.unit, problem.units.get(problem.joints[c], "rad"))
                 value = value_of(term.own[c][p.name], std.get((term.effect, p.name, c)), unit)
                 out.setdefault(problem.joints[c], {})[p.name] = value
     for c, words in term.words.items():
         for text, word in words.items():
             out[problem.joints[c]][text] = {"value": word, "std": None, "unit": ""}
     return out
+
+
+def unit_of(unit: str, joint: str) -> str:
+    """A parameter's unit on a joint whose position is in the unit ``joint``: on a slide moments are
+    forces.
+    """
+    return unit if joint == "rad" else unit.replace("rad", joint).replace("(N*m)", "N").replace("N*m", "N")
 
 
 def value_of(value: float, std: float | None, unit: str) -> dict[str, Any]:

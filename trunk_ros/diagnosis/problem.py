@@ -11,8 +11,10 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import Span
+from trunk_ros.diagnosis.align import SLOW, Span
 from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload_of
+from trunk_ros.diagnosis.held import coarseness
+from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells
 from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
@@ -77,12 +79,21 @@ class Problem(ABC):
         self.arm = replace(loaded, payload=without).only(self.joints)
         self.views = [self._view(span) for span in spans]
         self.noise: list[Noise] = []
+        self.one_way = {c for c in range(len(self.joints)) if not self._comes_back(c)}
+        """Columns that never come back: nothing can be told of reversals or of time."""
+        self.wide: set[int] = set()
+        """Columns that always move alike and show a wide loop: it hides what else varies with speed or
+        time.
+        """
+        self._coarse = [self._coarseness(c) for c in range(len(self.joints))]
         self._cache: dict[tuple[int, int, float], Now] = {}
         self.version = 0
         self.unexplained: dict[int, float] = {}
         """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
         self._known = [self.views[0].angles]
         self.look_again(self.known)
+        self.estimate_noise(self.known)
+        self.wide = {c for c in self.columns if self.step < SLOW and self._is_wide(c)}
         self.estimate_noise(self.known)
 
     @property
@@ -185,10 +196,57 @@ class Problem(ABC):
         for column in range(len(self.joints)):
             residuals = [self.residual(i, explanation, column) for i in range(len(self.views))]
             masks = [view.span.valid[:, column] for view in self.views]
-            seen.append(differences_of(residuals, masks, longest))
+            seen.append(differences_of(residuals, masks, 1 if column in self.formed else longest))
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.median(judged)) if judged else 0.0
-        self.noise = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
+        found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
+        self.noise = [replace(n, std=max(n.std, c)) for n, c in zip(found, self._coarse, strict=True)]
+
+    @property
+    def formed(self) -> set[int]:
+        """Columns whose residual is smooth by its form and not by the colour of noise."""
+        return self.wide | self.one_way
+
+    @property
+    def speed_tells(self) -> bool:
+        """Whether effects of speed and of holds can be seen: not in wide loops, nor where nothing is known
+        of what lies between two samples.
+        """
+        return self.step < SLOW and not set(self.columns) <= self.wide
+
+    def shown(self, column: int) -> Now:
+        """The surroundings of a column in the first span; of a wide loop what counts, and of the gearbox's
+        motion what comes through.
+        """
+        now, span = self.now(0, column, 0.0), self.views[0].span
+        if column not in self.wide:
+            return now
+        valid = span.valid[:, column]
+        return replace(
+            now, gearbox=span.target[valid, column : column + 1] / now.ratio, stamp=span.stamp[valid]
+        )
+
+    def _comes_back(self, column: int) -> bool:
+        return any(comes_back(view.span.source[:, column]) for view in self.views)
+
+    def _is_wide(self, column: int) -> bool:
+        position, speed, residual = (np.concatenate(parts) for parts in zip(*self._seen(column), strict=True))
+        return is_wide(position, speed, residual) and not speed_tells(position, speed)
+
+    def _seen(self, column: int) -> list[tuple[Array, Array, Array]]:
+        """Gearbox angle, speed and what no effect explains (n,) where a column counts, by span."""
+        out = []
+        for index, view in enumerate(self.views):
+            now, valid = self.now(index, column, 0.0), view.span.valid[:, column]
+            rows = view.span.rows[valid]
+            residual = self.residual(index, Explanation(), column)[valid]
+            out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual))
+        return out
+
+    def _coarseness(self, column: int) -> float:
+        """Noise that the steps of the joint's own sensor are at least."""
+        seen = [(view.span.target[:, column], view.span.valid[:, column]) for view in self.views]
+        return max(coarseness(target, valid) for target, valid in seen)
 
     def look_again(self, explanation: Explanation) -> None:
         """Let coupling and load see the angles that an explanation predicts, where the stage has any."""
@@ -210,7 +268,19 @@ class WireProblem(Problem):
             state = begun(now, blocks, width, float(view.span.start[column]))
         core = Core(nominal_width=width, width=width)
         shown, _, _ = wire_pass(now.gearbox, now, blocks, core, state)
-        return np.asarray(shown[view.span.rows, 0])
+        return self._besides(view.span, column, now, blocks, np.asarray(shown[view.span.rows, 0]))
+
+    def _besides(self, span: Span, column: int, now: Now, blocks: list[Effect], shown: Array) -> Array:
+        """The prediction (n,) with what went on besides, as far as the recording shows it."""
+        for block in blocks:
+            shapes = block.transients(now)
+            if shapes is not None:
+                shapes, valid = shapes[span.rows], span.valid[:, column]
+                off = span.target[valid, column] - shown[valid]
+                seen = shapes[valid]
+                normal = seen.T @ seen + 1e-9 * len(seen) * np.eye(seen.shape[1])
+                shown = shown + shapes @ np.linalg.solve(normal, seen.T @ off)
+        return shown
 
     def look_again(self, explanation: Explanation) -> None:
         """Predicted angles of all joints, as a simulation with this explanation would have them."""

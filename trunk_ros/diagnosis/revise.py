@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from trunk_ros.diagnosis.candidates import UNNAMED, Screen, extended, given, usable
+from trunk_ros.diagnosis.candidates import UNNAMED, Screen, extended, given, seen_forms, usable
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.unnamed import UNKNOWN, curve_fit
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 CLEARLY = 2.0  # squared unit-noise residuals
 CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
+STRONG = 1.0  # of the noise power: a rest from which on an explanation is known to be incomplete
+SLICE = 0.15  # of such a rest, for each value
 REFITTED = 4  # candidates of an exchange that are refitted in full
 
 
@@ -31,8 +33,10 @@ def better(search: Search, now: Fit, trial: Fit | None) -> Fit:
 def forms(search: Search, now: Fit) -> Fit:
     """The best form of each effect."""
     for name in list(now.explanation):
-        for form in effect(name).forms:
-            if form != now.explanation[name].form:
+        kind, columns = effect(name), now.explanation[name].columns
+        for form in kind.forms:
+            seen = all(form in seen_forms(search.problem, kind, c) for c in columns)
+            if seen and form != now.explanation[name].form:
                 trial = _reformed(search, now, name, form)
                 if trial and all(
                     search.credible(trial.explanation, c) for c in trial.explanation[name].columns
@@ -170,7 +174,7 @@ def incredible(search: Search, now: Fit) -> Fit:
     """Take out what a fit has moved to where the motion cannot show it."""
     for term in list(now.explanation.values()):
         for column in term.columns:
-            seen = search.problem.now(0, column, 0.0) if column in search.problem.columns else None
+            seen = search.problem.shown(column) if column in search.problem.columns else None
             if seen is not None and not bind_column(term, column).credible(seen):
                 now = search.refit_column(now, now.explanation.without(term.effect, column), column)
     return now
@@ -179,19 +183,42 @@ def incredible(search: Search, now: Fit) -> Fit:
 def drop(search: Search, now: Fit) -> Fit:
     """Leave out, one at a time, what is not missed."""
     while True:
-        trials = [_dropped(search, now, name, column) for name, column in _droppable(now.explanation)]
+        trials = [_dropped(search, now, name, column) for name, column in _droppable(search, now.explanation)]
         best = min(trials, key=search.score, default=None)
         if best is None or search.score(best) > search.score(now):
             return now
         now = best
 
 
-def _droppable(explanation: Explanation) -> list[tuple[str, int | None]]:
-    return [
+def slices(search: Search, now: Fit) -> Fit:
+    """Leave out what explains little beside what nothing explains: it is a slice of that."""
+    for column in search.problem.columns:
+        while True:
+            rest = now.cost[column] - search.problem.count(column)
+            if rest < STRONG * search.problem.count(column):
+                break
+            own = [n for n, c in _droppable(search, now.explanation) if c == column]
+            worth = {n: _worth(search, now, n, column) / (SLICE * rest) for n in own}
+            least = min(own, key=worth.__getitem__, default=None)
+            if least is None or worth[least] > 1.0:
+                break
+            now = _dropped(search, now, least, column)
+    return now
+
+
+def _worth(search: Search, now: Fit, name: str, column: int) -> float:
+    """What an effect explains on a joint per value that it has there."""
+    gain = _dropped(search, now, name, column).cost[column] - now.cost[column]
+    return gain / max(sum(f.effect == name for f in now.explanation.free([column])), 1)
+
+
+def _droppable(search: Search, explanation: Explanation) -> list[tuple[str, int | None]]:
+    every = [
         (t.effect, c)
         for t in explanation.values()
         for c in ([None] if effect(t.effect).everywhere else t.columns)
     ]
+    return [(n, c) for n, c in every if c is None or search.credible(explanation.without(n, c), c)]
 
 
 def _dropped(search: Search, now: Fit, name: str, column: int | None) -> Fit:

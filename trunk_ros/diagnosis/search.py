@@ -20,6 +20,7 @@ NEAR_BEST = 0.6  # an effect takes a joint along if it explains this share of wh
 ROUNDS = 12
 MOST = 4  # local effects on one joint
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
+UNTOLD = ("reversal", "hold", "time")  # by joints that never come back
 MAJORITY = 0.6  # of the joints
 
 Progress = Callable[[str], None]
@@ -45,7 +46,7 @@ class Search:
                 break
             now = self.settle(grown)
             self.say(describe(now.explanation))
-        return now
+        return revise.slices(self, now)
 
     def refit(self, explanation: Explanation) -> Fit:
         """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
@@ -202,8 +203,11 @@ class Search:
 
     def credible(self, explanation: Explanation, column: int) -> bool:
         """Whether all effects on a joint are within what its motion can show."""
-        now = self.problem.now(0, column, 0.0)
-        return all(block.credible(now) for block in explanation.bound(column))
+        blocks = explanation.bound(column)
+        there = {"", *(block.id for block in blocks)}
+        placed = column not in self.problem.wide or {block.beyond for block in blocks} <= there
+        seen = (self.problem.now(0, column, 0.0), self.problem.shown(column))
+        return placed and all(block.credible(now) for block in blocks for now in seen)
 
     def local_kinds(self) -> list[type[Effect]]:
         """Effects that a single joint may have."""
@@ -212,6 +216,9 @@ class Search:
     def open(self, name: str, column: int, explanation: Explanation) -> bool:
         """Whether an effect may be added on a column."""
         kind = effect(name)
+        lost = kind.fine and column in self.problem.wide
+        if lost or (kind.regime in UNTOLD and column in self.problem.one_way):
+            return False
         if name in explanation and column in explanation[name].own:
             return 0 < len(explanation.get_words(name, column)) < len(kind.texts)
         return not any(name in effect(other).replaces for other in explanation)

@@ -27,19 +27,20 @@ def torque_remarks(recording: Recording, model: Model) -> list[str]:
     joints = common_joints(recording, model, gearbox)
     arm, gearbox = model.for_joints(joints).loaded_arm().only(joints), gearbox.select(joints)
     if gearbox.effort is None:
-        unmet = arm.load_from == "effort"
+        unmet = arm.load_from == "effort" and arm.has_load
         return ["no effort in gearbox_states: the load is the computed weight"] if unmet else []
     measured = measured_load(gearbox, arm.ratio)
-    used = [_use(joints, measured)] if arm.load_from == "effort" else []
+    used = [_use(arm, measured)] if arm.load_from == "effort" else []
     return used + (_against_weight(arm, gearbox, measured) if arm.has_load else [])
 
 
-def _use(joints: tuple[str, ...], measured: MeasuredLoad) -> str:
-    told = np.isfinite(measured.friction)
+def _use(arm: Arm, measured: MeasuredLoad) -> str:
+    joints, told = arm.joints, np.isfinite(measured.friction)
     friction = [f"{j} {f:.3g}" for j, f in zip(joints, measured.friction, strict=True) if np.isfinite(f)]
     silent = [j for j, known in zip(joints, told, strict=True) if not known]
     said = f"load from the motors' torque, less friction [N m at the shaft]: {', '.join(friction) or 'none'}"
-    return said + (f"; computed weight on {', '.join(silent)}: no motion both ways" if silent else "")
+    instead = "computed weight" if arm.has_load else "all of the torque"
+    return said + (f"; {instead} on {', '.join(silent)}: no motion both ways" if silent else "")
 
 
 def _against_weight(arm: Arm, gearbox: JointSeries, measured: MeasuredLoad) -> list[str]:

@@ -67,8 +67,10 @@ def variables(problem: Problem, column: int) -> list[str]:
     """What a curve may be drawn over: words of the effect ``unknown``."""
     others = [joint for k, joint in enumerate(problem.joints) if k != column]
     load = ["load"] if problem.has_load else []
-    speed = ["speed"] if problem.step < SLOW else []
-    return ["position", *speed, "time", *load, *others]
+    hidden = column in problem.wide
+    speed = ["speed"] if problem.step < SLOW and not hidden else []
+    time = [] if hidden or column in problem.one_way else ["time"]
+    return ["position", *speed, *time, *load, *others]
 
 
 def knot_names() -> list[str]:

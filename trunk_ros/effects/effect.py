@@ -93,6 +93,12 @@ class Effect(ABC):
     forms: ClassVar[tuple[str, ...]] = ("",)
     refined: ClassVar[tuple[str, ...]] = ()
     """Forms with more to them, which are looked at once another form has been found."""
+    rising: ClassVar[tuple[str, ...]] = ()
+    """Forms for wide loops, whose flat part is another effect's."""
+    beyond: ClassVar[str] = ""
+    """That other effect, which has to be there first."""
+    fine: ClassVar[bool] = False
+    """Lost in the form of a wide loop, and able to imitate it: not looked for there."""
     compensable: ClassVar[bool] = True
     tried: ClassVar[bool] = True
     """The diagnosis tries it; others are switched on in a model by hand."""
@@ -106,8 +112,8 @@ class Effect(ABC):
     """Parameter and value at which a scalable effect is gone, where that is not the first parameter's null.
     """
     needs: ClassVar[tuple[str, ...]] = ()
-    """``load``: the arm must have masses; ``dead_band``: a nominal dead band; ``several``: more than one
-    joint.
+    """``load``: it must be known, by masses or effort; ``weight``: by masses; ``dead_band``: a nominal dead
+    band; ``several``: more than one joint.
     """
     replaces: ClassVar[tuple[str, ...]] = ()
     """Effects that this one includes: never both at once."""
@@ -157,6 +163,13 @@ class Effect(ABC):
         else.
         """
         return True
+
+    def transients(self, now: Now) -> Array | None:
+        """(n, k) shapes of what may go on besides, from before the recording or by knocks, for one joint.
+
+        It is no part of a model: a diagnosis fits their sizes to each recording.
+        """
+        return None
 
     def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
         """Start values for a fit on one column: every combination of the scanned parameters.

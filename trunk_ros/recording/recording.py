@@ -52,7 +52,10 @@ class JointSeries:
 
     def between(self, first: float, end: float) -> "JointSeries":
         """The samples with first <= stamp < end, stamps unchanged."""
-        keep = (self.stamp >= first) & (self.stamp < end)
+        return self.rows((self.stamp >= first) & (self.stamp < end))
+
+    def rows(self, keep: npt.NDArray[np.bool_]) -> "JointSeries":
+        """The samples chosen by `keep` (n,), stamps unchanged."""
         position, velocity, effort = (
             None if values is None else values[keep] for values in (self.position, self.velocity, self.effort)
         )

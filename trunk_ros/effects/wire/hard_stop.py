@@ -11,6 +11,7 @@ from trunk_ros.parameter import Parameter
 FREE = 100.0  # rad: no stop
 LEVELS = (0.6, 0.75, 0.85, 0.92, 0.97)  # of the samples that a fit starts from as free
 DEPTHS = (0.03, 0.01, 0.003)  # of the motion that a fit starts from as beyond
+YIELDING = 0.4  # share of the motion into it that goes on: beyond that nothing stands in the way
 
 
 class HardStop(Effect):
@@ -39,10 +40,12 @@ class HardStop(Effect):
         return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
 
     def credible(self, now: Now) -> bool:
-        """Met within the motion, and for the smaller part of it: or it is no more than another ratio."""
+        """Met within the motion, for the smaller part of it, and in its way: or it is no more than another
+        ratio.
+        """
         u = now.gearbox * now.ratio
         met = u > self["upper"] if self.form == "upper" else u < self["lower"]
-        return bool(0.0 < met.mean() < 0.5)
+        return bool(0.0 < met.mean() < 0.5 and np.all(self["give"] < YIELDING))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

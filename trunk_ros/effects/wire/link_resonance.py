@@ -8,15 +8,19 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.filters import oscillator, rate
+from trunk_ros.effects.periods import periods
+from trunk_ros.effects.wire.swing import free_swings, stops
 from trunk_ros.parameter import Parameter
 
+LEAST_SWINGS, FASTEST = 4.0, 25.0  # in a recording; Hz: of a beam
 RIGID = 1e6  # Hz: no swing that a recording could show
 
 
 class LinkResonance(Effect):
     """theta'' + 2 zeta omega (theta' - b p') + omega^2 (theta - p) = 0.
 
-    absolute: b = 0, the joint is damped against the arm; relative: b = 1, the wire itself damps.
+    absolute: b = 0, the joint is damped against the arm; relative: b = 1, the wire itself damps;
+    beam: b = 0, and the sensor shows p + share (theta - p).
     """
 
     id = "link_resonance"
@@ -47,8 +51,17 @@ class LinkResonance(Effect):
             scale="log",
             scan=(0.05, 0.2),
         ),
+        Parameter(
+            "share",
+            "1",
+            (-3.0, 0.95),
+            "of the swing that is seen, where the link itself bends; below 0 if it is counted the other way",
+            typical=0.5,
+            null=0.5,
+            scan=(0.9, 0.5, -0.5, -1.0),
+        ),
     )
-    forms = ("absolute", "relative")
+    forms = ("absolute", "relative", "beam")
     confused_with = (("viscous_lag", "stop abruptly: a lag does not ring"),)
 
     def credible(self, now: Now) -> bool:
@@ -60,7 +73,34 @@ class LinkResonance(Effect):
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
         oscillator(x, now.dt, self._omega, self["damping"], self.form == "relative", state, out)
-        return out, state
+        return x + self["share"] * (out - x) if self.form == "beam" else out, state
+
+    def transients(self, now: Now) -> Array | None:
+        if self.form != "beam" or self._omega[0] == 0.0:
+            return None
+        moments = stops(now.stamp, np.ascontiguousarray(now.gearbox[:, 0]))
+        if not len(moments):
+            return None
+        return free_swings(now.stamp, moments, float(self._omega[0]), float(self["damping"][0]))
+
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
+        """A beam rings long: only the lines of what is left are near enough to its frequency."""
+        if self.form != "beam" or parameter.name == "share":
+            return super().grid(parameter, now, column, rest)
+        if rest is None or not len(stops(now.stamp, np.ascontiguousarray(now.gearbox[:, column]))):
+            return ()
+        if parameter.name == "damping":
+            return 0.01, 0.05
+        least = LEAST_SWINGS / float(now.stamp[-1] - now.stamp[0])
+        return tuple(
+            c / (2 * np.pi) for c in periods(now.stamp, rest, 2 * np.pi * least, 2 * np.pi * FASTEST)
+        )
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        return cls.parameters if form == "beam" else cls.parameters[:2]
 
     @cached_property
     def _omega(self) -> Array:
@@ -68,9 +108,20 @@ class LinkResonance(Effect):
         return np.where(self["frequency"] >= RIGID, 0.0, 2 * np.pi * self["frequency"])
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        if self.form == "beam":
+            return self._straightened(y, now, state)
         first, second = (None, None) if state is None else state
         speed, first = rate(y, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
         omega = 2 * np.pi * self["frequency"]
         damped = 0.0 if self.form == "relative" else 2 * self["damping"] / omega * speed
         return y + damped + acceleration / omega**2, (first, second)
+
+    def _straightened(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        """p = (y - share swing(y))/(1 - share), a swing that is faster by the root of 1 - share."""
+        rest = 1.0 - self["share"]
+        state = np.vstack([y[0], y[0], np.zeros_like(y[0])]) if state is None else state.copy()
+        out = np.empty_like(y)
+        oscillator(y, now.dt, self._omega / np.sqrt(rest), self["damping"] * np.sqrt(rest), False, state, out)
+        rigid = self._omega == 0.0
+        return np.where(rigid, y, (y - self["share"] * out) / rest), state

@@ -35,6 +35,7 @@ class PreslidingHysteresis(Effect):
         "Bouc-Wen: Ismail et al. (2009), eq. (2); Dahl (1968)."
     )
     forms = ("spread", "bouc_wen", "bouc_wen_2", "dahl")
+    rising, beyond = ("dahl",), "backlash"
     parameters = (
         Parameter(
             "width",

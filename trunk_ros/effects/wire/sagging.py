@@ -15,7 +15,7 @@ class Sagging(Effect):
 
     stage, place, regime = "wire", 200, "posture"
     scalable = False
-    needs = ("load",)
+    needs = ("load", "weight")
     everywhere = True
     replaces = ("load_elasticity",)
 

@@ -1,0 +1,74 @@
+"""Wide loops of a residual over the motion, and what cannot be told from them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+
+PLACES = 20
+WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
+VARIES = (
+    0.2  # share of the speed's power beyond its means at each place and direction, from which on it tells
+)
+STILL = 0.02  # of the top speed: a joint slower than that stands
+RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
+TURNED = 0.15  # of the range: the way back after which a joint has turned
+
+
+def is_wide(position: Array, speed: Array, residual: Array) -> bool:
+    """Whether the residual (n,) of a joint on its way up and on its way down differs by much of the
+    motion.
+    """
+    if not len(position) or np.ptp(position) == 0.0:
+        return False
+    down, up = _means(_cells(position, speed), residual).reshape(2, PLACES)
+    both = (up - down)[np.isfinite(up - down)]
+    return bool(both.size and np.sqrt(np.mean(both**2)) > 2.0 * WIDE * np.std(position))
+
+
+def speed_tells(position: Array, speed: Array) -> bool:
+    """Whether a joint (n,) passes the same places in the same direction at different speeds, or rests.
+
+    A motion to and fro that always looks the same has one speed for each place and direction. Where the
+    residual is a wide loop as well, any lag is a form of that loop.
+    """
+    power = float(np.sum(speed**2))
+    if power == 0.0:
+        return False
+    cell = _cells(position, speed)
+    varies = float(np.sum((speed - _means(cell, speed)[cell]) ** 2)) / power
+    rests = float(np.mean(np.abs(speed) < STILL * np.abs(speed).max()))
+    return varies > VARIES or rests > RESTS
+
+
+def comes_back(position: Array) -> bool:
+    """Whether a joint (n,) ever comes back some way: one that goes on and on shows no reversal, and nothing
+    that its posture could not do as well as time.
+    """
+    least = TURNED * float(np.ptp(position))
+    up, down = np.maximum.accumulate(position) - position, position - np.minimum.accumulate(position)
+    return bool(up.max() > least and down.max() > least)
+
+
+def turned(position: Array) -> np.ndarray:
+    """(n,) from where a joint has moved, turned and come back some way: a wide play lies at its one side by
+    then, wherever it lay when the recording began.
+    """
+    least = TURNED * float(np.ptp(position))
+    away = np.abs(position - position[0])
+    back = np.maximum.accumulate(away) - away > least
+    return np.asarray(np.maximum.accumulate(back))
+
+
+def _cells(position: Array, speed: Array) -> np.ndarray:
+    """(n,) number of the place, those of the way up after those of the way down."""
+    edges = np.quantile(position, np.linspace(0.0, 1.0, PLACES + 1)[1:-1])
+    return np.asarray(np.searchsorted(edges, position) + PLACES * (speed > 0.0))
+
+
+def _means(cell: np.ndarray, values: Array) -> Array:
+    """(2 PLACES,) mean by cell, NaN where there is none."""
+    counts = np.bincount(cell, minlength=2 * PLACES).astype(float)
+    counts[counts == 0.0] = np.nan
+    return np.asarray(np.bincount(cell, weights=values, minlength=2 * PLACES) / counts)
