@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from trunk_ros.errors import ArgumentError, RecordingError
+from trunk_ros.errors import ArgumentError
+from trunk_ros.nodes.bag_folder import create_folder
 from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.mcap_write import ChunkWriter
 from trunk_ros.recording.message_types import qos_text
 from trunk_ros.recording.metadata import BagFile, Topic, information, write_metadata
-from trunk_ros.recording.recover import recover, unfinished
 
 PAUSE = 0.05  # s between two looks into the queue
 FLUSH = 0.4  # s that a message may wait for the disk
@@ -254,26 +254,3 @@ class BagWriter:
     def _describe(self, custom: dict[str, str]) -> dict[str, Any]:
         topics = [Topic(c.name, c.type, c.count, c.hash, c.written_qos or c.qos) for c in self._channels]
         return information([part.describe() for part in self._parts], topics, custom)
-
-
-def create_folder(folder: Path) -> None:
-    """Make a bag's folder. One that a killed recorder left there is repaired, and refused as well.
-
-    Raises ArgumentError.
-    """
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        folder.mkdir()
-    except FileExistsError:
-        raise ArgumentError(f"{folder} exists{_repaired(folder)}: give another output") from None
-    except OSError as error:
-        raise ArgumentError(f"{folder} cannot be written: {error.strerror}") from None
-
-
-def _repaired(folder: Path) -> str:
-    try:
-        if not unfinished(folder):
-            return ""
-        return f", an unfinished recording that has been repaired ({'; '.join(recover(folder))})"
-    except RecordingError as error:
-        return f" ({str(error).removeprefix(str(folder)).lstrip(': ')})"

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from trunk_ros.nodes.bag_writer import Channel
+from trunk_ros.nodes.interfaces import message_class
 from trunk_ros.nodes.losses import Tally
-from trunk_ros.nodes.ros import DurabilityPolicy
+from trunk_ros.nodes.ros import DurabilityPolicy, SubscriptionEventCallbacks
 
 OVERLAP = 1.0  # s that a subscription is kept beside the one that takes its place
 REMEMBERED = 20_000  # messages
@@ -71,3 +72,11 @@ class Ear:
         if len(self._seen) > REMEMBERED:
             del self._seen[next(iter(self._seen))]
         return True
+
+
+def subscribe(node: Any, topic: str, kind: str, profile: Any) -> Any:
+    """A subscription that no executor serves: messages are taken, never called back."""
+    quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
+    return node.create_subscription(
+        message_class(kind), topic, lambda _: None, profile, raw=True, event_callbacks=quiet
+    )

@@ -10,14 +10,14 @@ from typing import Any
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.bag_writer import BagWriter, Channel, Entry
 from trunk_ros.nodes.base import TrunkNode
-from trunk_ros.nodes.ear import Ear
+from trunk_ros.nodes.ear import Ear, subscribe
 from trunk_ros.nodes.health import ERROR
 from trunk_ros.nodes.interfaces import message_class, message_definition
 from trunk_ros.nodes.losses import Tally, in_words
 from trunk_ros.nodes.process import run_node
 from trunk_ros.nodes.qos import hearing_all, latches, stricter, unique
 from trunk_ros.nodes.recorder_parameters import MIB, PARAMETERS, bag_options
-from trunk_ros.nodes.ros import LifecycleState, SubscriptionEventCallbacks, TransitionCallbackReturn, rclpy
+from trunk_ros.nodes.ros import LifecycleState, TransitionCallbackReturn, rclpy
 from trunk_ros.nodes.run_notes import WallClock, manifest
 
 LOOK = 0.1  # s between two looks at the graph
@@ -91,7 +91,7 @@ class Recorder(TrunkNode):
         elif stricter(ear.profile, profile):
             ear.settle(self.taker.destroy_subscription, at_once=True)
             ear.beside(ear.subscription)
-            ear.subscription, ear.profile = self.subscribe(topic, kind, profile), profile
+            ear.subscription, ear.profile = subscribe(self.taker, topic, kind, profile), profile
         ear.settle(self.taker.destroy_subscription)
         ear.tally.publishers = len(publishers)
         ear.channel.qos = unique(publishers)
@@ -102,10 +102,10 @@ class Recorder(TrunkNode):
         offered = str(publishers[0].topic_type_hash)
         digest = offered if offered.startswith("RIHS") else known_hash
         channel = Channel(topic, kind, text, digest, unique(publishers))
-        ear = Ear(message_class(kind), self.subscribe(topic, kind, profile), profile, channel, Tally())
+        ear = Ear(message_class(kind), subscribe(self.taker, topic, kind, profile), profile, channel, Tally())
         latched = [each for each in publishers if latches(each.qos_profile)]
         if latched and len(latched) < len(publishers):
-            ear.beside(self.subscribe(topic, kind, self.profile_for(latched)))
+            ear.beside(subscribe(self.taker, topic, kind, self.profile_for(latched)))
         assert self.writer is not None
         self.writer.add_channel(channel)
         self.ears[topic] = ear
@@ -115,13 +115,6 @@ class Recorder(TrunkNode):
     def profile_for(self, publishers: list[Any]) -> Any:
         """The strictest profile that these publishers match."""
         return hearing_all([each.qos_profile for each in publishers], int(self.value("depth")))
-
-    def subscribe(self, topic: str, kind: str, profile: Any) -> Any:
-        """A subscription that no executor serves."""
-        quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
-        return self.taker.create_subscription(
-            message_class(kind), topic, ignore, profile, raw=True, event_callbacks=quiet
-        )
 
     # Taking messages
 
@@ -246,10 +239,6 @@ class Recorder(TrunkNode):
     def losses(self) -> dict[str, Any]:
         """Per topic: messages expected, received, lost, and the longest gap."""
         return {topic: ear.tally.summary() for topic, ear in sorted(self.ears.items())}
-
-
-def ignore(message: Any) -> None:
-    """Messages are taken, never called back."""
 
 
 def main(argv: list[str]) -> int:
