@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from test.recording.bags import NOETIC, START_NS, STORE, joint_state, motion, write_bag, write_ros1
+from test.recording.bags import NOETIC, START_NS, STORE, joint_state, motion, only_file, write_bag, write_ros1
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.apart import brought_together
 from trunk_ros.recording.import_bag import read_bag
@@ -12,6 +12,7 @@ from trunk_ros.recording.import_csv import main, read_csv
 from trunk_ros.recording.mapping import load_mapping
 from trunk_ros.recording.quality import quality
 from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.recover import recover
 
 COUNT = 30
 PERIOD = 10_000_000
@@ -139,6 +140,15 @@ def test_what_cannot_be_mapped_is_named_in_one_line(bag, tmp_path, columns, said
         read_bag(bag, mapping)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_of_a_cut_bag_it_is_said_how_to_repair_it(bag, tmp_path):
+    file = only_file(bag)
+    file.write_bytes(file.read_bytes()[:-200])
+    with pytest.raises(RecordingError, match="`recover` may repair it"):
+        read_bag(bag, write_mapping(tmp_path))
+    recover(bag)
+    assert read_bag(bag, write_mapping(tmp_path)).joints == ("shoulder", "elbow")
 
 
 def test_mappings_of_bags_and_of_tables_are_told_apart(bag, tmp_path):

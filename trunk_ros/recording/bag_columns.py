@@ -12,6 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from trunk_ros.errors import RecordingError, one_line
 from trunk_ros.recording.block import Whole
+from trunk_ros.recording.mcap_repair import is_whole
 from trunk_ros.recording.recording import Floats
 
 _STEP = re.compile(r"([A-Za-z]\w*)(?:\[([^\[\]]+)\])?")
@@ -54,7 +55,14 @@ def read_columns(path: Path, columns: tuple[str, ...]) -> dict[str, Columns]:
     except RecordingError:
         raise
     except Exception as error:  # rosbags raises whatever its parsing runs into
-        raise RecordingError(f"{path}: {one_line(str(error)) or type(error).__name__}") from None
+        said = one_line(str(error)) or type(error).__name__
+        raise RecordingError(f"{path}: {said}{_hint(path)}") from None
+
+
+def _hint(path: Path) -> str:
+    """What may help with MCAP files."""
+    files = [path] if path.suffix == ".mcap" and path.is_file() else list(path.glob("*.mcap"))
+    return " (`recover` may repair it)" if any(not is_whole(file) for file in files) else ""
 
 
 def _read(bag: AnyReader, places: list[Place]) -> dict[str, Columns]:
