@@ -120,12 +120,14 @@ def test_the_compliance_of_the_tip_is_that_of_a_straight_line_over_the_measured_
     assert not QUASI_STATIC & named(result)
 
 
-def test_the_flexible_arm_rings_at_the_strongest_line_of_its_deflection() -> None:
+def test_the_flexible_arm_rings_as_it_swings_while_the_hub_stands() -> None:
     result = diagnosed("flexible-link", "flexarm_K1_6", "flexible-link")
     table = np.genfromtxt(REAL / "flexible-link" / "flexarm_K1_6.csv", delimiter=",", names=True)
-    deflection = table["tip_deflection_m"] - table["tip_deflection_m"].mean()
-    line = np.fft.rfftfreq(80000, 1e-3)[np.argmax(np.abs(np.fft.rfft(deflection, 80000)))]
-    assert value(result, "link_resonance", "arm", "frequency")[0] == pytest.approx(line, rel=0.05)
+    free = np.convolve(table["tip_deflection_m"], np.ones(51) / 51, "same")[3000:7200]
+    ups = np.flatnonzero((free[:-1] < 0.0) & (free[1:] >= 0.0))
+    seconds = (ups[-1] - ups[0]) / 1000.0
+    counted = (len(ups) - 1) / seconds
+    assert value(result, "link_resonance", "arm", "frequency")[0] == pytest.approx(counted, rel=0.08)
     assert value(result, "link_resonance", "arm", "damping")[0] < 0.03
 
 

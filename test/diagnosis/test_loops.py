@@ -1,0 +1,67 @@
+"""Wide loops, motions at one pace, and sensors that hold or step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.diagnosis.held import coarseness, new_readings
+from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells, turned
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.recording.recording import JointSeries
+
+T = np.arange(0.0, 20.0, 0.005)
+SWING, SPEED = np.sin(T), np.cos(T)
+
+
+def played(half_width: float) -> np.ndarray:
+    return SharpPlay().run(SWING[:, None], np.array([[half_width]]), None)[0][:, 0] - SWING
+
+
+def held(period: float) -> JointSeries:
+    reading = np.sin(np.floor(T / period) * period)
+    return JointSeries(T, ("a",), reading[:, None])
+
+
+def test_a_play_of_a_third_of_the_motion_is_a_wide_loop_and_one_of_a_hundredth_is_not() -> None:
+    assert is_wide(SWING, SPEED, played(0.3))
+    assert not is_wide(SWING, SPEED, played(0.01))
+
+
+def test_a_swing_at_one_pace_tells_nothing_of_speed_and_one_at_two_paces_does() -> None:
+    assert not speed_tells(SWING, SPEED)
+    faster = np.where(T < 10.0, T, 3.0 * (T - 10.0) + 10.0)
+    assert speed_tells(np.sin(faster), np.gradient(np.sin(faster), T))
+
+
+def test_moves_with_rests_tell_something_of_speed() -> None:
+    rested = np.sin(np.clip(T, 0.0, 10.0))
+    assert speed_tells(rested, np.gradient(rested, T))
+
+
+def test_a_push_does_not_come_back_and_a_swing_does() -> None:
+    assert comes_back(SWING)
+    assert not comes_back(T)
+
+
+def test_a_joint_has_turned_when_it_has_come_some_way_back() -> None:
+    assert not turned(SWING)[np.pi / 2 > T].any()
+    assert turned(SWING)[T > 2.5].all()
+
+
+def test_of_held_readings_each_counts_once() -> None:
+    fresh, period = new_readings(held(0.025))
+    assert abs(period - 0.025) < 1e-6
+    assert abs(len(fresh.stamp) - 800) < 20
+
+
+def test_readings_that_are_all_new_or_steps_of_a_coarse_sensor_are_kept() -> None:
+    fine = JointSeries(T, ("a",), SWING[:, None])
+    coarse = JointSeries(T, ("a",), np.round(SWING, 1)[:, None])
+    for series in (fine, coarse):
+        assert new_readings(series) == (series, 0.0)
+
+
+def test_a_coarse_sensor_adds_the_noise_of_its_steps() -> None:
+    everything = np.ones(len(T), dtype=bool)
+    assert abs(coarseness(np.round(SWING, 2), everything) - 0.01 / np.sqrt(12.0)) < 1e-6
+    assert coarseness(SWING, everything) == 0.0
