@@ -81,7 +81,7 @@ def check_same_arm(new: Arm, running: Arm) -> None:
 def check_description(text: str, arm: Arm) -> None:
     """Raise ModelError where a model's arm is not the one that ``robot_description`` (URDF) describes.
 
-    It must have all the model's joints, and let each go as far as the model does.
+    It must have all the model's joints, and let each go as far as the model does, where that knows limits.
     """
     limits = joint_limits(text)
     if missing := [joint for joint in arm.joints if joint not in limits]:
@@ -90,7 +90,7 @@ def check_description(text: str, arm: Arm) -> None:
         )
     for j, joint in enumerate(arm.joints):
         lower, upper = limits[joint]
-        if arm.lower[j] < lower - CLOSE or arm.upper[j] > upper + CLOSE:
+        if -np.inf < arm.lower[j] < lower - CLOSE or upper + CLOSE < arm.upper[j] < np.inf:
             raise ModelError(
                 f"the model is of another arm: {joint} goes from {arm.lower[j]:.4g} to {arm.upper[j]:.4g} "
                 f"rad, in robot_description from {lower:.4g} to {upper:.4g}"
