@@ -148,7 +148,7 @@ def test_arguments_that_are_missing_are_one_line():
         ("tendon-sheath/odd_test", "tendon-sheath", 1, {"gearbox_states", "joint_states"}),
         ("tendon-sheath/sheath_180deg", "tendon-sheath", 1, {"gearbox_states", "joint_states"}),
         ("tendon-sheath/ff", "tendon-sheath-feedforward", 1, {"gearbox_states", "joint_states", "reference"}),
-        ("flexible-link/flexarm_K1_6", "flexible-link", 1, {"gearbox_states", "joint_states", "setpoints"}),
+        ("flexible-link/flexarm_K1_6", "flexible-link", 1, {"gearbox_states", "joint_states", "reference"}),
         ("tip-compliance/z-0.105_28", "tip-compliance", 1, {"gearbox_states", "joint_states"}),
     ],
 )
