@@ -23,6 +23,7 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
+from test.nodes.graph import clean_shared_memory, segments
 from trunk_ros.recording.read import read_recording
 
 RECORDER = f"recorder_{os.getpid()}"  # nobody else's on the same domain
@@ -171,7 +172,9 @@ def main(argv: list[str] | None = None) -> int:
     draw, runs = random.Random(given.seed), []
     with tempfile.TemporaryDirectory() as folder:
         for number in range(given.times):
+            before = {path.name for path in segments()}
             runs.append(kill_once(Path(folder) / f"bag_{number}", draw))
+            clean_shared_memory(before)
             print(f"{number + 1}: {said(runs[-1])}", flush=True)
     worst = max(run.lost_s for run in runs)
     print(f"{len(runs)} recorders killed, every bag repaired; at most {worst:.3f} s lost")
