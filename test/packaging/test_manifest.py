@@ -22,7 +22,8 @@ PROVIDERS = {
     "mcap": ("mcap", "mcap-ros2-support"),
     "lz4": ("lz4", "mcap-ros2-support"),
     "zstandard": ("zstandard", "mcap-ros2-support"),
-    "launch": (None, "launch"),  # not on PyPI
+    "control_msgs": (None, "control_msgs"),  # not on PyPI
+    "launch": (None, "launch"),
     "launch_ros": (None, "launch_ros"),
 }
 
