@@ -182,6 +182,7 @@ def test_what_a_killed_recorder_left_is_repaired_by_the_next(recorder):
     following = trunk("recorder", "--ros-args", "-p", f"output:={path}")
     assert following.returncode == 2
     assert "repaired, " in following.stderr
+    assert json.loads(read_metadata(path).custom["trunk_ros.manifest"])["version"] == __version__
     assert len(following.stderr.splitlines()) == 1
     assert bag_messages(path)["/diagnostics"]
 

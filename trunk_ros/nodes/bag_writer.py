@@ -82,8 +82,8 @@ class Part:
 class BagWriter:
     """A bag under way. ``failure`` says why writing stopped by itself, such as a full disk."""
 
-    def __init__(self, folder: str | Path, options: Options):
-        """Create the folder, which must not exist. Raises ArgumentError."""
+    def __init__(self, folder: str | Path, options: Options, noted: dict[str, str] | None = None):
+        """Create the folder, which must not exist; ``noted`` is in it from then on. Raises ArgumentError."""
         self.folder = Path(folder).absolute()
         self.options = options
         self.failure = ""
@@ -96,7 +96,8 @@ class BagWriter:
         self._ending = threading.Event()
         create_folder(self.folder)
         try:
-            self._begin_part()
+            first = self._begin_part().writer
+            first.note("trunk_ros", noted or {})
         except OSError as error:
             raise ArgumentError(f"{self.folder} cannot be written: {error.strerror}") from None
         self._thread = threading.Thread(target=self._work, name="bag_writer", daemon=True)

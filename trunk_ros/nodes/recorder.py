@@ -46,7 +46,9 @@ class Recorder(TrunkNode):
         self.early: list[Entry] = []
         self.wall = WallClock()
         self.ending = 0
-        self.writer: BagWriter | None = BagWriter(self.value("output"), options)
+        self.writer: BagWriter | None = BagWriter(
+            self.value("output"), options, {"trunk_ros.manifest": self.manifest}
+        )
         self.taker = rclpy.create_node(
             f"_{self.get_name()}_taker", context=self.context, use_global_arguments=False
         )

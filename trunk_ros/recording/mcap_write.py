@@ -35,6 +35,7 @@ class ChunkWriter:
         self._schemas: dict[str, Schema] = {}
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
+        self._noted: list[MetadataIndex] = []
         draft = path.with_name(f".{path.name}")
         self.file = os.open(draft, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_APPEND, 0o644)
         try:
@@ -68,6 +69,13 @@ class ChunkWriter:
         self._index.setdefault(channel, []).extend((log_ns, self.open_bytes))
         self._put(_MESSAGE.pack(MESSAGE, 22 + len(data), channel, sequence, log_ns, publish_ns))
         self._put(data)
+
+    def note(self, name: str, held: dict[str, str]) -> None:
+        """Write a metadata record before the first chunk. Raises OSError."""
+        record = bytes_of(Metadata(metadata=held, name=name))
+        index = MetadataIndex(self.size, len(record), name)
+        self._append(record)
+        self._noted.append(index)
 
     def flush(self) -> None:
         """Close the open chunk. Raises OSError: then nothing of it is in the file."""
@@ -107,7 +115,7 @@ class ChunkWriter:
         Raises OSError: then they are not in the file.
         """
         self.unfinish()
-        data, indexes = b"", []
+        data, indexes = b"", list(self._noted)
         for name, held in metadata.items():
             record = bytes_of(Metadata(metadata=held, name=name))
             indexes.append(MetadataIndex(self.size + len(data), len(record), name))

@@ -126,8 +126,19 @@ def _recover_metadata(folder: Path, files: Sequence[Path], changed: bool) -> lis
     topics = _merged([topic for _, of_file in described for topic in of_file])
     if old is not None and not changed and _agrees(old, [file for file, _ in described], topics):
         return []
-    write_metadata(folder, information([file for file, _ in described], topics, old.custom if old else None))
+    custom = old.custom if old is not None and old.custom else _custom(files)
+    write_metadata(folder, information([file for file, _ in described], topics, custom))
     return [f"{folder / FILE}: written anew"]
+
+
+def _custom(files: Sequence[Path]) -> dict[str, str]:
+    """What the recorder noted in the files."""
+    custom: dict[str, str] = {}
+    for file in files:
+        with file.open("rb") as stream:
+            for record in make_reader(stream).iter_metadata():
+                custom.update(record.metadata if record.name == "trunk_ros" else {})
+    return custom
 
 
 def _agrees(old: BagMetadata, files: Sequence[BagFile], topics: Sequence[Topic]) -> bool:
