@@ -11,6 +11,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import longest_gap
+from trunk_ros.diagnosis.between import angles_between
 from trunk_ros.diagnosis.criterion import FURTHER, RELEVANT, SIGNIFICANT
 from trunk_ros.diagnosis.noise import Noise, noise_of, strides_within
 from trunk_ros.effects import Effect, effect, registry
@@ -48,7 +49,7 @@ class ArmFit:
 
 def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData | None:
     """What the arm stage is judged on, joint readings being ``delay`` s old; None where the tip, link
-    lengths or a joint are missing.
+    lengths or a joint are missing. ``model``: with the physics of the wires that was found.
     """
     joints = recording.series.get("joint_states")
     if recording.tip is None or joints is None or not model.arm.has_geometry:
@@ -63,13 +64,22 @@ def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData 
     inside = _seen(at, pose.stamp) & np.isfinite(np.hstack([pose.position, pose.orientation])).all(axis=1)
     if inside.sum() < 4:
         return None
-    theta = Akima1DInterpolator(at, joints.position[known])(pose.stamp[inside])
+    theta = _theta(recording, model, at, joints.position[known], pose.stamp[inside])
     x, w = pose.orientation[inside, 0], pose.orientation[inside, 3]
     roll = 2.0 * np.arctan2(x, w)
     roll = np.mod(roll + np.pi, 2 * np.pi) - np.pi
     heading = theta.sum(axis=1)
     roll += 2 * np.pi * np.round((heading - roll) / (2 * np.pi))
     return TipData(model.arm, pose.stamp[inside], theta, np.column_stack([pose.position[inside, 1:3], roll]))
+
+
+def _theta(recording: Recording, model: Model, at: Array, measured: Array, stamp: Array) -> Array:
+    """(n, joints) angles at ``stamp``: what the model says, and what was measured ``at`` other moments beyond
+    that, which is smooth.
+    """
+    both = angles_between(recording, model, np.concatenate([at, stamp]))
+    told = np.zeros((len(at) + len(stamp), measured.shape[1])) if both is None else both
+    return np.asarray(Akima1DInterpolator(at, measured - told[: len(at)])(stamp) + told[len(at) :])
 
 
 def _seen(at: Array, stamp: Array) -> np.ndarray:

@@ -29,6 +29,7 @@ from trunk_ros.diagnosis.problem import LEAST, Problem, ServoProblem, WireProble
 from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
@@ -161,7 +162,8 @@ class Diagnoser:
         rests = left_over(problem, state.explanation)
         self.result.unexplained += rests
         strong = {problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > 1.0}
-        nameless = [without_a_name(rest) for rest in rests if strong & set(rest.joints)]
+        told = {j for f in new if f.effect == UNKNOWN for j in f.joints}
+        nameless = [without_a_name(rest) for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += [f for f in nameless if f is not None]
         self._plot(problem, state.explanation)
         self._experiment(search, state, {f.effect: found[f.effect] for f in new if f.equivalents})
@@ -226,15 +228,17 @@ class Diagnoser:
         """Joint angles and tip at the same moments: a late joint sensor is not blamed on the arm."""
         late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
         problems = []
+        model = replace(self.model, effects={**self.model.effects, **self.effects})
         for delay in {0.0, late}:  # a simulated tip may be as late as the joints
-            data = [d for d in (tip_data(r, self.model, delay) for r in self.recordings) if d is not None]
+            data = [d for d in (tip_data(r, model, delay) for r in self.recordings) if d is not None]
             problems += [ArmProblem(data)] if data else []
-        return min(problems, key=_power, default=None)
+        return min(problems, key=_left, default=None)
 
 
-def _power(problem: ArmProblem) -> float:
-    rest = problem.whitened({})
-    return float(np.mean(rest**2))
+def _left(problem: ArmProblem) -> float:
+    """How much a fit leaves, whatever the signals' units."""
+    rest = np.concatenate(problem.residual(problem.run().values))
+    return float(np.log(np.mean(rest**2, axis=0)).sum())
 
 
 def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from trunk_ros.diagnosis.candidates import Screen, extended, usable
+from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Free, bounds
 from trunk_ros.diagnosis.fit import Fit, Residuals
+from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import effect

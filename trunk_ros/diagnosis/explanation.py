@@ -65,6 +65,11 @@ class Explanation(dict[str, Term]):
         """The terms on a joint, in physical order."""
         return [self[name] for name in registry() if name in self and column in self[name].own]
 
+    @property
+    def curved(self) -> set[int]:
+        """The joints that a curve without a name is on."""
+        return {c for name, term in self.items() if name.startswith("unknown") for c in term.columns}
+
     def bound(self, column: int) -> list[Effect]:
         """The effects on one joint, as blocks over that joint alone."""
         return [bind_column(term, column) for term in self.on(column)]

@@ -72,7 +72,7 @@ def _by_variable(term: Term) -> list[Term]:
 
 def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Finding:
     kind = effect(term.effect)
-    joints = [problem.joints[c] for c in term.columns]
+    joints = [problem.joints[c] for c in _touched(problem, kind, term)]
     unnamed = term.effect in UNNAMED
     variable = term.words[term.columns[0]]["on"] if unnamed else ""
     varies = [variable] if unnamed else _varies_with(kind, term)
@@ -96,6 +96,13 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
         },
         curve=_curve(problem, term, variable) if unnamed else {},
     )
+
+
+def _touched(problem: Problem, kind: type[Effect], term: Term) -> list[int]:
+    """The joints of a term; what all joints share by nature is also on those that said nothing."""
+    shared = kind.everywhere and all(p.shared for p in kind.own_parameters(term.form))
+    whole = shared and set(term.columns) >= set(problem.columns)
+    return list(range(len(problem.joints))) if whole else term.columns
 
 
 def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:

@@ -8,9 +8,10 @@ from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from trunk_ros.diagnosis.candidates import UNNAMED, Screen, extended, given, seen_forms, usable
+from trunk_ros.diagnosis.candidates import UNNAMED, extended, given, seen_forms, usable
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit, fit
+from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.unnamed import UNKNOWN, curve_fit
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter

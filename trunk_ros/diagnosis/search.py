@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from trunk_ros.diagnosis import revise
-from trunk_ros.diagnosis.candidates import Screen, extended, usable
+from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.explanation import Explanation, Term, describe
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import Effect, effect
 

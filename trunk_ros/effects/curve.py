@@ -13,7 +13,7 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
-KNOTS = 24
+KNOTS = 48
 VARIABLES = ("position", "speed", "time", "load")
 RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),

@@ -112,8 +112,8 @@ class Effect(ABC):
     """Parameter and value at which a scalable effect is gone, where that is not the first parameter's null.
     """
     needs: ClassVar[tuple[str, ...]] = ()
-    """``load``: it must be known, by masses or effort; ``weight``: by masses; ``dead_band``: a nominal dead
-    band; ``several``: more than one joint.
+    """``load``: it must be known, by masses or effort; ``weight``: by masses; ``dead_band``: nominal
+    dead bands to compare; ``several``: more than one joint.
     """
     replaces: ClassVar[tuple[str, ...]] = ()
     """Effects that this one includes: never both at once."""
