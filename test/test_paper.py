@@ -65,13 +65,16 @@ def test_the_printed_digits_are_not_what_the_formulas_give(lines: list[Quantity]
     assert not set(lines[line].cells()[FORMULAS]) & set(lines[line].printed)
 
 
-@pytest.mark.parametrize(("line", "way", "values"), [
-    (0, FORMULAS, ["86.85", "87.70", "87.70", "87.70", "87.70"]),
-    (1, FORMULAS, ["5.0871", "6.5348", "7.9284", "9.3221", "10.7157"]),
-    (1, FINE, ["5.0686", "6.5111", "7.8997", "9.2882", "10.6768"]),
-    (2, FORMULAS, ["1.0930", "1.4041", "1.7035", "2.0029", "2.3024"]),
-    (2, FINE, ["1.0890", "1.3990", "1.6973", "1.9957", "2.2940"]),
-])
+@pytest.mark.parametrize(
+    ("line", "way", "values"),
+    [
+        (0, FORMULAS, ["86.85", "87.70", "87.70", "87.70", "87.70"]),
+        (1, FORMULAS, ["5.0871", "6.5348", "7.9284", "9.3221", "10.7157"]),
+        (1, FINE, ["5.0686", "6.5111", "7.8997", "9.2882", "10.6768"]),
+        (2, FORMULAS, ["1.0930", "1.4041", "1.7035", "2.0029", "2.3024"]),
+        (2, FINE, ["1.0890", "1.3990", "1.6973", "1.9957", "2.2940"]),
+    ],
+)
 def test_the_formulas_give_other_values(
     lines: list[Quantity], line: int, way: str, values: list[str]
 ) -> None:
@@ -163,7 +166,7 @@ def test_the_page_is_one_file_beside_its_figures(tmp_path: Path, capsys: pytest.
     assert "10.6768" in text
     assert "3.28" in text
     assert text.count("data:image/png;base64,") == 2
-    assert not [word for word in ("http://", "https://", "src=\"paper") if word in text]
+    assert not [word for word in ("http://", "https://", 'src="paper') if word in text]
     printed = capsys.readouterr().out
     assert "10.6768" in printed
     assert "Δl[µm]/R_c[mm]" in printed
@@ -191,7 +194,10 @@ def test_a_second_run_may_overwrite_the_first(tmp_path: Path) -> None:
 @pytest.mark.parametrize("arguments", [["--outptu", "x"], ["--output"], ["--output", "/dev/null/paper"]])
 def test_a_bad_argument_is_one_line_and_exit_2(arguments: list[str]) -> None:
     ran = subprocess.run(
-        [sys.executable, "-m", "trunk_ros", "paper", *arguments], capture_output=True, text=True, timeout=60,
+        [sys.executable, "-m", "trunk_ros", "paper", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
         cwd=Path(__file__).parents[1],
     )
     assert ran.returncode == 2

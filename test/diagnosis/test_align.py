@@ -13,7 +13,8 @@ from trunk_ros.diagnosis.against import on_the_clock
 from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.arm_stage import ArmProblem, tip_data
 from trunk_ros.diagnosis.explanation import Explanation
-from trunk_ros.diagnosis.problem import Problem, ServoProblem, WireProblem
+from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording

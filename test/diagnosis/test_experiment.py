@@ -20,9 +20,10 @@ from trunk_ros.diagnosis.align import wire_span
 from trunk_ros.diagnosis.evidence import evidence
 from trunk_ros.diagnosis.excitation import limits_of
 from trunk_ros.diagnosis.experiment import Experiment, experiment, proposals
-from trunk_ros.diagnosis.problem import Problem, WireProblem
+from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.result import Diagnosis
 from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.stages import WireProblem
 from trunk_ros.model import load_model
 from trunk_ros.motion import named_trajectory
 from trunk_ros.nodes.plan import plan_of

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.diagnosis.align import Span
-from trunk_ros.diagnosis.problem import WireProblem
+from trunk_ros.diagnosis.stages import WireProblem
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 

@@ -25,10 +25,11 @@ from trunk_ros.diagnosis.findings import (
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.heldout import held_out
 from trunk_ros.diagnosis.leftover import rests as powers
-from trunk_ros.diagnosis.problem import LEAST, Problem, ServoProblem, WireProblem
+from trunk_ros.diagnosis.problem import LEAST, Problem
 from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
 from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError

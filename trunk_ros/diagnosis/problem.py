@@ -4,27 +4,23 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from copy import copy
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import SLOW, Span
 from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload_of
 from trunk_ros.diagnosis.held import coarseness
 from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells
 from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
-from trunk_ros.effects.effect import Core, Effect, Now
-from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
 from trunk_ros.resistance import loads
-from trunk_ros.stage import Order, State, through
 
 LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
-CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
 
 
 @dataclass
@@ -251,94 +247,3 @@ class Problem(ABC):
     def look_again(self, explanation: Explanation) -> None:
         """Let coupling and load see the angles that an explanation predicts, where the stage has any."""
         return None
-
-
-class WireProblem(Problem):
-    """Gearbox angle to joint reading."""
-
-    stage = "wire"
-
-    def predict(self, index: int, explanation: Explanation, column: int) -> Array:
-        view = self.views[index]
-        now = self.now(index, column, payload_of(explanation))
-        width = self.arm.dead_band[None, column : column + 1]
-        blocks = explanation.bound(column)
-        state = None
-        if np.isfinite(view.span.start[column]):
-            state = begun(now, blocks, width, float(view.span.start[column]))
-        core = Core(nominal_width=width, width=width)
-        shown, _, _ = wire_pass(now.gearbox, now, blocks, core, state)
-        return self._besides(view.span, column, now, blocks, np.asarray(shown[view.span.rows, 0]))
-
-    def _besides(self, span: Span, column: int, now: Now, blocks: list[Effect], shown: Array) -> Array:
-        """The prediction (n,) with what went on besides, as far as the recording shows it."""
-        for block in blocks:
-            shapes = block.transients(now)
-            if shapes is not None:
-                shapes, valid = shapes[span.rows], span.valid[:, column]
-                off = span.target[valid, column] - shown[valid]
-                seen = shapes[valid]
-                normal = seen.T @ seen + 1e-9 * len(seen) * np.eye(seen.shape[1])
-                shown = shown + shapes @ np.linalg.solve(normal, seen.T @ off)
-        return shown
-
-    def look_again(self, explanation: Explanation) -> None:
-        """Predicted angles of all joints, as a simulation with this explanation would have them."""
-        model = Model(self.arm, explanation.model_effects(len(self.joints)))
-        for view in self.views:
-            span = view.span
-            view.angles = Chain(model, "wire").angles(span.gearbox, span.grid, span.velocity, span.resistance)
-            view.load, view.lever = loads(self.arm, view.angles, span.resistance)
-        self.version = self._version()
-        self._cache.clear()
-
-    def _version(self) -> int:
-        """A number for the angles that are seen now, the same for angles that are nearly the same."""
-        angles = self.views[0].angles
-        for number, known in enumerate(self._known):
-            if np.max(np.abs(angles - known)) < CLOSE * np.ptp(angles):
-                return number
-        self._known.append(angles)
-        return len(self._known) - 1
-
-
-def begun(now: Now, blocks: list[Effect], width: Array, measured: float) -> State:
-    """The state in which the friction element shows a measured angle at the first sample, as far as its
-    play lets it.
-    """
-    cut = {f.name: getattr(now, f.name)[:1] for f in fields(now) if f.name not in ("joints", "ratio", "held")}
-    first, core = replace(now, **cut), Core(nominal_width=width, width=width)
-    shown, true, _ = wire_pass(first.gearbox, first, blocks, core, None)
-    u = through(first.gearbox * first.ratio, Order.of(blocks).path, first, {}, {})
-    element = core.rounding or SharpPlay()
-    _, memory = element.run(np.vstack([u + measured - shown, u]), core.width[:1], None)
-    return State(float(first.stamp[0]), first.gearbox[0], true[0], {}, memory)
-
-
-class ServoProblem(Problem):
-    """Setpoint to gearbox angle."""
-
-    stage = "servo"
-
-    def estimate_noise(self, explanation: Explanation) -> None:
-        """At least the encoder's steps; what stands still between them says nothing of correlation."""
-        super().estimate_noise(explanation)
-        self.noise = [Noise(max(noise.std, self.resolution(0))) for noise in self.noise]
-
-    def rest(self, column: int) -> float:
-        """A joint that stands shows one step of the encoder, up to three times its mean power."""
-        return 3.0
-
-    def resolution(self, column: int) -> float:
-        return float(2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0))
-
-    def predict(self, index: int, explanation: Explanation, column: int) -> Array:
-        view = self.views[index]
-        now = self.now(index, column, payload_of(explanation))
-        source = np.ascontiguousarray(view.span.source[:, column : column + 1])
-        start = np.array([[now.gearbox[0, 0]], [now.speed[0, 0] / now.ratio[0]]])
-        out, _ = run_servo(self.arm, explanation.bound(column), now, source, now.stamp, start)
-        for block in explanation.bound(column):
-            if block.place > block.CORE:
-                out, _ = block.run(out, now, None)
-        return np.asarray(out[view.span.rows, 0])

@@ -1,18 +1,14 @@
-"""Changes to an explanation that are tried after each step: other forms, fewer effects, others in their
-place.
-"""
+"""Changes to an explanation that are tried after each step: other forms, other joints, fewer effects."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
 from typing import TYPE_CHECKING
 
-from trunk_ros.diagnosis.candidates import UNNAMED, extended, given, seen_forms, usable
+from trunk_ros.diagnosis.candidates import UNNAMED, extended, given, seen_forms
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
-from trunk_ros.diagnosis.fit import Fit, fit
+from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.screen import Screen
-from trunk_ros.diagnosis.unnamed import UNKNOWN, curve_fit
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 
@@ -20,10 +16,8 @@ if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 CLEARLY = 2.0  # squared unit-noise residuals
-CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
 STRONG = 1.0  # of the noise power: a rest from which on an explanation is known to be incomplete
 SLICE = 0.15  # of such a rest, for each value
-REFITTED = 4  # candidates of an exchange that are refitted in full
 
 
 def better(search: Search, now: Fit, trial: Fit | None) -> Fit:
@@ -144,23 +138,27 @@ def _joined_or_left(search: Search, now: Fit, name: str, column: int) -> Fit | N
 
 
 def sources(search: Search, now: Fit) -> Fit:
-    """Leave out a joint's further sources, or find another effect in their place."""
+    """Leave out one of a joint's several sources, or find another effect in its place."""
     for name in [n for n in now.explanation if effect(n).texts and n not in UNNAMED]:
         for column in now.explanation[name].columns if name in now.explanation else ():
-            while len(now.explanation.get_words(name, column)) > 1:
-                trial = _less_a_source(search, now, name, column)
-                if search.score(trial) > search.score(now):
+            while (count := len(now.explanation.get_words(name, column))) > 1:
+                trials = [_less_a_source(search, now, name, column, gone) for gone in range(count)]
+                best = min(trials, key=search.score)
+                if search.score(best) > search.score(now):
                     break
-                now = trial
+                now = best
     return now
 
 
-def _less_a_source(search: Search, now: Fit, name: str, column: int) -> Fit:
-    """Without the last source, alone or with what then explains most."""
-    bare = now.explanation.copy()
-    last = len(bare[name].words[column]) - 1
-    bare[name].words[column].pop(effect(name).texts[last])
-    bare[name].own[column].pop(effect(name).parameters[last].name)
+def _less_a_source(search: Search, now: Fit, name: str, column: int, gone: int) -> Fit:
+    """Without one source, alone or with what then explains most."""
+    bare, kind = now.explanation.copy(), effect(name)
+    term = bare[name]
+    words, own = list(term.words[column].values()), term.own[column]
+    gains = [own.pop(kind.parameters[k].name) for k in range(len(words))]
+    left = [k for k in range(len(words)) if k != gone]
+    term.words[column] = {kind.texts[new]: words[old] for new, old in enumerate(left)}
+    own |= {kind.parameters[new].name: gains[old] for new, old in enumerate(left)}
     best = search.refit_column(now, bare, column)
     screen = Screen(search.problem, best.explanation, [column])
     kinds = [k for k in search.local_kinds() if k.id != name and search.open(k.id, column, bare)]
@@ -225,91 +223,3 @@ def _droppable(search: Search, explanation: Explanation) -> list[tuple[str, int 
 def _dropped(search: Search, now: Fit, name: str, column: int | None) -> Fit:
     less = now.explanation.without(name, column)
     return search.refit(less) if column is None else search.refit_column(now, less, column)
-
-
-def exchange(search: Search, now: Fit) -> Fit:
-    """Replace one or two effects of a joint by one that explains the joint better."""
-    for column in search.problem.columns:
-        key = (column, search.problem.version, now.explanation.key(column))
-        if key in search.settled:
-            continue
-        local = _local(now, column)
-        for gone in [*((a,) for a in local), *combinations(local, 2)]:
-            if all(name in now.explanation and column in now.explanation[name].own for name in gone):
-                now = _exchanged(search, now, column, gone)
-        search.settled.add((column, search.problem.version, now.explanation.key(column)))
-    return now
-
-
-def _exchanged(search: Search, now: Fit, column: int, gone: tuple[str, ...]) -> Fit:
-    bare = now.explanation
-    for name in gone:
-        bare = bare.without(name, column)
-    screen = Screen(search.problem, bare, [column])
-    kinds = [k for k in search.local_kinds() if k.id not in gone and search.open(k.id, column, bare)]
-    for candidate in screen.ranked(kinds, column, REFITTED):
-        trial = search.refit_column(now, extended(search.problem, bare, candidate), column)
-        if search.credible(trial.explanation, column):
-            now = better(search, now, trial)
-    return now
-
-
-def exchange_everywhere(search: Search, now: Fit) -> Fit:
-    """Replace an effect that is on all joints by another that acts on all alike."""
-    for name in list(now.explanation):
-        if name not in now.explanation or not _on_all(search, now.explanation, name):
-            continue
-        bare = now.explanation.without(name)
-        screen = Screen(search.problem, bare)
-        for kind in usable(search.problem):
-            if kind.everywhere and kind.id not in now.explanation:
-                for candidate in screen.all_everywhere(kind):
-                    trial = search.refit(extended(search.problem, bare, candidate))
-                    now = better(search, now, drop(search, members(search, options(search, trial))))
-    return now
-
-
-def _on_all(search: Search, explanation: Explanation, name: str) -> bool:
-    return effect(name).everywhere or set(explanation[name].columns) >= set(search.problem.columns)
-
-
-def unname(search: Search, now: Fit) -> Fit | None:
-    """Put a smooth curve in the place of named effects, or of a rest, where that explains a joint better;
-    None if nowhere.
-    """
-    changed = False
-    for column in search.problem.columns:
-        key = ("unname", column, search.problem.version, now.explanation.key(column))
-        if key not in search.settled:
-            search.settled.add(key)
-            trial = _unnamed(search, now, column)
-            changed |= trial is not now
-            now = trial
-    return now if changed else None
-
-
-def _unnamed(search: Search, now: Fit, column: int) -> Fit:
-    local = _local(now, column)
-    rest = now.cost[column] / search.problem.count(column) - 1.0
-    if UNKNOWN in local or (len(local) < 2 and rest < search.problem.rest(column)):
-        return now
-    alone = now.explanation
-    for name in local:
-        alone = alone.without(name, column)
-    nominal = fit(search.problem, alone, [column]).cost[column]
-    best = now
-    for kept in [(), *((name,) for name in local)]:
-        bare = now.explanation
-        for name in local:
-            bare = bare if name in kept else bare.without(name, column)
-        trial = curve_fit(search.problem, bare, column)
-        if trial is not None:
-            best = better(search, best, Fit(trial.explanation, now.cost | trial.cost))
-    gained = now.cost[column] - best.cost[column]
-    simpler = len(local) >= 3
-    return best if simpler or gained > CLEARER * (nominal - now.cost[column]) else now
-
-
-def _local(now: Fit, column: int) -> list[str]:
-    """Effects that a joint has of its own."""
-    return [t.effect for t in now.explanation.on(column) if not effect(t.effect).everywhere]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from trunk_ros.diagnosis import revise
+from trunk_ros.diagnosis import exchange, revise
 from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.explanation import Explanation, Term, describe
@@ -42,7 +42,7 @@ class Search:
         now = self.refit(start or self.problem.known)
         self.weigh(now)
         for _ in range(ROUNDS):
-            grown = self.grow(now) or revise.unname(self, now)
+            grown = self.grow(now) or exchange.unname(self, now)
             if grown is None:
                 break
             now = self.settle(grown)
@@ -101,8 +101,8 @@ class Search:
             revise.incredible,
             revise.sources,
             revise.drop,
-            revise.exchange,
-            revise.exchange_everywhere,
+            exchange.exchange,
+            exchange.exchange_everywhere,
         ):
             now = change(self, now)
             self.problem.look_again(now.explanation)

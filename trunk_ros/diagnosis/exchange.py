@@ -1,0 +1,108 @@
+"""Other effects, or a curve without a name, in the place of those that an explanation has."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from trunk_ros.diagnosis.candidates import extended, usable
+from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.fit import Fit, fit
+from trunk_ros.diagnosis.revise import better, drop, members, options
+from trunk_ros.diagnosis.screen import Screen
+from trunk_ros.diagnosis.unnamed import UNKNOWN, curve_fit
+from trunk_ros.effects import effect
+
+if TYPE_CHECKING:
+    from trunk_ros.diagnosis.search import Search
+
+CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
+REFITTED = 4  # candidates of an exchange that are refitted in full
+
+
+def exchange(search: Search, now: Fit) -> Fit:
+    """Replace one or two effects of a joint by one that explains the joint better."""
+    for column in search.problem.columns:
+        key = (column, search.problem.version, now.explanation.key(column))
+        if key in search.settled:
+            continue
+        local = _local(now, column)
+        for gone in [*((a,) for a in local), *combinations(local, 2)]:
+            if all(name in now.explanation and column in now.explanation[name].own for name in gone):
+                now = _exchanged(search, now, column, gone)
+        search.settled.add((column, search.problem.version, now.explanation.key(column)))
+    return now
+
+
+def _exchanged(search: Search, now: Fit, column: int, gone: tuple[str, ...]) -> Fit:
+    bare = now.explanation
+    for name in gone:
+        bare = bare.without(name, column)
+    screen = Screen(search.problem, bare, [column])
+    kinds = [k for k in search.local_kinds() if k.id not in gone and search.open(k.id, column, bare)]
+    for candidate in screen.ranked(kinds, column, REFITTED):
+        trial = search.refit_column(now, extended(search.problem, bare, candidate), column)
+        if search.credible(trial.explanation, column):
+            now = better(search, now, trial)
+    return now
+
+
+def exchange_everywhere(search: Search, now: Fit) -> Fit:
+    """Replace an effect that is on all joints by another that acts on all alike."""
+    for name in list(now.explanation):
+        if name not in now.explanation or not _on_all(search, now.explanation, name):
+            continue
+        bare = now.explanation.without(name)
+        screen = Screen(search.problem, bare)
+        for kind in usable(search.problem):
+            if kind.everywhere and kind.id not in now.explanation:
+                for candidate in screen.all_everywhere(kind):
+                    trial = search.refit(extended(search.problem, bare, candidate))
+                    now = better(search, now, drop(search, members(search, options(search, trial))))
+    return now
+
+
+def _on_all(search: Search, explanation: Explanation, name: str) -> bool:
+    return effect(name).everywhere or set(explanation[name].columns) >= set(search.problem.columns)
+
+
+def unname(search: Search, now: Fit) -> Fit | None:
+    """Put a smooth curve in the place of named effects, or of a rest, where that explains a joint better;
+    None if nowhere.
+    """
+    changed = False
+    for column in search.problem.columns:
+        key = ("unname", column, search.problem.version, now.explanation.key(column))
+        if key not in search.settled:
+            search.settled.add(key)
+            trial = _unnamed(search, now, column)
+            changed |= trial is not now
+            now = trial
+    return now if changed else None
+
+
+def _unnamed(search: Search, now: Fit, column: int) -> Fit:
+    local = _local(now, column)
+    rest = now.cost[column] / search.problem.count(column) - 1.0
+    if UNKNOWN in local or (len(local) < 2 and rest < search.problem.rest(column)):
+        return now
+    alone = now.explanation
+    for name in local:
+        alone = alone.without(name, column)
+    nominal = fit(search.problem, alone, [column]).cost[column]
+    best = now
+    for kept in [(), *((name,) for name in local)]:
+        bare = now.explanation
+        for name in local:
+            bare = bare if name in kept else bare.without(name, column)
+        trial = curve_fit(search.problem, bare, column)
+        if trial is not None:
+            best = better(search, best, Fit(trial.explanation, now.cost | trial.cost))
+    gained = now.cost[column] - best.cost[column]
+    simpler = len(local) >= 3
+    return best if simpler or gained > CLEARER * (nominal - now.cost[column]) else now
+
+
+def _local(now: Fit, column: int) -> list[str]:
+    """Effects that a joint has of its own."""
+    return [t.effect for t in now.explanation.on(column) if not effect(t.effect).everywhere]
