@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 CLEARLY = 2.0  # squared unit-noise residuals
+OPTION_SIZES = (0.4, 1.6)  # of the usual value
 STRONG = 1.0  # of the noise power: a rest from which on an explanation is known to be incomplete
 SLICE = 0.15  # of such a rest, for each value
 
@@ -101,16 +103,19 @@ def _toggled(search: Search, now: Fit, name: str, parameter: Parameter) -> Fit:
     if trial[name].shared.pop(parameter.name, None) is not None:
         return search.refit(trial)
     trial[name].shared[parameter.name] = parameter.typical
-    best = search.refit(trial)
-    bare = now.explanation.without(name)
-    free = not now.explanation[name].given
-    starts = Screen(search.problem, bare).all_everywhere(effect(name))
-    start = next((c for c in starts if c.free == free), None) or next(iter(starts), None)
-    if start is not None and start.form == now.explanation[name].form:
-        anew = extended(search.problem, bare, start)
-        anew[name].shared[parameter.name] = parameter.typical
-        best = min(best, search.refit(anew), key=search.score)
-    return best
+    return min([search.refit(trial), *_anew(search, now, name, parameter)], key=search.score)
+
+
+def _anew(search: Search, now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
+    """The effect in each form, started with small and large values of a shared option."""
+    bare, free = now.explanation.without(name), not now.explanation[name].given
+    screen = Screen(search.problem, bare)
+    for form in effect(name).forms:
+        for size in OPTION_SIZES:
+            found = screen.all_everywhere(effect(name), form, {parameter.name: size * parameter.typical})
+            starts = [c for c in found if c.free == free] or found
+            if starts:
+                yield search.refit(extended(search.problem, bare, starts[0]))
 
 
 def members(search: Search, now: Fit) -> Fit:

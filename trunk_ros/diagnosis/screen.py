@@ -92,11 +92,16 @@ class Screen:
         """The most promising start of an effect that acts on all joints alike."""
         return max(self.all_everywhere(kind), key=lambda c: c.gain, default=None)
 
-    def all_everywhere(self, kind: type[Effect]) -> list[Candidate]:
-        """The same with values that the arm's description states, and with values of each joint's own."""
+    def all_everywhere(
+        self, kind: type[Effect], only: str | None = None, also: dict[str, float] | None = None
+    ) -> list[Candidate]:
+        """The same with values that the arm's description states, and with values of each joint's own.
+
+        ``only``: in one form; ``also``: start values of what is optional.
+        """
         found: dict[bool, Candidate] = {}
-        for form in kind.forms:
-            for trial, each in self._on_all(kind, form):
+        for form in kind.forms if only is None else (only,):
+            for trial, each in self._on_all(kind, form, also or {}):
                 for free in self._freedoms(kind, form):
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)
                     if better and (free not in found or better.gain > found[free].gain):
@@ -108,12 +113,14 @@ class Screen:
         lead = kind.own_parameters(form)[0]
         return (False, True) if kind.scalable and lead.name in given(kind, self.problem) else (False,)
 
-    def _on_all(self, kind: type[Effect], form: str) -> Iterator[tuple[Candidate, Products]]:
+    def _on_all(
+        self, kind: type[Effect], form: str, also: dict[str, float]
+    ) -> Iterator[tuple[Candidate, Products]]:
         """Each choice of the shared values, with every joint's best choice of its own."""
         columns = self.problem.columns
         starts = {c: list(self._starts(kind, form, c)) for c in columns}
         names = [p.name for p in kind.own_parameters(form) if p.shared]
-        shared = [{n: s[n] for n in names if n in s} for each in starts.values() for s in each]
+        shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
         for values in _different(shared):
             own, products = {}, {}
             for c in columns:

@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import Span
+from trunk_ros.diagnosis.align import FIRST, Span
 from trunk_ros.diagnosis.explanation import Explanation, payload_of
 from trunk_ros.diagnosis.noise import Noise
 from trunk_ros.diagnosis.problem import Problem
@@ -33,7 +33,7 @@ class WireProblem(Problem):
         blocks = explanation.bound(column)
         state = None
         if np.isfinite(view.span.start[column]):
-            state = begun(now, blocks, width, float(view.span.start[column]))
+            state = begun(now, blocks, width, view.span, column)
         core = Core(nominal_width=width, width=width)
         shown, _, _ = wire_pass(now.gearbox, now, blocks, core, state)
         return self._besides(view.span, column, now, blocks, np.asarray(shown[view.span.rows, 0]))
@@ -70,17 +70,24 @@ class WireProblem(Problem):
         return len(self._known) - 1
 
 
-def begun(now: Now, blocks: list[Effect], width: Array, measured: float) -> State:
-    """The state in which the friction element shows a measured angle at the first sample, as far as its
+def begun(now: Now, blocks: list[Effect], width: Array, span: Span, column: int) -> State:
+    """The state in which the friction element shows what was measured while the joint stood, as far as its
     play lets it.
     """
-    cut = {f.name: getattr(now, f.name)[:1] for f in fields(now) if f.name not in ("joints", "ratio", "held")}
-    first, core = replace(now, **cut), Core(nominal_width=width, width=width)
-    shown, true, _ = wire_pass(first.gearbox, first, blocks, core, None)
+    rows = np.flatnonzero(span.valid[:, column])[:FIRST]
+    seen, core = _first(now, int(span.rows[rows[-1]]) + 1), Core(nominal_width=width, width=width)
+    shown, true, _ = wire_pass(seen.gearbox, seen, blocks, core, None)
+    off = np.median(span.target[rows, column] - shown[span.rows[rows], 0])
+    first, element = _first(now, 1), core.rounding or SharpPlay()
     u = through(first.gearbox * first.ratio, Order.of(blocks).path, first, {}, {})
-    element = core.rounding or SharpPlay()
-    _, memory = element.run(np.vstack([u + measured - shown, u]), core.width[:1], None)
+    _, memory = element.run(np.vstack([u + off, u]), core.width[:1], None)
     return State(float(first.stamp[0]), first.gearbox[0], true[0], {}, memory)
+
+
+def _first(now: Now, steps: int) -> Now:
+    """The surroundings of the first steps."""
+    whole = ("joints", "ratio", "held")
+    return replace(now, **{f.name: getattr(now, f.name)[:steps] for f in fields(now) if f.name not in whole})
 
 
 class ServoProblem(Problem):
