@@ -175,9 +175,53 @@ def test_a_compensator_whose_model_is_of_another_arm_refuses_to_move_it(
     with running("compensator", domain=domain):
         peer.until(lambda: words_of_it in words(ends.said, "compensator"))
         ends.go(0.1, 0.5)
-        peer.spin(1.5)
-        assert not ends.setpoints
+        peer.until(lambda: "trajectory refused: " in words(ends.said, "compensator"))
         description.publish(String(data=urdf(arm)))
+        peer.until(lambda: ends.said[-1].status[0].level < b"\2")
+        ends.state(ends.gearbox, JOINTS, [0.0] * 5)
         peer.spin(0.3)
+        assert not ends.setpoints
         ends.go(0.1, 0.5)
         peer.until(lambda: len(ends.setpoints) > 5)
+
+
+def test_an_arm_that_does_not_say_where_it_stands_is_not_moved(domain, peer, ends):
+    with running("compensator", domain=domain):
+        peer.until(lambda: ends.said and ends.trajectory.get_subscription_count())
+        ends.go(0.1, 0.5)
+        peer.until(lambda: "do not say where all joints stand" in words(ends.said, "compensator"))
+        assert not ends.setpoints
+        ends.state(ends.gearbox, JOINTS, [0.2] * 5)
+        ends.go(0.1, 0.5)
+        peer.until(lambda: ends.setpoints)
+    np.testing.assert_allclose(ends.setpoints[0].position, 0.2, atol=1e-3)
+
+
+def test_a_compensator_that_was_deactivated_starts_anew_from_where_the_arm_stands(domain, peer, ends):
+    from lifecycle_msgs.msg import Transition
+    from lifecycle_msgs.srv import ChangeState
+
+    change = peer.node.create_client(ChangeState, "compensator/change_state")
+
+    def ask(transition):
+        done = change.call_async(ChangeState.Request(transition=Transition(id=transition)))
+        peer.until(done.done)
+        assert done.result().success
+
+    def start(angle):
+        ends.state(ends.gearbox, JOINTS, [angle] * 5)
+        ends.go(0.0, 1.0)
+        peer.until(lambda: ends.setpoints)
+
+    with running("compensator", domain=domain):
+        peer.until(lambda: ends.said and change.service_is_ready())
+        peer.until(lambda: ends.trajectory.get_subscription_count() and ends.gearbox.get_subscription_count())
+        start(0.3)
+        ask(Transition.TRANSITION_DEACTIVATE)
+        peer.spin(0.3)
+        ends.setpoints.clear()
+        ask(Transition.TRANSITION_ACTIVATE)
+        peer.spin(0.3)
+        assert not ends.setpoints
+        start(-0.3)
+    np.testing.assert_allclose(ends.setpoints[0].position, -0.3, atol=1e-3)

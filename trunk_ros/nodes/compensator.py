@@ -20,12 +20,7 @@ from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, state_of,
 from trunk_ros.nodes.model_swap import ModelSwap, check_description
 from trunk_ros.nodes.observation import Observation
 from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.ros import (
-    FollowJointTrajectory,
-    JointState,
-    JointTrajectory,
-    String,
-)
+from trunk_ros.nodes.ros import FollowJointTrajectory, JointState, JointTrajectory, String
 from trunk_ros.nodes.slow_feedback import Settings
 from trunk_ros.trajectory import Array
 
@@ -88,11 +83,13 @@ class Compensator(TrunkNode):
         try:
             check_description(message.data, self.model.arm)
         except ModelError as error:
-            self.hold(f"refused: {error}")
+            self.forget(f"refused: {error}")
             self.health.fault = f"refused: {error}"
 
     def on_trajectory(self, message: Any) -> None:
         """Replace what is under way. Raises TrunkError where the trajectory is refused."""
+        if self.health.fault:
+            raise MessageError(f"trajectory refused: {self.health.fault}")
         if self.follower is None:
             self.foreign, self.waiting = None, message
         elif not message.points:
@@ -165,12 +162,14 @@ class Compensator(TrunkNode):
         """Start when there is something to do and it is known where the arm stands, or nobody says it."""
         if self.waiting is None and self.foreign is None:
             return False
+        if self.observation.stands(now) is not None or not self.count_publishers("trunk/gearbox_states"):
+            self.begin(now)
+            return True
         self.since = now if self.since is None else self.since
-        told = self.observation.stands(now) is not None or not self.count_publishers("trunk/gearbox_states")
-        if not told and now - self.since < self.value("patience") * SECOND:
-            return False
-        self.begin(now)
-        return True
+        if now - self.since >= self.value("patience") * SECOND:
+            self.waiting = self.since = None
+            self.health.note("refused: trunk/gearbox_states do not say where all joints stand")
+        return False
 
     def begin(self, now: int) -> None:
         """Start from where the arm stands, at 0 where that is not known."""
@@ -221,7 +220,13 @@ class Compensator(TrunkNode):
 
     def halt(self) -> None:
         """Deactivated: stay."""
-        self.hold("the compensator was deactivated")
+        self.forget("the compensator was deactivated")
+
+    def forget(self, reason: str) -> None:
+        """Hold, and start anew from where the arm stands by then: others may move it in between."""
+        self.hold(reason)
+        self.compensation = self.follower = self.foreign = self.since = None
+        self.observation = Observation(self.model, self.simulated)
 
     def rewound(self, now: int) -> None:
         """The trajectory's time is gone: stay."""

@@ -15,7 +15,7 @@ STREAMS = (
         1.0,
         "s",
         (0.0, 60.0),
-        "wait for gearbox_states before starting without knowing where the arm is",
+        "wait for gearbox_states before a trajectory is refused",
     ),
     Declaration("state_rate", 50.0, "Hz", (0.1, 2000.0), "rate of controller_state at most"),
 )
