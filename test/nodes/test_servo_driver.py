@@ -68,3 +68,18 @@ def test_it_holds_and_says_so_when_setpoints_dry_up(driver):
     values = {item.key: item.value for item in said[-1].status[0].values}
     assert float(values["rate [Hz]"]) == pytest.approx(100, rel=0.2)
     assert len(values["model"]) == 12
+
+
+def test_before_it_is_known_where_the_shafts_stand_a_setpoint_has_to_name_all_joints(peer):
+    from trunk_ros.nodes.joints import MessageError
+    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.servo_driver import ServoDriver
+
+    node = ServoDriver(context=peer.context)
+    node.configure()
+    with pytest.raises(MessageError, match="where the joints stand that it leaves out is not known"):
+        node.on_setpoints(JointState(name=["joint_1"], position=[0.1]))
+    node.on_setpoints(JointState(name=JOINTS, position=[0.1] * 5))
+    node.on_setpoints(JointState(name=["joint_1"], position=[0.2]))
+    np.testing.assert_array_equal(node.asked, [0.2, 0.1, 0.1, 0.1, 0.1])
+    node.destroy_node()

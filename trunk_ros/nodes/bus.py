@@ -109,7 +109,7 @@ def bus_of(name: str, model: Model) -> Bus:
     module, _, kind = name.partition(":")
     try:
         made = getattr(importlib.import_module(module), kind)
-    except (ImportError, AttributeError, ValueError) as error:
+    except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ArgumentError(f"bus {name!r} is neither {SIMULATED} nor MODULE:CLASS: {error}") from None
     bus: Bus = made(model)
     return bus

@@ -43,6 +43,7 @@ class ServoDriver(TrunkNode):
         self.lower, self.upper = gearbox_limits(arm)
         self.bus: Bus = bus_of(self.value("bus"), self.model)
         self.asked: Array | None = None
+        self.shaft: Array | None = None
         self.elapsed = Elapsed()
         self.setpoints = self.watch("trunk/setpoints", self.value("timeout"))
         self.publish_state = self.publish_on(JointState, "trunk/gearbox_states")
@@ -60,7 +61,8 @@ class ServoDriver(TrunkNode):
         given = self.matcher.gather(message.name, message.position)
         for oddity in self.matcher.oddities():
             self.health.note(oddity)
-        setpoint = np.where(self._given(given, message), given, self.last_setpoint())
+        named = self._given(given, message)
+        setpoint = given if named.all() else np.where(named, given, self.last_setpoint())
         self.check(setpoint)
         self.asked = setpoint
         self.bus.write(setpoint, self.elapsed.of(self.begin(nanoseconds(message.header.stamp))))
@@ -77,14 +79,15 @@ class ServoDriver(TrunkNode):
         return named
 
     def last_setpoint(self) -> Array:
-        """What joints that a setpoint leaves out are held at."""
-        if self.asked is not None:
-            return self.asked
-        return getattr(self, "shaft", np.zeros(len(self.joints)))
+        """What joints that a setpoint leaves out are held at. Raises MessageError while that is not known."""
+        last = self.shaft if self.asked is None else self.asked
+        if last is None:
+            raise MessageError("setpoint refused: where the joints stand that it leaves out is not known yet")
+        return last
 
     def check(self, setpoint: Array) -> None:
         """Raise MessageError for a setpoint (joints,) rad outside the limits."""
-        out = (setpoint < self.lower - ROUNDING) | (setpoint > self.upper + ROUNDING)
+        out = ~((setpoint >= self.lower - ROUNDING) & (setpoint <= self.upper + ROUNDING))
         if out.any():
             j = int(np.argmax(out))
             raise MessageError(
