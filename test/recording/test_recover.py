@@ -1,5 +1,6 @@
 """A bag whose recorder was killed becomes one that all readers open."""
 
+import errno
 import fcntl
 import shutil
 from pathlib import Path
@@ -164,6 +165,15 @@ def test_a_bag_that_is_being_recorded_is_left_alone(killed):
         with pytest.raises(RecordingError, match="is being recorded"):
             recover(killed)
     assert only_file(killed).read_bytes() == before
+
+
+def test_a_file_system_without_locks_is_no_reason_not_to_repair(killed, monkeypatch):
+    def none(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", none)
+    assert unfinished(killed)
+    assert "repaired" in recover(killed)[0]
 
 
 @pytest.mark.parametrize("content", [b"", b"hello", b"\x89MCAP0\r\n"])

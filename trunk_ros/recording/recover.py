@@ -115,6 +115,8 @@ def _refuse_live(file: Path) -> None:
             fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:
             raise DamageError(f"is being recorded: {file.name} is locked by another process") from None
+        except OSError:  # where a file system knows no locks, the recorder has none either
+            return
 
 
 def _recover_metadata(folder: Path, files: Sequence[Path], changed: bool) -> list[str]:
