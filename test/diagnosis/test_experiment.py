@@ -18,7 +18,7 @@ from test.diagnosis.arms import recorded
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.align import wire_span
 from trunk_ros.diagnosis.evidence import evidence
-from trunk_ros.diagnosis.excitation import limits_of
+from trunk_ros.diagnosis.excitation import Stretch, _Path, limits_of
 from trunk_ros.diagnosis.experiment import Experiment, experiment, proposals
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.result import Diagnosis
@@ -170,6 +170,14 @@ def test_an_arm_without_limits_is_not_moved_beyond_what_it_did(period: float, tm
     assert np.abs(velocity).max() <= np.abs(np.gradient(alike, stamp)).max()
     result.save(tmp_path)
     assert plan_of(["--trajectory", str(tmp_path / FILE), "--model", "direct", "--without", "recorder"])
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.5])
+def test_a_joint_that_never_moved_is_left_where_it_stood(speed: float) -> None:
+    limits = Limits(*(np.array([value]) for value in (0.3, 0.3, speed, 0.0)))
+    path = _Path(limits, 0)
+    path.follow(Stretch("all", 0.5, 0.5, 0.5), True, 8.0)
+    assert {angle for _, angle in path.points} == {0.3}
 
 
 def test_units_are_those_of_the_joints(designed: tuple[Problem, Experiment]) -> None:

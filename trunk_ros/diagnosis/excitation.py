@@ -112,9 +112,10 @@ class _Path:
         self.top, self.bend = float(limits.speed[joint]) * ROOM, float(limits.acceleration[joint]) * ROOM
         self.side = 1.0 if joint % 2 else -1.0
         self.pace = 1.0 - APART * (joint * GOLDEN % 1.0)
-        self.points = [(0.0, 0.0), (LEAD_IN, 0.0)]
+        start = 0.0 if self.top > 0.0 and self.bend > 0.0 else self.centre  # what never moved stays
+        self.points = [(0.0, start), (LEAD_IN, start)]
         self.begin = LEAD_IN
-        if not low <= 0.0 <= high:
+        if not low <= start <= high:
             self._go(self.centre, CARRIED, inf)
             self.begin = self.points[-1][0]
 
@@ -136,6 +137,8 @@ class _Path:
     def _go(self, angle: float, speed: float, end: float) -> None:
         """Move to an angle, or as far towards it as there is time for."""
         begin, here = self.points[-1]
+        if self.bend <= 0.0:
+            return
         way = min(abs(angle - here), max(end - begin, 0.0) * self.top * speed / PEAK)
         if way <= 0.0:
             return
