@@ -36,7 +36,9 @@ class ControllerState:
         self.last = now
         states = (wanted, actual, wanted.minus(actual))
         if self.whole is not None:
-            message = JointTrajectoryControllerState(joint_names=self.joints, speed_scaling_factor=1.0)
+            message = JointTrajectoryControllerState(joint_names=self.joints)
+            if hasattr(message, "speed_scaling_factor"):  # from control_msgs 5.3 on
+                message.speed_scaling_factor = 1.0
             message.header.stamp = time_message(now)
             message.reference, message.feedback, message.error = map(point, states)
             message.output = point(State(output, output[:0]))
