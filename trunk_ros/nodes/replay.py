@@ -43,12 +43,14 @@ class Replay(TrunkNode):
         names = renamed(given.remap)
         self.outlets: dict[str, Any] = {}
         for topic in topics:
-            kind = self.guarded(message_class, topic.kind)
-            if kind is not None:
-                name = names.get(topic.name, topic.name)
-                self.outlets[topic.name] = self.create_publisher(
-                    kind, name, recorded(topic.profiles, DEPTH, topic.latched)
-                )
+            try:
+                kind = message_class(topic.kind)
+            except TrunkError as error:
+                print(f"{given.bag}: {topic.name} is left out: {error}", file=sys.stderr)
+                continue
+            name = names.get(topic.name, topic.name)
+            profile = recorded(topic.profiles, DEPTH, topic.latched)
+            self.outlets[topic.name] = self.create_publisher(kind, name, profile)
         if not self.outlets:
             raise TrunkError(f"replay: none of the topics of {given.bag} can be published here")
         self.clock = self.create_publisher(Clock, CLOCK, 10) if given.clock else None
@@ -215,7 +217,7 @@ def play(given: argparse.Namespace, bag: BagSource, topics: list[Topic], stop: S
     player.wait_for_partners()
     while not stop.asked:
         player.play(bag.messages(set(node.outlets)))
-        if not given.loop:
+        if not given.loop or not node.count:
             break
     player.linger(SETTLE)
     node.end()
