@@ -27,7 +27,7 @@ def on_the_clock(other: Recording, recording: Recording) -> Recording:
 def shifted(span: Span, model: Model, against: Recording) -> Span:
     """Targets as if the model's own prediction were the other simulator's: its difference is taken off."""
     said = against.require("joint_states").select(span.joints)
-    span = replace(span, start=np.full(len(span.joints), np.nan))
+    span = replace(span, start=(np.empty(0, dtype=int),) * len(span.joints))
     problem = WireProblem([span], model)
     target, valid = span.target.copy(), span.valid.copy()
     inside = (span.stamp >= said.stamp[0]) & (span.stamp <= said.stamp[-1])

@@ -47,8 +47,8 @@ class Span:
     target: Array
     valid: np.ndarray
     gearbox: Array
-    start: Array
-    """(joints,) the target while the joint stands as it began, NaN where unknown."""
+    start: tuple[np.ndarray, ...]
+    """Rows of the target at which each joint stands as it began; none where that is not known."""
     resistance: Resistance | None = None
     """What the recording tells of the load, where the model takes it from there."""
     held: float = 0.0
@@ -111,7 +111,7 @@ def servo_span(recording: Recording, model: Model) -> Span:
     valid = np.isfinite(measured) & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
-    unknown = np.full(len(joints), np.nan)
+    unknown = (np.empty(0, dtype=int),) * len(joints)
     known = resistance(model.for_joints(joints).arm.only(joints), gearbox, grid, phi)
     return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
@@ -241,7 +241,7 @@ def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray
     return out
 
 
-def _counted(u: Array, rows: np.ndarray, start: Array, least: Array) -> np.ndarray:
+def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:
     """(n, joints): where the state of the play is known: from where a joint has moved enough for that at
     the start
     to be forgotten, and before where it was seen to stand as it began. A joint that hardly moves counts
@@ -249,7 +249,7 @@ def _counted(u: Array, rows: np.ndarray, start: Array, least: Array) -> np.ndarr
     """
     far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
     engaged = far > least
-    standing = (far < STANDS) & engaged.any(axis=0) & np.isfinite(start)
+    standing = (far < STANDS) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
     return np.asarray((engaged | standing)[rows])
 
 
@@ -264,14 +264,8 @@ def _forgotten(u: Array, grid: Array, stamp: Array, least: Array) -> np.ndarray:
     return out
 
 
-def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> Array:
-    """(joints,) measured angle at the start of joints that stand long before they move; NaN for the
-    others.
-    """
+def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The first rows of the target at which each joint stands, if it stands long before it moves."""
     still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
-    out = np.full(target.shape[1], np.nan)
-    for j in range(target.shape[1]):
-        seen = np.flatnonzero(still[:, j] & valid[:, j])
-        if len(seen) >= LONG:
-            out[j] = np.median(target[seen[:FIRST], j])
-    return out
+    seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(target.shape[1])]
+    return tuple(s[:FIRST] if len(s) >= LONG else s[:0] for s in seen)

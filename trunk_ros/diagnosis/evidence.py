@@ -22,7 +22,14 @@ BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see
 REST = 1.5  # times the power of noise: what is left is more than that
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 TIMES = ("delay", "time_constant")
+ONSET = "onset"
+LONGEST = 5.0  # s
+WORSE = 4.0  # squared unit-noise residuals: two standard deviations
+ROUGH = 1e-3  # of a value: integration and interpolation are no better
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
+
+
+Spread = dict[tuple[str, str, int | None], float]
 
 
 @dataclass
@@ -41,30 +48,55 @@ class Evidence:
     confidence: float = 0.0
 
 
-def spreads(search: Search, state: Fit) -> dict[tuple[str, str, int | None], float]:
+def spreads(search: Search, state: Fit) -> Spread:
     """Standard deviation of each fitted value, in its own unit, by (effect, parameter, column)."""
-    out: dict[tuple[str, str, int | None], float] = {}
+    out: Spread = {}
     for group in search.groups(state.explanation):
         residuals = Residuals(search.problem, state.explanation, group)
         if residuals.free:
             x = np.clip(state.explanation.get(residuals.free), *bounds(residuals.free))
             rest = np.concatenate(residuals.parts(x))
-            out |= _deviations(residuals, residuals.jacobian(x), state.explanation, _power(rest))
+            power = _power(rest, search.problem.stage == "servo")
+            found = _deviations(residuals, residuals.jacobian(x), state.explanation, power)
+            out |= _no_flatter(residuals, x, found)
     return out
 
 
-def _power(rest: np.ndarray) -> float:
+def _power(rest: np.ndarray, steps: bool) -> float:
     """Power of whitened residuals (n,); what goes on in one direction counts as one sample, where it is no
-    noise.
+    noise. ``steps``: the noise is the encoder's, which stand still with the joint.
     """
     power = float(np.mean(rest**2))
     turns = max(int(np.count_nonzero(np.diff(np.sign(rest)))), 1)
-    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > REST else power
+    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > REST or steps else power
 
 
-def _deviations(
-    residuals: Residuals, jacobian: np.ndarray, explanation: Explanation, power: float
-) -> dict[tuple[str, str, int | None], float]:
+def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
+    """Spreads of moments, widened until the data tell their ends apart: near its best a moment may be moved
+    for nothing.
+    """
+    out = dict(found)
+    for k, f in enumerate(residuals.free):
+        key = (f.effect, f.parameter.name, f.column)
+        if f.parameter.name == ONSET and f.column is not None:
+            std = min(out[key], LONGEST) if np.isfinite(out[key]) else residuals.problem.step
+            while std < LONGEST and _gap(residuals, x, k, std) < WORSE:
+                std *= 1.5
+            out[key] = std
+    return out
+
+
+def _gap(residuals: Residuals, x: np.ndarray, k: int, off: float) -> float:
+    """What it costs to move a value by ``off``, to the side where that is cheaper."""
+    costs = []
+    for side in (-off, 0.0, off):
+        moved = x.copy()
+        moved[k] = max(moved[k] + side, 0.0)
+        costs.append(float(np.sum(residuals(moved) ** 2)))
+    return min(costs[0], costs[2]) - costs[1]
+
+
+def _deviations(residuals: Residuals, jacobian: np.ndarray, explanation: Explanation, power: float) -> Spread:
     size = np.linalg.norm(jacobian, axis=0)
     told = size > BLIND
     scaled = jacobian[:, told] / size[told]
@@ -80,11 +112,13 @@ def _deviations(
 
 def _natural(f: Free, explanation: Explanation, std: float, late: float) -> float:
     """From the fitted scale to the parameter's own unit."""
-    if f.parameter.scale == "linear":
-        return float(np.hypot(std, late)) if f.parameter.name in TIMES else std
     term = explanation[f.effect]
     value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
-    return value * std
+    if f.parameter.scale != "linear":
+        return float(value * np.hypot(std, ROUGH))
+    if f.parameter.name in TIMES:
+        return float(np.hypot(std, late))
+    return std if f.parameter.name == ONSET else float(np.hypot(std, ROUGH * value))
 
 
 def evidence(search: Search, state: Fit) -> dict[str, Evidence]:

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from trunk_ros.diagnosis.candidates import UNNAMED, extended, given, seen_forms
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit
@@ -16,6 +18,8 @@ from trunk_ros.parameter import Parameter
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
+ONSET = "onset"
+NEARBY = np.linspace(-1.0, 1.0, 201)  # s
 CLEARLY = 2.0  # squared unit-noise residuals
 OPTION_SIZES = (0.4, 1.6)  # of the usual value
 STRONG = 1.0  # of the noise power: a rest from which on an explanation is known to be incomplete
@@ -25,6 +29,20 @@ SLICE = 0.15  # of such a rest, for each value
 def better(search: Search, now: Fit, trial: Fit | None) -> Fit:
     """The one with the lower score."""
     return trial if trial is not None and search.score(trial) < search.score(now) - CLEARLY else now
+
+
+def moments(search: Search, now: Fit) -> Fit:
+    """Move what happens at one moment to where it fits best nearby: a fit sees only what lies next to it."""
+    for term in list(now.explanation.values()):
+        for column in [c for c in term.columns if ONSET in term.own[c] and c in search.problem.columns]:
+            trial = now.explanation.copy()
+            begin, costs = term.own[column][ONSET], []
+            for near in NEARBY:
+                trial[term.effect].own[column][ONSET] = max(begin + near, 0.0)
+                costs.append(float(np.sum(search.problem.whitened(trial, column) ** 2)))
+            trial[term.effect].own[column][ONSET] = max(begin + NEARBY[int(np.argmin(costs))], 0.0)
+            now = better(search, now, search.refit_column(now, trial, column))
+    return now
 
 
 def forms(search: Search, now: Fit) -> Fit:

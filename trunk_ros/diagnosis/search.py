@@ -47,7 +47,14 @@ class Search:
                 break
             now = self.settle(grown)
             self.say(describe(now.explanation))
-        return revise.slices(self, now)
+        return self.written(revise.slices(self, now))
+
+    def written(self, now: Fit) -> Fit:
+        """The same physics in the values that one would write down."""
+        out = now.explanation.copy()
+        for term in out.values():
+            term.own = {c: effect(term.effect).plain(values) for c, values in term.own.items()}
+        return Fit(out, now.cost)
 
     def refit(self, explanation: Explanation) -> Fit:
         """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
@@ -94,6 +101,7 @@ class Search:
         now = self.refit(now.explanation)
         self.weigh(now)
         for change in (
+            revise.moments,
             revise.forms,
             revise.members,
             revise.options,

@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import FIRST, Span
+from trunk_ros.diagnosis.align import Span
 from trunk_ros.diagnosis.explanation import Explanation, payload_of
 from trunk_ros.diagnosis.noise import Noise
 from trunk_ros.diagnosis.problem import Problem
@@ -32,7 +32,7 @@ class WireProblem(Problem):
         width = self.arm.dead_band[None, column : column + 1]
         blocks = explanation.bound(column)
         state = None
-        if np.isfinite(view.span.start[column]):
+        if len(view.span.start[column]):
             state = begun(now, blocks, width, view.span, column)
         core = Core(nominal_width=width, width=width)
         shown, _, _ = wire_pass(now.gearbox, now, blocks, core, state)
@@ -74,7 +74,7 @@ def begun(now: Now, blocks: list[Effect], width: Array, span: Span, column: int)
     """The state in which the friction element shows what was measured while the joint stood, as far as its
     play lets it.
     """
-    rows = np.flatnonzero(span.valid[:, column])[:FIRST]
+    rows = span.start[column]
     seen, core = _first(now, int(span.rows[rows[-1]]) + 1), Core(nominal_width=width, width=width)
     shown, true, _ = wire_pass(seen.gearbox, seen, blocks, core, None)
     off = np.median(span.target[rows, column] - shown[span.rows[rows], 0])

@@ -196,6 +196,11 @@ class Effect(ABC):
         return cls.parameters
 
     @classmethod
+    def plain(cls, values: dict[str, float]) -> dict[str, float]:
+        """The same physics in the values that one would write down, such as a positive amplitude."""
+        return values
+
+    @classmethod
     def null(cls) -> dict[str, float]:
         """The values at which nothing changes."""
         return {parameter.name: parameter.null for parameter in cls.parameters}

@@ -8,6 +8,15 @@ CELLS = 8.0  # per shortest period
 FINER = 8  # steps of the search per period that the range cannot hold
 
 
+def positive(values: dict[str, float], amplitude: str, phase: str) -> dict[str, float]:
+    """A swing with a positive amplitude and a phase [rad] in (-pi, pi]."""
+    turned = np.pi if values.get(amplitude, 0.0) < 0.0 else 0.0
+    wrapped = np.pi - (np.pi - values[phase] - turned) % (2 * np.pi)
+    return {**values, phase: float(wrapped)} | (
+        {amplitude: abs(values[amplitude])} if amplitude in values else {}
+    )
+
+
 def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tuple[float, ...]:
     """The strongest lines of ``rest`` (n,) over ``x`` (n,) rad, in periods per turn, between ``low`` and
     ``high``; the strongest first.

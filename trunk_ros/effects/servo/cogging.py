@@ -4,7 +4,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Core, Effect, Now
-from trunk_ros.effects.periods import periods
+from trunk_ros.effects.periods import periods, positive
 from trunk_ros.parameter import Parameter
 
 
@@ -19,7 +19,7 @@ class Cogging(Effect):
         "cogging torque over the pole pitch."
     )
     parameters = (
-        Parameter("amplitude", "rad", (-0.2, 0.2), "size of the swing", typical=2e-4, shared=True),
+        Parameter("amplitude", "rad", (0.0, 0.2), "size of the swing", typical=2e-4, shared=True),
         Parameter(
             "cycles_per_rev",
             "1",
@@ -50,6 +50,10 @@ class Cogging(Effect):
         if parameter.name != "cycles_per_rev" or rest is None:
             return super().grid(parameter, now, column, rest)
         return periods(now.gearbox[:, column], rest, *parameter.bounds, most=1) or (parameter.typical,)
+
+    @classmethod
+    def plain(cls, values: dict[str, float]) -> dict[str, float]:
+        return positive(values, "amplitude", "phase")
 
     def adjust(self, core: Core, now: Now) -> None:
         core.cogging = np.vstack([np.broadcast_to(self[p.name], now.ratio.shape) for p in self.parameters])

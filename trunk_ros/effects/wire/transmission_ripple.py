@@ -6,7 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.periods import periods
+from trunk_ros.effects.periods import periods, positive
 from trunk_ros.parameter import Parameter
 
 
@@ -74,6 +74,14 @@ class TransmissionRipple(Effect):
                 > (2.0 if self.form == "two_harmonics" else 1.6)
             )
         )
+
+    @classmethod
+    def plain(cls, values: dict[str, float]) -> dict[str, float]:
+        out = positive(values, "amplitude", "phase")
+        if "harmonic" not in values:
+            return out
+        side = np.sign(values["amplitude"]) or 1.0
+        return positive({**out, "harmonic": side * values["harmonic"]}, "harmonic", "harmonic_phase")
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
