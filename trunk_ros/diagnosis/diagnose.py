@@ -159,13 +159,12 @@ class Diagnoser:
             "silent": [problem.joints[c] for c in range(len(problem.joints)) if c not in problem.columns],
         }
         new = [f for f in findings(problem, state.explanation, found, std) if not is_known(problem, f)]
-        self.result.findings += new
         rests = left_over(problem, state.explanation)
         self.result.unexplained += rests
         strong = {problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > 1.0}
         told = {j for f in new if f.effect == UNKNOWN for j in f.joints}
-        nameless = [without_a_name(rest) for rest in rests if (strong - told) & set(rest.joints)]
-        self.result.findings += [f for f in nameless if f is not None]
+        nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
+        self.result.findings += without_a_name(nameless, new)
         self._plot(problem, state.explanation)
         self._experiment(search, state, {f.effect: found[f.effect] for f in new if f.equivalents})
 

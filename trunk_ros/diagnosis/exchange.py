@@ -6,7 +6,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from trunk_ros.diagnosis.candidates import extended, usable
-from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.revise import better, drop, members, options
 from trunk_ros.diagnosis.screen import Screen
@@ -104,5 +104,10 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
 
 
 def _local(now: Fit, column: int) -> list[str]:
-    """Effects that a joint has of its own."""
-    return [t.effect for t in now.explanation.on(column) if not effect(t.effect).everywhere]
+    """Effects that a joint has of its own, or by values of its own."""
+    return [t.effect for t in now.explanation.on(column) if not effect(t.effect).everywhere or _by_itself(t)]
+
+
+def _by_itself(term: Term) -> bool:
+    """Whether each joint has a size of its own, which no description states."""
+    return not term.given and not effect(term.effect).own_parameters(term.form)[0].shared

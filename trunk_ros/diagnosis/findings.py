@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,8 @@ ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
 SURE = 4.0  # spreads that the size of an effect must have on one joint
 MOSTLY = 0.5  # share of the misfit
+UNNAMED_SURE = 0.9  # confidence in what has no name and no curve
+NO_CURVE = "No effect and no curve explains it."
 LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
 
 Spreads = dict[tuple[str, str, int | None], float]
@@ -239,28 +242,25 @@ def _unchanged(found: dict[str, Any], believed: float | None) -> bool:
     return bool(abs(found["value"] - believed) <= near)
 
 
-def without_a_name(rest: Unexplained) -> Finding | None:
-    """A rest that is most of the misfit is a finding, even where no curve could stand in for it."""
-    if rest.share < MOSTLY:
-        return None
-    evidence = {
-        "strength": 0.0,
-        "gain": {},
-        "rivals": {},
-        "form": "",
-        "signature": "No effect and no curve explains it.",
-    }
-    statement = f"{', '.join(rest.joints)}: physics that no name and no smooth curve fits"
-    on = f"; it varies with {' and '.join(rest.depends_on)}." if rest.depends_on else "."
-    return Finding(
-        "unknown",
-        rest.stage,
-        rest.joints,
-        rest.regime,
-        0.9,
-        [],
-        {},
-        rest.depends_on,
-        statement + on,
-        evidence,
-    )
+def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Finding]:
+    """Rests that are most of the misfit are a finding, even where no curve could stand in for them; they
+    add to what is ``known`` of the same stage to have no name.
+    """
+    rests = [rest for rest in rests if rest.share >= MOSTLY]
+    if not rests:
+        return known
+    joints = sorted({joint for rest in rests for joint in rest.joints})
+    varies = list(dict.fromkeys(on for rest in rests for on in rest.depends_on))
+    statement = f"{', '.join(joints)}: physics that no name and no smooth curve fits"
+    statement += f"; it varies with {' and '.join(varies)}." if varies else "."
+    for number, finding in enumerate(known):
+        if finding.effect == "unknown":
+            both = sorted({*finding.joints, *joints})
+            on = list(dict.fromkeys([*finding.depends_on, *varies]))
+            said = f"{finding.statement} {statement}"
+            joined = replace(finding, joints=both, depends_on=on, statement=said)
+            return [*known[:number], joined, *known[number + 1 :]]
+    evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": "", "signature": NO_CURVE}
+    stage, regime = rests[0].stage, rests[0].regime
+    told = Finding("unknown", stage, joints, regime, UNNAMED_SURE, [], {}, varies, statement, evidence)
+    return [*known, told]

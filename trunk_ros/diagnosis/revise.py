@@ -23,6 +23,7 @@ NEARBY = np.linspace(-1.0, 1.0, 201)  # s
 CLEARLY = 2.0  # squared unit-noise residuals
 OPTION_SIZES = (0.4, 1.6)  # of the usual value
 STRONG = 1.0  # of the noise power: a rest from which on an explanation is known to be incomplete
+SHARED_SLICE = 0.5  # of such a rest of all joints
 SLICE = 0.15  # of such a rest, for each value
 
 
@@ -225,6 +226,18 @@ def slices(search: Search, now: Fit) -> Fit:
             if least is None or worth[least] > 1.0:
                 break
             now = _dropped(search, now, least, column)
+    return _shared_slices(search, now)
+
+
+def _shared_slices(search: Search, now: Fit) -> Fit:
+    """The same for what acts on all joints, beside all that is left on them."""
+    for name in [n for n in now.explanation if effect(n).everywhere]:
+        columns = [c for c in now.explanation[name].columns if c in search.problem.columns]
+        rest = sum(now.cost[c] - search.problem.count(c) for c in columns)
+        without = _dropped(search, now, name, None)
+        strong = rest > STRONG * sum(map(search.problem.count, columns))
+        if strong and without.total - now.total < SHARED_SLICE * rest:
+            now = without
     return now
 
 

@@ -189,7 +189,7 @@ class Search:
         return [
             trial
             for c, trial in zip(promising, trials, strict=True)
-            if self.shared_by_most(now, trial, c.effect)
+            if self.shared_by_most(now, trial, c.effect) and self.believable(trial.explanation, c.effect)
         ]
 
     def shared_by_most(self, now: Fit, trial: Fit, name: str) -> bool:
@@ -209,6 +209,10 @@ class Search:
                 left = now.cost[column] - self.problem.count(column)
                 sides.append(gain > EXPECTED * size or gain > MAJORITY * left)
         return sum(sides) > MAJORITY * len(sides)
+
+    def believable(self, explanation: Explanation, name: str) -> bool:
+        """Whether an effect that acts on all joints is within what their motions can show."""
+        return all(self.credible(explanation, c) for c in explanation[name].columns)
 
     def credible(self, explanation: Explanation, column: int) -> bool:
         """Whether all effects on a joint are within what its motion can show."""

@@ -7,6 +7,9 @@ from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.periods import periods, positive
 from trunk_ros.parameter import Parameter
 
+MOST_CYCLES = 200.0
+STEEPEST = 0.6  # of the angle: beyond 1 the shaft would snap from tooth to tooth
+
 
 class Cogging(Effect):
     """setpoint += amplitude sin(cycles_per_rev phi + phase)."""
@@ -23,7 +26,7 @@ class Cogging(Effect):
         Parameter(
             "cycles_per_rev",
             "1",
-            (2.0, 200.0),
+            (2.0, MOST_CYCLES),
             "periods per turn",
             typical=24.0,
             null=24.0,
@@ -50,6 +53,11 @@ class Cogging(Effect):
         if parameter.name != "cycles_per_rev" or rest is None:
             return super().grid(parameter, now, column, rest)
         return periods(now.gearbox[:, column], rest, *parameter.bounds, most=1) or (parameter.typical,)
+
+    def credible(self, now: Now) -> bool:
+        """A swing that a servo can be held in, of a period that is not the shortest looked for."""
+        slope = self["amplitude"] * self["cycles_per_rev"]
+        return bool(np.all((slope < STEEPEST) & (self["cycles_per_rev"] < 0.95 * MOST_CYCLES)))
 
     @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:
