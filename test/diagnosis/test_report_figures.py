@@ -87,6 +87,17 @@ def test_travel_starts_anew_at_each_reversal_and_noise_is_none() -> None:
     assert travel[102] == pytest.approx(0.02, abs=1e-3)
 
 
+def test_errors_of_zero_are_drawn_at_half_the_noise_without_a_warning(
+    recwarn: pytest.WarningsRecorder,
+) -> None:
+    result = made.diagnosis({}, [])
+    for said in result.stages["wire"]["joints"].values():
+        said |= {"rmse_before": 0.0, "rmse_after": 0.0}
+    axis = figure_before_after(result).axes[0]
+    assert 0.3 < axis.get_xlim()[0] < 0.5
+    assert not recwarn.list
+
+
 def test_drawing_leaves_no_trace_in_matplotlib(found: Diagnosis) -> None:
     before = dict(mpl.rcParams)
     figure = figure_before_after(found)

@@ -33,6 +33,7 @@ WELL_ABOVE = 3.0  # times the noise, over a window
 WINDOW = 0.5  # s
 MOST = 8  # signals in one figure
 VISIBLE = 1.3  # times the noise
+LEAST = 0.5  # times the noise; a simulated arm without noise has errors of 0, which a log axis cannot show
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,10 @@ def figure_before_after(result: Diagnosis, width: float = 5.2) -> Figure:
     figure = Figure((width, 0.24 * len(rows) + 0.85), layout="constrained")
     axis = figure.subplots()
     for y, row in enumerate(rows):
-        axis.plot([row.before, row.after], [y, y], color=LINE, lw=2.2, zorder=1, solid_capstyle="round")
-        _dot(axis, row.before, row.before_std, y, GREY, "before" if y == 0 else "")
-        _dot(axis, row.after, row.after_std, y, ACCENT, "after" if y == 0 else "")
+        before, after = max(row.before, LEAST), max(row.after, LEAST)
+        axis.plot([before, after], [y, y], color=LINE, lw=2.2, zorder=1, solid_capstyle="round")
+        _dot(axis, before, row.before_std, y, GREY, "before" if y == 0 else "")
+        _dot(axis, after, row.after_std, y, ACCENT, "after" if y == 0 else "")
     axis.axvline(1.0, color=INK, lw=0.8, ls=(0, (3, 3)), zorder=0)
     axis.set_yticks(range(len(rows)), [f"{row.stage} · {label(row.name)}" for row in rows])
     axis.set(xscale="log", ylim=(len(rows) - 0.4, -0.6), xlabel="rms error on unseen data / sensor noise")
@@ -90,7 +92,7 @@ def _dot(axis: Axes, value: float, std: float, y: float, colour: str, name: str)
 def _plain(axis: Axes, rows: list[Ratio]) -> None:
     """Ticks 1, 2, 5, 10 … as numbers."""
     sizes = [1.0, *(max(r.before + 2 * r.before_std, r.after) for r in rows)]
-    least = min([1.0, *(min(r.before, r.after) for r in rows)])
+    least = max(min([1.0, *(min(r.before, r.after) for r in rows)]), LEAST)
     top = max(1.6, 1.25 * max(sizes))
     steps = (1, 1.2, 1.5, 2, 3, 5, 7, 8, 9) if top < 3 else (1, 2, 5) if top < 300 else (1,)
     ticks = [s * 10**k for k in range(-2, math.ceil(math.log10(top)) + 1) for s in steps]
