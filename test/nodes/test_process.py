@@ -37,3 +37,10 @@ def test_help_says_what_it_does_and_takes(name):
     if name in NODES:
         assert "rate" in done.stdout
         assert "1 to 2000 Hz" in done.stdout
+
+
+@needs_ros
+def test_a_parameter_that_a_node_does_not_have_is_said_with_the_nearest_name():
+    done = trunk("recorder", "--ros-args", "-p", "outptu:=bag", "-p", "wire.ratio:=[0.5]")
+    assert "unknown parameter 'outptu': did you mean 'output'?" in done.stderr
+    assert "wire.ratio" not in done.stderr

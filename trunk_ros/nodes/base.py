@@ -57,6 +57,8 @@ class TrunkNode(StreamNode):
             parameters.declare(self, declaration)
         if self.needs_model:
             self.model = parameters.declare_model(self)
+        for line in parameters.unknown(self):
+            self.get_logger().warning(line)
         self.period = round(SECOND / self.value("rate"))
         self.simulated = bool(self.value("use_sim_time"))
         self.fault = ""

@@ -22,6 +22,8 @@ def main(argv: list[str]) -> int:
     from trunk_ros.nodes.process import Stop, start_ros
     from trunk_ros.nodes.ros import rclpy
 
+    if plan.trajectory is not None and plan.trajectory.duration > plan.seconds:
+        say(f"the trajectory takes {plan.trajectory.duration:.4g} s, the run ends after {plan.seconds:g} s")
     stop = Stop()
     start_ros(plan.ros_arguments)
     try:

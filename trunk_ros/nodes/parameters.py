@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from typing import Any
 
@@ -58,6 +59,18 @@ def declare_model(node: Any) -> Model:
     for d in declared.values():
         declare(node, d, base.get(d.name))
     return model_of(node)
+
+
+def unknown(node: Any) -> list[str]:
+    """A line for each parameter that the node was given and does not have; rclpy passes over them."""
+    known = sorted(node._parameters)  # rclpy lists these only by prefix
+    others = {d.name for d in declared_parameters()}  # a file for all nodes may hold a model
+    lines = []
+    for name in node._parameter_overrides:
+        if name not in known and name not in others and not name.startswith("qos_overrides."):
+            near = difflib.get_close_matches(name, known, 1)
+            lines.append(f"unknown parameter {name!r}" + (f": did you mean {near[0]!r}?" if near else ""))
+    return lines
 
 
 def model_of(node: Any) -> Model:

@@ -30,7 +30,7 @@ PARAMETERS = (
         (0.1, 4096.0),
         "messages that may wait for the disk; more is counted as loss",
     ),
-    Declaration("depth", 5000.0, "1", (1.0, 1e6), "messages of a topic that may wait in the middleware"),
+    Declaration("depth", 5000.0, "", (1.0, 1e6), "messages of a topic that may wait in the middleware"),
     Declaration("split_size", 0.0, "MiB", (0.0, 1e6), "size at which a new file is begun; 0: never"),
     Declaration("split_duration", 0.0, "s", (0.0, 1e6), "time after which a new file is begun; 0: never"),
     Declaration("manifest", "{}", "", None, "JSON about the run, kept in the bag"),
