@@ -105,6 +105,8 @@ class Compensator(TrunkNode):
     def follow(self, message: Any) -> float:
         """Follow a trajectory message; returns its end [s]. Raises TrunkError where it is refused."""
         assert self.follower is not None
+        if self.gearbox_stream.stale(self.now()):
+            raise MessageError("no trunk/gearbox_states")
         begin = nanoseconds(message.header.stamp) / SECOND or None
         end = self.follower.follow(trajectory_of(message), self.now() / SECOND, begin)
         self.foreign = None
