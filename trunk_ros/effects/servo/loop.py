@@ -1,4 +1,4 @@
-"""The servo of the CONTRACT of the nominal arm: position loop over velocity loop, stepped at about 2 ms."""
+"""The servo of the nominal arm: position loop over velocity loop, stepped at about 2 ms."""
 
 from __future__ import annotations
 
