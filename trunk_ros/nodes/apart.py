@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,8 @@ class Processes:
         file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}))
         ros = [*(self.ros_arguments or ["--ros-args"]), "--params-file", str(file)]
         command = [sys.executable, "-m", "trunk_ros", part, *ros]
-        self.running[part] = subprocess.Popen(command, start_new_session=True, preexec_fn=end_with_parent)
+        tied = partial(end_with, os.getpid())
+        self.running[part] = subprocess.Popen(command, start_new_session=True, preexec_fn=tied)
 
     def ended(self) -> str:
         """Words about a node that ended by itself, "" where all run."""
@@ -65,9 +67,9 @@ class Processes:
         self.folder.cleanup()
 
 
-def end_with_parent() -> None:
-    """Ask the kernel to end this process when its parent dies."""
+def end_with(parent: int) -> None:
+    """Ask the kernel to end this process when its parent dies, whose number may be 1 in a container."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(SIGNAL_WHEN_PARENT_DIES, signal.SIGTERM)
-        if os.getppid() == 1:
+        if os.getppid() != parent:
             os._exit(1)
