@@ -75,11 +75,14 @@ def recorder() -> Node:
 
 
 def state_publisher(context: LaunchContext) -> list[Node]:
-    """robot_state_publisher, where it is wanted: it takes joint_states and robot_description's text."""
+    """robot_state_publisher, where it is wanted: it takes joint_states and robot_description's text.
+
+    The arm is that of the compensator's model: without a simulation nobody gives ``plant_model``.
+    """
     wanted = LaunchConfiguration("state_publisher").perform(context)
     if wanted == "false" or (wanted == "auto" and not installed("robot_state_publisher")):
         return []
-    text = Command([f"{sys.executable} -m trunk_ros.urdf ", LaunchConfiguration("plant_model")])
+    text = Command([f"{sys.executable} -m trunk_ros.urdf ", LaunchConfiguration("model")])
     publisher = Node(
         package="robot_state_publisher",
         executable="robot_state_publisher",
