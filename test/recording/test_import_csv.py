@@ -106,6 +106,11 @@ def test_what_cannot_be_read_is_named_in_one_line(tmp_path, text, said):
     assert "\n" not in str(caught.value)
 
 
+def test_what_is_not_there_is_said_to_be_not_there(tmp_path):
+    with pytest.raises(RecordingError, match=r"nowhere\.csv: does not exist$"):
+        main([str(tmp_path / "nowhere.csv"), "--mapping", "dvrk-wrist", "--output", str(tmp_path / "bag")])
+
+
 def test_a_last_line_that_is_cut_is_left_out_and_said(tmp_path):
     recording = read_csv(table(tmp_path, "t,x\n0,1\n1,2\n2"), mapping())
     assert len(recording.require("joint_states").stamp) == 2

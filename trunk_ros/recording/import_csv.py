@@ -106,6 +106,8 @@ def main(argv: list[str]) -> int:
     """`import CSV|BAG --mapping MAP.yaml --output BAG [--overwrite]`; says what was odd."""
     asked = parser().parse_args(argv)
     prepare_output(asked.output, asked.overwrite, BAG_FILES)
+    if not asked.csv.exists():
+        raise RecordingError(f"{asked.csv}: does not exist")
     read = read_bag if is_recording(asked.csv) else read_csv
     recording = read(asked.csv, asked.mapping)
     write_recording(asked.output, recording, asked.overwrite)
