@@ -107,7 +107,7 @@ def driven(rate: int, options: list[str]) -> Run:
     """Bring the graph up, measure it while it runs, and read what it recorded."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder, "run")
-        seconds = SECONDS + WARM + 1.0
+        seconds = SECONDS + WARM + 3.0
         command = [sys.executable, "-m", "trunk_ros", "bringup", "--output", str(bag)]
         command += ["--seconds", str(seconds), "--rate", str(rate), *options]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
