@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.effects import Effect, effect, registry
 
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
-UNNAMED = ("unknown", "unknown_servo")
+UNNAMED = ("unknown", "unknown_friction", "unknown_gain", "unknown_servo")
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,6 @@ from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
-from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
@@ -162,7 +161,7 @@ class Diagnoser:
         rests = left_over(problem, state.explanation)
         self.result.unexplained += rests
         strong = {problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > 1.0}
-        told = {j for f in new if f.effect == UNKNOWN for j in f.joints}
+        told = {j for f in new if f.effect == "unknown" for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(problem, state.explanation)

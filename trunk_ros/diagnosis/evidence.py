@@ -8,13 +8,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from trunk_ros.diagnosis.candidates import extended, usable
+from trunk_ros.diagnosis.candidates import UNNAMED, extended, usable
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Free, bounds
 from trunk_ros.diagnosis.fit import Fit, Residuals
 from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.search import Search
-from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import effect
 
 RIVALS = 3
@@ -132,7 +131,7 @@ def _evidence(search: Search, state: Fit, name: str) -> Evidence:
     columns = state.explanation[name].columns
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
     out = Evidence(gain, strength(search, state.explanation, name))
-    if name != UNKNOWN:
+    if name not in UNNAMED:
         fits = _rivals(search, state, name, bare)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}

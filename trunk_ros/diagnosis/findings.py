@@ -78,13 +78,13 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
     joints = [problem.joints[c] for c in _touched(problem, kind, term)]
     unnamed = term.effect in UNNAMED
     variable = term.words[term.columns[0]]["on"] if unnamed else ""
-    varies = [variable] if unnamed else _varies_with(kind, term)
+    varies = _alone(term, variable) if unnamed else _varies_with(kind, term)
     parameters = {} if unnamed else _parameters(problem, kind, term, std)
     return Finding(
         effect="unknown" if unnamed else term.effect,
         stage=kind.stage,
         joints=joints,
-        regime=REGIME_OF.get(variable, "posture") if unnamed else kind.regime,
+        regime=REGIME_OF.get(variable, "posture") if unnamed and kind.regime == "posture" else kind.regime,
         confidence=round(min(found.confidence, _settled(kind, term, std)), 3),
         equivalents=found.equivalents,
         parameters=parameters,
@@ -106,6 +106,14 @@ def _touched(problem: Problem, kind: type[Effect], term: Term) -> list[int]:
     shared = kind.everywhere and all(p.shared for p in kind.own_parameters(term.form))
     whole = shared and set(term.columns) >= set(problem.columns)
     return list(range(len(problem.joints))) if whole else term.columns
+
+
+WHAT = {"unknown_friction": "the dead band", "unknown_gain": "the share of the motion that arrives"}
+"""What a curve without a name is of, where it is not of the angle."""
+
+
+def _alone(term: Term, variable: str) -> list[str]:
+    return ["position", variable] if term.effect == "unknown_gain" else [variable]
 
 
 def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
@@ -168,7 +176,8 @@ def statement_of(
 ) -> str:
     where = ", ".join(joints) if joints else "the arm"
     if variable:
-        return f"{where}: depends on {variable} in a way that no name fits; a smooth curve stands in for it."
+        what = f"{WHAT[kind.id]} depends" if kind.id in WHAT else "depends"
+        return f"{where}: {what} on {variable} in a way that no name fits; a smooth curve stands in for it."
     values = [f"{owner} {_said(name, v)}" for owner, named in parameters.items() for name, v in named.items()]
     what = f"{title(kind)[0].lower()}{title(kind)[1:]}"
     return f"{where}: {what}" + (f" ({'; '.join(values)})." if values else ".")
@@ -193,7 +202,8 @@ def _curve(problem: Problem, term: Term, variable: str) -> dict[str, Any]:
     own = problem.units.get(problem.joints[term.columns[0]], "rad")
     over = problem.units.get(variable, "rad") if variable in problem.joints else own
     unit = {"time": "s", "speed": f"{own}/s", "load": "N*m"}.get(variable, over)
-    return {"on": variable, "x_unit": unit, "y_unit": own, "joints": curves}
+    of = WHAT.get(term.effect, "the angle")
+    return {"on": variable, "of": of, "x_unit": unit, "y_unit": own, "joints": curves}
 
 
 def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:

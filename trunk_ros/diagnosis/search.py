@@ -6,13 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from trunk_ros.diagnosis import exchange, revise
-from trunk_ros.diagnosis.candidates import extended, usable
+from trunk_ros.diagnosis.candidates import UNNAMED, extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.explanation import Explanation, Term, describe
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.screen import Screen
-from trunk_ros.diagnosis.unnamed import UNKNOWN
 from trunk_ros.effects import Effect, effect
 
 PROMISING = 4  # local candidates a joint that are refitted in full
@@ -240,4 +239,4 @@ class Search:
 def weight(explanation: Explanation, column: int) -> float:
     """How many effects a joint has of its own; beside a curve there is room for none."""
     own = [t for t in explanation.on(column) if not effect(t.effect).everywhere]
-    return sum(MOST if t.effect == UNKNOWN else 1.0 for t in own)
+    return sum(MOST if t.effect in UNNAMED else 1.0 for t in own)

@@ -12,52 +12,80 @@ from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.effects import effect
-from trunk_ros.effects.curve import abscissa
+from trunk_ros.effects.curve import KNOTS, abscissa
 
 UNKNOWN = "unknown"
+FRICTION = "unknown_friction"
+GAIN = "unknown_gain"
+BUMP = 1e-4  # rad of a dead band, for derivatives
+TURNS_OF_FRICTION = 6
 RIDGE = 1e-3  # of a knot's weight, so that knots without data stay near their neighbours
 TURNS = 3  # of curve and named values, each fitted while the other rests
 
 
 def curve_fit(problem: Problem, bare: Explanation, column: int) -> Fit | None:
-    """The explanation with the curve, over whatever it is best drawn over, that explains most of a
-    column's rest.
+    """The explanation with the curve, of the angle, the dead band or the gain, over whatever it is best drawn
+    over, that explains most of a column's rest.
     """
     if problem.stage != "wire":
         return None
     bare = fit(problem, bare, [column]).explanation
+    over = variables(problem, column)
+    own = [v for v in over if v not in problem.joints]
+    kinds = {UNKNOWN: over, FRICTION: own, GAIN: [v for v in over if v != "position"]}
+    fits = [_best(problem, bare, column, kind, some) for kind, some in kinds.items() if some]
+    return min(fits, key=lambda f: f.cost[column])
+
+
+def _best(problem: Problem, bare: Explanation, column: int, kind: str, over: list[str]) -> Fit:
+    """The curve over the variable that a linear look finds best, fitted."""
     rest = problem.whitened(bare, column)
-    best: tuple[float, str] | None = None
-    for variable in variables(problem, column):
-        design = design_of(problem, column, variable)
-        values = _solve(design, rest)
-        cost = float(np.sum((rest - design @ values) ** 2))
-        if best is None or cost < best[0]:
-            best = cost, variable
-    return None if best is None else _alternate(problem, bare, column, best[1])
+    costs = {}
+    for variable in over:
+        design = _design(problem, bare, column, kind, variable, np.zeros(KNOTS))
+        costs[variable] = float(np.sum((rest - design @ _solve(design, rest)) ** 2))
+    return _alternate(problem, bare, column, kind, min(costs, key=costs.__getitem__))
 
 
-def _alternate(problem: Problem, bare: Explanation, column: int, variable: str) -> Fit:
-    design = design_of(problem, column, variable)
+def _alternate(problem: Problem, bare: Explanation, column: int, kind: str, variable: str) -> Fit:
+    """Curve and named values in turn, as long as that helps."""
     low, high = ends(problem, column, variable)
-    values = np.zeros(design.shape[1])
-    out = bare.copy()
-    for _ in range(TURNS):
-        rest = problem.whitened(out, column)
-        values = values + _solve(design, rest)
-        out = with_curve(bare, column, variable, low, high, values)
-        done = fit(problem, out, [column])
-        out = bare = done.explanation
+    values = np.zeros(KNOTS)
+    done = fit(problem, with_curve(bare, kind, column, variable, low, high, values), [column])
+    for _ in range(TURNS_OF_FRICTION if kind == FRICTION else TURNS):
+        design = _design(problem, done.explanation, column, kind, variable, values)
+        moved = values + _solve(design, problem.whitened(done.explanation, column))
+        trial = fit(problem, with_curve(done.explanation, kind, column, variable, low, high, moved), [column])
+        if trial.cost[column] > done.cost[column]:
+            break
+        done, values = trial, moved
     return done
 
 
+def _design(
+    problem: Problem, now: Explanation, column: int, kind: str, variable: str, values: Array
+) -> Array:
+    """(rows, knots) change of the whitened prediction per curve value."""
+    if kind == UNKNOWN:
+        return design_of(problem, column, variable)
+    low, high = ends(problem, column, variable)
+
+    def predictions(at: Array) -> list[Array]:
+        return problem.predictions(with_curve(now, kind, column, variable, low, high, at), column)
+
+    base = predictions(values)
+    steps = [predictions(values + BUMP * one) for one in np.eye(KNOTS)]
+    changes = [[(p - b) / BUMP for p, b in zip(there, base, strict=True)] for there in steps]
+    return np.column_stack([problem.whiten_change(change, column) for change in changes])
+
+
 def with_curve(
-    bare: Explanation, column: int, variable: str, low: float, high: float, values: Array
+    bare: Explanation, kind: str, column: int, variable: str, low: float, high: float, values: Array
 ) -> Explanation:
     """The explanation with a curve on a column."""
     out = bare.copy()
     names = knot_names()
-    term = out.setdefault(UNKNOWN, Term(UNKNOWN, given=frozenset(p.name for p in effect(UNKNOWN).parameters)))
+    term = out.setdefault(kind, Term(kind, given=frozenset(p.name for p in effect(kind).parameters)))
     term.own[column] = {"low": low, "high": high, **dict(zip(names, values.tolist(), strict=True))}
     term.words[column] = {"on": variable}
     return out
@@ -82,7 +110,7 @@ def ends(problem: Problem, column: int, variable: str) -> tuple[float, float]:
     """Range of a variable over all spans."""
     parts = [abscissa(variable, problem.now(i, column, 0.0), 0) for i in range(len(problem.views))]
     low, high = min(float(p.min()) for p in parts), max(float(p.max()) for p in parts)
-    return low, high if high > low else low + 1e-6
+    return low, max(high, low + max(1e-6, 1e-6 * abs(low)))
 
 
 def design_of(problem: Problem, column: int, variable: str) -> Array:

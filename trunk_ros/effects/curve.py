@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Effect, Now, Regime
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
-KNOTS = 48
+KNOTS = 32
 VARIABLES = ("position", "speed", "time", "load")
 RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),
@@ -32,7 +32,7 @@ class Curve(Effect):
 
     signature = "The residual depends on something in a way that no named effect has."
     source = "Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63(3): a discrepancy term beside the physics."
-    regime = "posture"
+    regime: ClassVar[Regime] = "posture"
     parameters = RANGE + VALUES
     texts = ("on",)
 

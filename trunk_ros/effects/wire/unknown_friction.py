@@ -1,0 +1,34 @@
+"""Friction in the wire that no name fits."""
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.effect import Core, Now
+
+
+class UnknownFriction(Curve):
+    """w += curve(x), x being position (ratio phi), speed, time, load or another joint's angle, held
+    beyond its ends; w is never less than nothing.
+    """
+
+    id = "unknown_friction"
+    stage = "wire"
+    place = 100
+    signature = "The dead band at a reversal depends on something in a way that no named effect has."
+    regime = "reversal"
+    confused_with = (
+        ("load_dependent_friction", "reach one posture under different loads"),
+        ("unknown", "pass one place in both directions: friction changes its sign"),
+    )
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x, None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y, None
+
+    def adjust(self, core: Core, now: Now) -> None:
+        core.width = np.maximum(core.width + self._curve(now), 0.0)

@@ -1,0 +1,25 @@
+"""A gain of the wire that depends on something in a way that no name fits."""
+
+from typing import Any
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.effect import Now
+
+
+class UnknownGain(Curve):
+    """theta += ratio phi curve(x), x being speed, time, load or another joint's angle, held beyond
+    its ends.
+    """
+
+    id = "unknown_gain"
+    stage = "wire"
+    place = 260
+    signature = "The share of the motion that arrives depends on something in a way that no named effect has."
+    confused_with = (("unknown", "be at one posture at different times, speeds and loads"),)
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return x + now.gearbox * now.ratio * self._curve(now), None
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        return y - now.gearbox * now.ratio * self._curve(now), None
