@@ -31,8 +31,8 @@ def curve_fit(problem: Problem, bare: Explanation, column: int) -> Fit | None:
         return None
     bare = fit(problem, bare, [column]).explanation
     over = variables(problem, column)
-    own = [v for v in over if v not in problem.joints]
-    kinds = {UNKNOWN: over, FRICTION: own, GAIN: [v for v in over if v != "position"]}
+    own = [] if column in problem.wide else [v for v in over if v not in problem.joints]
+    kinds = {UNKNOWN: over, FRICTION: own, GAIN: [v for v in over if own and v != "position"]}
     fits = [_best(problem, bare, column, kind, some) for kind, some in kinds.items() if some]
     return min(fits, key=lambda f: f.cost[column])
 

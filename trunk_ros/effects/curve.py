@@ -13,7 +13,7 @@ from trunk_ros.effects.effect import Effect, Now, Regime
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
-KNOTS = 32
+KNOTS = 24
 VARIABLES = ("position", "speed", "time", "load")
 RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),
