@@ -65,6 +65,9 @@ def say(result: Diagnosis, output: Path) -> None:
     for stage, compared in result.stages.items():
         if compared.get("silent"):
             print(f"  {stage}: nothing can be said of {', '.join(compared['silent'])}, which hardly moves")
+    for name, told in result.quality.items():
+        for note in told["notes"]:
+            print(f"  {name}: {note}")
     for rest in result.unexplained:
         print(f"  unexplained: {rest.statement}")
     for proposed in result.experiments:
