@@ -17,6 +17,7 @@ from test.concealed.protocol import Answer, Concealed, conceal, reveal
 from test.concealed.removed import removable
 from test.concealed.seeds import CONCEALED, drawn
 from test.concealed.solver import Said, command, diagnosed
+from test.concealed.whole import write_whole
 
 Marks = dict[str, Any]
 NOTHING: Marks = {"verdict": "failed", "findings": []}
@@ -160,8 +161,5 @@ def _compared(task: Task, where: Concealed, marks: Marks) -> Marks:
 
 def _kept(task: Task, marks: Marks) -> Marks:
     whole = {**marks, "kind": task.kind, "seed": task.seed, "code": marks_code()}
-    task.kept.parent.mkdir(parents=True, exist_ok=True)
-    part = task.kept.with_suffix(".part")
-    part.write_text(json.dumps(whole, indent=1))
-    part.replace(task.kept)
+    write_whole(task.kept, whole)
     return whole

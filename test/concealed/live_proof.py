@@ -26,6 +26,7 @@ from test.concealed.hide import hide
 from test.concealed.marks import matched
 from test.concealed.nominal import Array, tip
 from test.concealed.seeds import LIVE
+from test.concealed.whole import write_whole
 
 KINDS = (
     ("backlash", "presliding_hysteresis", "tension_error", "load_dependent_friction", "stribeck_friction"),
@@ -95,7 +96,7 @@ def tried(seed: int, output: Path, seconds: float = SECONDS) -> dict[str, Any]:
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     whole = {"seed": seed, "seconds": seconds, "code": live_code(), **found}
-    kept.write_text(json.dumps(whole, indent=1))
+    write_whole(kept, whole)
     return whole
 
 
@@ -111,7 +112,7 @@ def try_all(arms: int, output: Path, seconds: float, console: Console) -> list[d
             f"{1e3 * one['before']['tip']:.2f} -> {1e3 * one['after']['tip']:.3f} mm"
         )
         console.print(f"arm {seed} ({', '.join(one['effects'])}): {words} ({time.monotonic() - began:.0f} s)")
-        (output / "live.json").write_text(json.dumps(out, indent=1))
+        write_whole(output / "live.json", out)
     return out
 
 

@@ -21,6 +21,7 @@ from test.concealed.nominal import Array
 from test.concealed.refit import Refit, refitted_servo
 from test.concealed.seen import Seen, look_at
 from test.concealed.symbolic import Symbolic
+from test.concealed.whole import write_whole
 
 Marks = dict[str, Any]
 METHODS: dict[str, Callable[[Seen], Any]] = {
@@ -74,6 +75,5 @@ def known(kept: Path) -> Marks | None:
 
 def keep(kept: Path, methods: Marks) -> Marks:
     """Writes them down."""
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    kept.write_text(json.dumps({"code": others_code(), "methods": methods}, indent=1))
+    write_whole(kept, {"code": others_code(), "methods": methods})
     return methods
