@@ -87,6 +87,11 @@ def contributions(result: Diagnosis, finding: Finding) -> dict[str, Array]:
     return out
 
 
+def _is(finding: Finding, effect: str) -> bool:
+    """Whether an effect of the model is what a finding is about; curves have several names."""
+    return effect == finding.effect or (finding.effect == "unknown" and effect.startswith("unknown"))
+
+
 def _share_in_wire(result: Diagnosis, finding: Finding) -> dict[str, Array]:
     """By joint; joints that were not judged are taken to stand at zero."""
     model = result.model
@@ -96,7 +101,7 @@ def _share_in_wire(result: Diagnosis, finding: Finding) -> dict[str, Array]:
     for c, joint in enumerate(model.arm.joints):
         if joint in known:
             gearbox[:, c], velocity[:, c] = known[joint].gearbox, known[joint].velocity
-    less = replace(model, effects={k: v for k, v in model.effects.items() if k != finding.effect})
+    less = replace(model, effects={k: v for k, v in model.effects.items() if not _is(finding, k)})
     try:
         with_it, without_it = (Chain(m, "wire").run(gearbox, stamp, None, velocity)[0] for m in (model, less))
     except TrunkError:  # a picture is not worth the report

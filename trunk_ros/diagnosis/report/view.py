@@ -46,7 +46,7 @@ def view_of(finding: Finding, joint: str) -> View:
     source = finding.parameters.get(joint, {}).get("source", {}).get("value")
     first = str(source or (finding.depends_on[0] if finding.depends_on else ""))
     if view.over == "position" or finding.effect == "unknown":
-        return View(first or view.over)
+        return View(first or view.over, along=finding.regime == "reversal")
     return view
 
 
