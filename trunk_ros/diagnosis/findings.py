@@ -37,7 +37,7 @@ ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
 SURE = 4.0  # spreads that the size of an effect must have on one joint
 MOSTLY = 0.5  # share of the misfit
-UNNAMED_SURE = 0.9  # confidence in what has no name and no curve
+UNNAMED_SURE = 0.7  # confidence in what has no name and no curve
 NO_CURVE = "No effect and no curve explains it."
 LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
 
