@@ -1,12 +1,15 @@
 """Friction in the wire that no name fits."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.curve import RANGE, VALUES, Curve
 from trunk_ros.effects.effect import Core, Now
+
+TYPICAL = 2e-4  # rad, less than the dead bands that it adds to or takes from
 
 
 class UnknownFriction(Curve):
@@ -19,6 +22,7 @@ class UnknownFriction(Curve):
     place = 100
     signature = "The dead band at a reversal depends on something in a way that no named effect has."
     regime = "reversal"
+    parameters = (*RANGE, *(replace(p, typical=TYPICAL) for p in VALUES))
     confused_with = (
         ("load_dependent_friction", "reach one posture under different loads"),
         ("unknown", "pass one place in both directions: friction changes its sign"),
