@@ -25,9 +25,6 @@ from trunk_ros.nodes.slow_feedback import Settings
 from trunk_ros.trajectory import Array
 
 LONGEST_STEP = 0.1  # s that the output may move on after a pause
-DISCOVERY = (
-    1.0  # s in which a driver may still be found, before an arm is moved that does not say where it stands
-)
 
 
 class Compensator(TrunkNode):
@@ -167,13 +164,11 @@ class Compensator(TrunkNode):
         """Start when there is something to do and it is known where the arm stands, or nobody says it."""
         if self.waiting is None and self.foreign is None:
             return False
-        self.since = now if self.since is None else self.since
-        silent = self.observation.stands(now) is None
-        alone = silent and not self.count_publishers("trunk/gearbox_states")
-        if not silent or (alone and now - self.since >= DISCOVERY * SECOND):
+        if self.observation.stands(now) is not None or not self.count_publishers("trunk/gearbox_states"):
             self.begin(now)
             return True
-        if not alone and now - self.since >= self.value("patience") * SECOND:
+        self.since = now if self.since is None else self.since
+        if now - self.since >= self.value("patience") * SECOND:
             self.waiting = self.since = None
             self.health.note("refused: trunk/gearbox_states do not say where all joints stand")
         return False
