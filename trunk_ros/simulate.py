@@ -9,9 +9,10 @@ import numpy as np
 from trunk_ros import __version__
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SAME, common_joints, fill, joint_grid, resample
+from trunk_ros.diagnosis.align import SAME, common_joints, joint_grid, resample
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.arguments import Parser
+from trunk_ros.recording.fill import fill
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording

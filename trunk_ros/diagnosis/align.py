@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.held import new_readings
 from trunk_ros.diagnosis.loops import comes_back, is_wide, turned
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
-from trunk_ros.recording.fill import fill as fill
+from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.resistance import Resistance, resistance
 

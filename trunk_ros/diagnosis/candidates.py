@@ -13,7 +13,6 @@ from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.effects import Effect, effect, registry
 
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
-UNNAMED = ("unknown", "unknown_friction", "unknown_gain", "unknown_servo")
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ def usable(problem: Problem) -> list[type[Effect]]:
         kind
         for name, kind in registry().items()
         if kind.stage == problem.stage
-        and name not in UNNAMED
+        and kind.named
         and kind.tried
         and kind.regime not in unseen
         and all(has[need] for need in kind.needs)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from trunk_ros.diagnosis.candidates import UNNAMED
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.problem import Problem
@@ -42,7 +41,7 @@ def price(problem: Problem, term: Term) -> float:
     needs = {c: need(problem, c) for c in term.columns if c in problem.columns and c not in known}
     if not needs:
         return 0.0
-    if term.effect in UNNAMED:
+    if not effect(term.effect).named:
         return CURVE * sum(needs.values())
     free = Explanation({term.effect: term}).free(list(term.columns))
     if effect(term.effect).everywhere:

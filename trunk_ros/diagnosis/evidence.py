@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from trunk_ros.diagnosis.candidates import UNNAMED, extended, usable
+from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Free, bounds
 from trunk_ros.diagnosis.fit import Fit, Residuals
+from trunk_ros.diagnosis.revise import ONSET
 from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.effects import effect
@@ -21,7 +22,6 @@ BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see
 REST = 1.5  # times the power of noise: what is left is more than that
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 TIMES = ("delay", "time_constant")
-ONSET = "onset"
 LONGEST = 5.0  # s
 WORSE = 4.0  # squared unit-noise residuals: two standard deviations
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
@@ -80,20 +80,21 @@ def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
         key = (f.effect, f.parameter.name, f.column)
         if f.parameter.name == ONSET and f.column is not None:
             std = min(out[key], LONGEST) if np.isfinite(out[key]) else residuals.problem.step
-            while std < LONGEST and _gap(residuals, x, k, std) < WORSE:
+            best = float(np.sum(residuals(x) ** 2))
+            while std < LONGEST and _moved(residuals, x, k, std) - best < WORSE:
                 std *= 1.5
             out[key] = std
     return out
 
 
-def _gap(residuals: Residuals, x: np.ndarray, k: int, off: float) -> float:
-    """What it costs to move a value by ``off``, to the side where that is cheaper."""
+def _moved(residuals: Residuals, x: np.ndarray, k: int, off: float) -> float:
+    """Squared residuals with a value moved by ``off``, to the side where that is cheaper."""
     costs = []
-    for side in (-off, 0.0, off):
+    for side in (-off, off):
         moved = x.copy()
         moved[k] = max(moved[k] + side, 0.0)
         costs.append(float(np.sum(residuals(moved) ** 2)))
-    return min(costs[0], costs[2]) - costs[1]
+    return min(costs)
 
 
 def _deviations(residuals: Residuals, jacobian: np.ndarray, explanation: Explanation, power: float) -> Spread:
@@ -132,7 +133,7 @@ def _evidence(search: Search, state: Fit, name: str) -> Evidence:
     columns = state.explanation[name].columns
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
     out = Evidence(gain, strength(search, state.explanation, name))
-    if name not in UNNAMED:
+    if effect(name).named:
         fits = _rivals(search, state, name, bare)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from trunk_ros.diagnosis.candidates import UNNAMED, extended, usable
+from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.revise import better, drop, members, options
@@ -84,7 +84,9 @@ def unname(search: Search, now: Fit) -> Fit | None:
 def _unnamed(search: Search, now: Fit, column: int) -> Fit:
     local = _local(now, column)
     rest = now.cost[column] / search.problem.count(column) - 1.0
-    if any(name in UNNAMED for name in local) or (len(local) < 2 and rest < search.problem.rest(column)):
+    if not all(effect(name).named for name in local) or (
+        len(local) < 2 and rest < search.problem.rest(column)
+    ):
         return now
     alone = now.explanation
     for name in local:

@@ -68,7 +68,7 @@ class Explanation(dict[str, Term]):
     @property
     def curved(self) -> set[int]:
         """The joints that a curve without a name is on."""
-        return {c for name, term in self.items() if name.startswith("unknown") for c in term.columns}
+        return {c for name, term in self.items() if not effect(name).named for c in term.columns}
 
     def bound(self, column: int) -> list[Effect]:
         """The effects on one joint, as blocks over that joint alone."""
@@ -152,7 +152,7 @@ def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
         {p.name: float(values[p.name]) for p in used if p.shared},
         {j: {n: float(v[j]) for n, v in own.items()} for j in on},
         {j: said for j, said in words.items() if said},
-        frozenset(own) if kind.id.startswith("unknown") else frozenset(),
+        frozenset(own) if not kind.named else frozenset(),
     )
 
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.candidates import UNNAMED
 from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.leftover import depends_on, rests
@@ -50,7 +49,7 @@ def findings(
     """One finding per effect, with all its joints."""
     out = []
     for name in explanation:
-        for term in _by_variable(explanation[name]) if name in UNNAMED else [explanation[name]]:
+        for term in [explanation[name]] if effect(name).named else _by_variable(explanation[name]):
             out.append(_finding(problem, term, found[name], std))
     return sorted(out, key=lambda f: -f.evidence["strength"])
 
@@ -76,7 +75,7 @@ def _by_variable(term: Term) -> list[Term]:
 def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Finding:
     kind = effect(term.effect)
     joints = [problem.joints[c] for c in _touched(problem, kind, term)]
-    unnamed = term.effect in UNNAMED
+    unnamed = not kind.named
     variable = term.words[term.columns[0]]["on"] if unnamed else ""
     varies = _alone(term, variable) if unnamed else _varies_with(kind, term)
     parameters = {} if unnamed else _parameters(problem, kind, term, std)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from trunk_ros.diagnosis.candidates import UNNAMED, extended, given, seen_forms
+from trunk_ros.diagnosis.candidates import extended, given, seen_forms
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.screen import Screen
@@ -163,7 +163,7 @@ def _joined_or_left(search: Search, now: Fit, name: str, column: int) -> Fit | N
 
 def sources(search: Search, now: Fit) -> Fit:
     """Leave out one of a joint's several sources, or find another effect in its place."""
-    for name in [n for n in now.explanation if effect(n).texts and n not in UNNAMED]:
+    for name in [n for n in now.explanation if effect(n).texts and effect(n).named]:
         for column in now.explanation[name].columns if name in now.explanation else ():
             while (count := len(now.explanation.get_words(name, column))) > 1:
                 trials = [_less_a_source(search, now, name, column, gone) for gone in range(count)]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from trunk_ros.diagnosis import exchange, revise
-from trunk_ros.diagnosis.candidates import UNNAMED, extended, usable
+from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.explanation import Explanation, Term, describe
 from trunk_ros.diagnosis.fit import Fit, fit
@@ -239,4 +239,4 @@ class Search:
 def weight(explanation: Explanation, column: int) -> float:
     """How many effects a joint has of its own; beside a curve there is room for none."""
     own = [t for t in explanation.on(column) if not effect(t.effect).everywhere]
-    return sum(MOST if t.effect in UNNAMED else 1.0 for t in own)
+    return sum(1.0 if effect(t.effect).named else MOST for t in own)

@@ -32,6 +32,7 @@ class Curve(Effect):
 
     signature = "The residual depends on something in a way that no named effect has."
     source = "Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63(3): a discrepancy term beside the physics."
+    named = False
     regime: ClassVar[Regime] = "posture"
     parameters = RANGE + VALUES
     texts = ("on",)

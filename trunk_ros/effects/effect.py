@@ -99,6 +99,8 @@ class Effect(ABC):
     """That other effect, which has to be there first."""
     fine: ClassVar[bool] = False
     """Lost in the form of a wide loop, and able to imitate it: not looked for there."""
+    named: ClassVar[bool] = True
+    """It is known physics; curves that stand in for what nobody has named are not."""
     compensable: ClassVar[bool] = True
     tried: ClassVar[bool] = True
     """The diagnosis tries it; others are switched on in a model by hand."""

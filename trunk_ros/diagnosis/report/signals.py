@@ -10,6 +10,7 @@ import numpy as np
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
 
 STAGES = ("servo", "wire", "arm")
@@ -87,9 +88,9 @@ def contributions(result: Diagnosis, finding: Finding) -> dict[str, Array]:
     return out
 
 
-def _is(finding: Finding, effect: str) -> bool:
+def _is(finding: Finding, name: str) -> bool:
     """Whether an effect of the model is what a finding is about; curves have several names."""
-    return effect == finding.effect or (finding.effect == "unknown" and effect.startswith("unknown"))
+    return name == finding.effect or (finding.effect == "unknown" and not effect(name).named)
 
 
 def _share_in_wire(result: Diagnosis, finding: Finding) -> dict[str, Array]:
