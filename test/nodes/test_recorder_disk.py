@@ -114,24 +114,35 @@ def test_a_quota_that_is_reached_leaves_a_whole_bag(domain, peer, tmp_path):
     assert assert_whole(tmp_path / "bag") > 5
 
 
-SLOW = """
-import time
+STANDING = """
+import os, time
 from trunk_ros.recording.mcap_write import ChunkWriter
 append = ChunkWriter._append
-ChunkWriter._append = lambda self, data: (time.sleep(len(data) / 1e6), append(self, data))[1]
+
+def wait_and_append(self, data):
+    while os.path.exists({stands!r}):
+        time.sleep(0.01)
+    return append(self, data)
+
+ChunkWriter._append = wait_and_append
 """
 
 
 def test_a_slow_disk_is_buffered_up_to_a_bound_and_then_counted_as_loss(domain, peer, tmp_path):
+    """A disk that stands still until the recorder has said so, whatever the speed of this machine."""
     from trunk_ros.nodes.ros import DiagnosticArray
 
     said = peer.listen(DiagnosticArray, "/diagnostics")
-    path = tmp_path / "bag"
-    process = start(SLOW, f"output:={path}", "buffer_size:=1.0", domain=domain)
-    sent = publish_noise(peer, lambda: process.poll() is not None, 100)
-    peer.until(lambda: "the disk is too slow" in words(said, "recorder"))
+    path, stands = tmp_path / "bag", tmp_path / "stands"
+    code = STANDING.format(stands=str(stands))
+    process = start(code, f"output:={path}", "buffer_size:=1.0", domain=domain)
+    peer.until(lambda: words(said, "recorder"))
+    stands.touch()
+    sent = publish_noise(peer, lambda: "the disk is too slow" in words(said, "recorder"), 2000)
+    stands.unlink()
     status, out, _ = ended(process, signal.SIGINT)
     assert status == 0
+    assert sent < 2000
     loss = json.loads(read_metadata(path).custom["trunk_ros.loss"])["/noise"]
     kept = len(bag_messages(path)["/noise"])
     assert loss["received"] + loss["lost"] == sent
