@@ -47,3 +47,17 @@ def sine(x: float) -> float:
     p = p * s - 1.6666666666666666e-01
     odd = half_turns - 2.0 * ((half_turns * 0.5 + TO_WHOLE) - TO_WHOLE)
     return (r + r * s * p) * (1.0 - 2.0 * odd * odd)
+
+
+def sines(angle: Array, phase: Array) -> Array:
+    """Sine of ``angle`` (n, columns) plus ``phase`` (columns,), to 1e-11."""
+    out = np.empty_like(angle)
+    _sines(angle, phase, out)
+    return out
+
+
+@compiled
+def _sines(angle: Array, phase: Array, out: Array) -> None:
+    for j in range(angle.shape[1]):
+        for k in range(angle.shape[0]):
+            out[k, j] = sine(angle[k, j] + phase[j])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -56,6 +56,12 @@ class View:
         )
 
 
+def first(now: Now, steps: int | None) -> Now:
+    """The surroundings of the first steps."""
+    whole = ("joints", "ratio", "held")
+    return replace(now, **{f.name: getattr(now, f.name)[:steps] for f in fields(now) if f.name not in whole})
+
+
 class Problem(ABC):
     """What a stage must offer to be diagnosed: predictions of one column, and weights from its noise."""
 
@@ -82,7 +88,7 @@ class Problem(ABC):
         time.
         """
         self._coarse = [self._coarseness(c) for c in range(len(self.joints))]
-        self._cache: dict[tuple[int, int, float], Now] = {}
+        self._cache: dict[tuple[int, int, float, int | None], Now] = {}
         self.version = 0
         self.unexplained: dict[int, float] = {}
         """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
@@ -130,13 +136,16 @@ class Problem(ABC):
         dt = np.diff(span.grid, prepend=span.grid[:1])
         return View(span, dt, angles, *loads(self.arm, angles, span.resistance), angles, follows)
 
-    def now(self, index: int, column: int, payload: float) -> Now:
-        """The surroundings of a column in a span, kept between calls."""
-        key = (index, column, payload)
+    def now(self, index: int, column: int, payload: float, steps: int | None = None) -> Now:
+        """The surroundings of a column in a span, or in its first ``steps``, kept between calls."""
+        key = (index, column, payload, steps)
         if key not in self._cache:
-            if len(self._cache) > 4 * len(self.joints) * len(self.views):
+            whole = None if steps is None else self.now(index, column, payload)
+            if len(self._cache) > 8 * len(self.joints) * len(self.views):
                 self._cache.clear()
-            self._cache[key] = self.views[index].now(self.arm, column, payload)
+            self._cache[key] = (
+                self.views[index].now(self.arm, column, payload) if whole is None else first(whole, steps)
+            )
         return self._cache[key]
 
     def forget(self) -> None:

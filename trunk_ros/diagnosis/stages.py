@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-
 import numpy as np
 
 from trunk_ros.chain import Chain, run_servo, wire_pass
@@ -33,7 +31,9 @@ class WireProblem(Problem):
         blocks = explanation.bound(column)
         state = None
         if len(view.span.start[column]):
-            state = begun(now, blocks, width, view.span, column)
+            until = int(view.span.rows[view.span.start[column][-1]]) + 1
+            start = (self.now(index, column, payload_of(explanation), steps) for steps in (until, 1))
+            state = begun(*start, blocks, width, view.span, column)
         core = Core(nominal_width=width, width=width)
         shown, _, _ = wire_pass(now.gearbox, now, blocks, core, state)
         return self._besides(view.span, column, now, blocks, np.asarray(shown[view.span.rows, 0]))
@@ -70,24 +70,17 @@ class WireProblem(Problem):
         return len(self._known) - 1
 
 
-def begun(now: Now, blocks: list[Effect], width: Array, span: Span, column: int) -> State:
+def begun(seen: Now, one: Now, blocks: list[Effect], width: Array, span: Span, column: int) -> State:
     """The state in which the friction element shows what was measured while the joint stood, as far as its
-    play lets it.
+    play lets it. ``seen``: the surroundings until then, ``one``: at the first step.
     """
-    rows = span.start[column]
-    seen, core = _first(now, int(span.rows[rows[-1]]) + 1), Core(nominal_width=width, width=width)
+    rows, core = span.start[column], Core(nominal_width=width, width=width)
     shown, true, _ = wire_pass(seen.gearbox, seen, blocks, core, None)
     off = np.median(span.target[rows, column] - shown[span.rows[rows], 0])
-    first, element = _first(now, 1), core.rounding or SharpPlay()
-    u = through(first.gearbox * first.ratio, Order.of(blocks).path, first, {}, {})
+    element = core.rounding or SharpPlay()
+    u = through(one.gearbox * one.ratio, Order.of(blocks).path, one, {}, {})
     _, memory = element.run(np.vstack([u + off, u]), core.width[:1], None)
-    return State(float(first.stamp[0]), first.gearbox[0], true[0], {}, memory)
-
-
-def _first(now: Now, steps: int) -> Now:
-    """The surroundings of the first steps."""
-    whole = ("joints", "ratio", "held")
-    return replace(now, **{f.name: getattr(now, f.name)[:steps] for f in fields(now) if f.name not in whole})
+    return State(float(one.stamp[0]), one.gearbox[0], true[0], {}, memory)
 
 
 class ServoProblem(Problem):

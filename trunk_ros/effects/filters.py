@@ -14,24 +14,36 @@ INSTANT = 1e-9  # s
 
 
 @compiled
+def kept(dt: float, known: Array, last: int) -> tuple[int, bool]:
+    """Which of two ``known`` (2,) steps ``dt`` is, and whether it has just taken the place of the one not
+    used last: where two topics share a grid, two steps take turns.
+    """
+    for place in (last, 1 - last):
+        if abs(dt - known[place]) <= SAME * known[place]:
+            return place, False
+    known[1 - last] = dt
+    return 1 - last, True
+
+
+@compiled
 def lowpass(x: Array, dt: Array, time_constant: Array, before: Array, out: Array) -> None:
     """First-order lag of ``x`` (n, columns); ``before`` (2, columns) holds input and output of the sample
     before.
     """
     steps, columns = x.shape
-    ramp, decay = np.empty(columns), np.empty(columns)
-    known = -1.0
-    for k in range(steps):
-        if abs(dt[k] - known) > SAME * known:
-            known = dt[k]
-            for j in range(columns):
-                ramp[j], decay[j] = lag_step(known, time_constant[j])
-        for j in range(columns):
-            new, old, y = x[k, j], before[0, j], before[1, j]
-            y = ramp[j] * new + (1.0 - ramp[j] - decay[j]) * old + decay[j] * y
-            before[0, j] = new
-            before[1, j] = y
+    ramp, decay = np.empty(2), np.empty(2)
+    for j in range(columns):
+        known, s = np.full(2, -1.0), 0
+        old, y = before[0, j], before[1, j]
+        for k in range(steps):
+            s, new_step = kept(dt[k], known, s)
+            if new_step:
+                ramp[s], decay[s] = lag_step(dt[k], time_constant[j])
+            new = x[k, j]
+            y = (ramp[s] * new + (1.0 - ramp[s] - decay[s]) * old) + decay[s] * y
+            old = new
             out[k, j] = y
+        before[0, j], before[1, j] = old, y
 
 
 @compiled
@@ -57,24 +69,24 @@ def oscillator(
     An ``omega`` of 0 stands for a rigid link.
     """
     steps, columns = x.shape
-    swing = np.zeros((5, columns))
-    known = -1.0
-    for k in range(steps):
-        if abs(dt[k] - known) > SAME * known:
-            known = dt[k]
-            for j in range(columns):
-                swing_step(known, omega[j], zeta[j], swing[:, j])
+    for j in range(columns):
+        swings, known, s = np.zeros((2, 5)), np.full(2, -1.0), 0
+        old, y, rate = before[0, j], before[1, j], before[2, j]
+        for k in range(steps):
+            s, new_step = kept(dt[k], known, s)
+            swing = swings[s]
+            if new_step:
+                swing_step(dt[k], omega[j], zeta[j], swing)
                 if relative:
-                    swing[4, j] = 0.0
-        for j in range(columns):
-            if known > 0.0:
-                change = x[k, j] - before[0, j]
-                off = before[1, j] - before[0, j] + swing[4, j] * change
-                rate = before[2, j] - change / known
-                before[1, j] = x[k, j] - swing[4, j] * change + swing[0, j] * off + swing[1, j] * rate
-                before[2, j] = change / known + swing[2, j] * off + swing[3, j] * rate
-            before[0, j] = x[k, j]
-            out[k, j] = before[1, j]
+                    swing[4] = 0.0
+            if dt[k] > 0.0:
+                change = x[k, j] - old
+                off, faster = y - old + swing[4] * change, rate - change / dt[k]
+                y = x[k, j] - swing[4] * change + swing[0] * off + swing[1] * faster
+                rate = change / dt[k] + swing[2] * off + swing[3] * faster
+            old = x[k, j]
+            out[k, j] = y
+        before[0, j], before[1, j], before[2, j] = old, y, rate
 
 
 @compiled

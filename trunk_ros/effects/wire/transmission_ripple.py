@@ -7,6 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.periods import periods, positive
+from trunk_ros.moment import sines
 from trunk_ros.parameter import Parameter
 
 
@@ -61,9 +62,9 @@ class TransmissionRipple(Effect):
 
     def _ripple(self, now: Now) -> Array:
         turn = self["cycles_per_rev"] * now.gearbox
-        wave = np.sin(turn + self["phase"])
+        wave = sines(turn, self["phase"])
         if self.form == "two_harmonics":
-            wave = wave + self["harmonic"] * np.sin(2 * turn + self["harmonic_phase"])
+            wave += self["harmonic"] * sines(2 * turn, self["harmonic_phase"])
         return np.asarray(self["amplitude"] * wave)
 
     def credible(self, now: Now) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.filters import SAME, lag_step
+from trunk_ros.effects.filters import kept, lag_step, lowpass
 from trunk_ros.parameter import Parameter
 
 
@@ -95,19 +95,13 @@ def creep(x: Array, dt: Array, gain: Array, constant: Array, before: Array, out:
     the sample before.
     """
     steps, columns = x.shape
-    modes = len(gain)
-    share = np.empty((modes, 2, columns))
-    known = -1.0
-    for k in range(steps):
-        known = shares(dt[k], known, constant, share)
+    low = np.empty((steps, columns))
+    out[:] = x
+    for m in range(len(gain)):
+        lowpass(x, dt, constant[m], before[m], low)
         for j in range(columns):
-            out[k, j] = x[k, j]
-            for m in range(modes):
-                ramp, decay = share[m, 0, j], share[m, 1, j]
-                low = ramp * x[k, j] + (1.0 - ramp - decay) * before[m, 0, j] + decay * before[m, 1, j]
-                before[m, 0, j] = x[k, j]
-                before[m, 1, j] = low
-                out[k, j] -= gain[m, j] * low
+            for k in range(steps):
+                out[k, j] -= gain[m, j] * low[k, j]
 
 
 @compiled
@@ -117,10 +111,13 @@ def creep_inverse(y: Array, dt: Array, gain: Array, constant: Array, before: Arr
     """
     steps, columns = y.shape
     modes = len(gain)
-    share = np.empty((modes, 2, columns))
-    known = -1.0
+    shares = np.empty((2, modes, 2, columns))
+    known, s = np.full(2, -1.0), 0
     for k in range(steps):
-        known = shares(dt[k], known, constant, share)
+        s, new_step = kept(dt[k], known, s)
+        share = shares[s]
+        if new_step:
+            fill_in(dt[k], constant, share)
         for j in range(columns):
             wanted, left = y[k, j], 1.0
             for m in range(modes):
@@ -135,13 +132,8 @@ def creep_inverse(y: Array, dt: Array, gain: Array, constant: Array, before: Arr
 
 
 @compiled
-def shares(dt: float, known: float, constant: Array, share: Array) -> float:
-    """Bring the low-passes' shares (modes, 2, columns) from the step ``known`` to ``dt``; returns the step
-    they are for.
-    """
-    if abs(dt - known) <= SAME * known:
-        return known
+def fill_in(dt: float, constant: Array, share: Array) -> None:
+    """Shares (modes, 2, columns) of the low-passes for a step ``dt``."""
     for m in range(share.shape[0]):
         for j in range(share.shape[2]):
             share[m, 0, j], share[m, 1, j] = lag_step(dt, constant[m, j])
-    return dt
