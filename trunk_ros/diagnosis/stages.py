@@ -32,8 +32,8 @@ class WireProblem(Problem):
         state = None
         if len(view.span.start[column]):
             until = int(view.span.rows[view.span.start[column][-1]]) + 1
-            start = (self.now(index, column, payload_of(explanation), steps) for steps in (until, 1))
-            state = begun(*start, blocks, width, view.span, column)
+            seen, one = (self.now(index, column, payload_of(explanation), steps) for steps in (until, 1))
+            state = begun(seen, one, blocks, width, view.span, column)
         core = Core(nominal_width=width, width=width)
         shown, _, _ = wire_pass(now.gearbox, now, blocks, core, state)
         return self._besides(view.span, column, now, blocks, np.asarray(shown[view.span.rows, 0]))
