@@ -12,6 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import SAME, common_joints, joint_grid, resample
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.arguments import Parser
+from trunk_ros.recording.encoder import between_counts
 from trunk_ros.recording.fill import fill
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
@@ -27,7 +28,8 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
     """What a model predicts for a recording's gearbox angles or setpoints; recorded joint angles are
     never read.
 
-    Stamps are those of the recorded ``joint_states``, else of the source. Raises RecordingError where the
+    Stamps are those of the recorded ``joint_states``, else of the source. A model with effects is run on
+    gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
     given = recording.require(source)
@@ -41,6 +43,8 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
         given = _gearbox(given, np.union1d(wanted, _between(wanted, shown_at)), model)
         there = np.searchsorted(given.stamp, wanted)
         series["gearbox_states"] = JointSeries(wanted, joints, given.position[there])
+    elif model.effects:  # the nominal arm alone stays the formula of what was recorded
+        given = between_counts(given)
     series["joint_states"] = _joints(given, shown_at, model)
     return Recording(recording.name, recording.start_ns, recording.duration, series, units=recording.units)
 

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.held import new_readings
 from trunk_ros.diagnosis.loops import comes_back, is_wide, turned
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
+from trunk_ros.recording.encoder import between_counts
 from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.resistance import Resistance, resistance
@@ -66,7 +67,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     """
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
-    gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
+    gearbox, (measured, held) = between_counts(gearbox.select(joints)), new_readings(measured.select(joints))
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(gearbox, grid)
     valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]

@@ -1,0 +1,80 @@
+"""Angles between the counts of an encoder: the smoothest that its readings allow."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+from scipy.signal import savgol_filter
+
+from trunk_ros.recording.fill import fill
+from trunk_ros.recording.recording import Floats, JointSeries
+
+WINDOWS = (3, 5, 7, 9, 13, 17, 23, 33, 47, 65)  # samples, the longest that fits counts
+CURVED = 2  # order of the polynomial in a window
+KINDS = 8  # different steps, in counts, from which a grid of readings is an encoder's and no accident
+ON_GRID = 0.02  # counts
+NEAR = 0.55  # counts that a reading may lie from a curve through it and its neighbours
+EVEN = 0.2  # of the usual time between samples
+
+
+def between_counts(series: JointSeries) -> JointSeries:
+    """The same series with positions that move on between counts, at most half a count from the reading.
+
+    Each is from the longest window in which a parabola passes all readings within half a count. Joints whose
+    readings lie on no grid, and stretches where samples are lost or come unevenly, stay as they are.
+    """
+    steps = [count(column) for column in series.position.T]
+    if not any(steps) or len(series.stamp) < WINDOWS[-1]:
+        return series
+    position, uneven = series.position.copy(), _uneven(series.stamp)
+    for j, step in enumerate(steps):
+        if step:
+            readings = fill(series.position)[:, j]
+            smooth = readings + step * _within(readings / step, uneven | np.isnan(position[:, j]))
+            position[:, j] = np.where(np.isnan(position[:, j]), np.nan, smooth)
+    return replace(series, position=position)
+
+
+def count(readings: Floats) -> float:
+    """The step of the encoder that readings (n,) come from, in their unit; 0 where they lie on no grid."""
+    known = readings[np.isfinite(readings)]
+    moved = np.abs(np.diff(known))
+    smallest = moved[moved > 1e-9].min(initial=np.inf)
+    if not np.isfinite(smallest):
+        return 0.0
+    step = _refined(known - known[0], float(smallest))
+    multiples = (known - known[0]) / step
+    on_grid = bool((np.abs(multiples - np.round(multiples)) < ON_GRID).all())
+    kinds = len(np.unique(np.round(moved / step)))
+    return step if on_grid and kinds >= KINDS else 0.0
+
+
+def _refined(distance: Floats, step: float) -> float:
+    """The step as all distances (n,) from the first reading tell it, the near ones first."""
+    for reach in (30.0, 1e3, np.inf):
+        whole = np.round(distance / step)
+        near = (np.abs(whole) <= reach) & (whole != 0)
+        if near.any():
+            step = float(distance[near] @ whole[near] / (whole[near] @ whole[near]))
+    return step
+
+
+def _uneven(stamp: Floats) -> np.ndarray:
+    """(n,): samples beside which others are missing."""
+    between = np.diff(stamp)
+    usual = float(np.median(between))
+    odd = np.abs(between - usual) > EVEN * usual
+    return np.append(odd, False) | np.insert(odd, 0, False)
+
+
+def _within(readings: Floats, kept: np.ndarray) -> Floats:
+    """What to add to readings (n,) in counts; 0 where they are ``kept``."""
+    curve, fits = readings, ~kept
+    for window in WINDOWS:
+        tried = savgol_filter(readings, window, CURVED, mode="interp")
+        off = (np.abs(tried - readings) > NEAR) | kept
+        fits = fits & ~maximum_filter1d(off, window)
+        curve = np.where(fits, tried, curve)
+    return np.clip(curve - readings, -0.5, 0.5)
