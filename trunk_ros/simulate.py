@@ -14,6 +14,7 @@ from trunk_ros.model import Model, load_model
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.encoder import between_counts
 from trunk_ros.recording.fill import fill
+from trunk_ros.recording.gaps import bridged, missing
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -21,6 +22,7 @@ from trunk_ros.recording.write import write_recording
 from trunk_ros.resistance import resistance
 
 GAP = 1.5  # usual steps
+LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
 SOURCES = ("gearbox_states", "setpoints")
 
 
@@ -40,13 +42,37 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
     series: dict[str, JointSeries] = {}
     if source == "setpoints":
         wanted = recording.series.get("gearbox_states", given).stamp
-        given = _gearbox(given, np.union1d(wanted, _between(wanted, shown_at)), model)
+        at = np.union1d(wanted, _between(wanted, shown_at))
+        given = _gearbox(_without_gaps(given, recording.series.get("reference"), model), at, model)
         there = np.searchsorted(given.stamp, wanted)
         series["gearbox_states"] = JointSeries(wanted, joints, given.position[there])
-    elif model.effects:  # the nominal arm alone stays the formula of what was recorded
-        given = between_counts(given)
+    else:
+        given = _as_driven(recording, given, model)
     series["joint_states"] = _joints(given, shown_at, model)
     return Recording(recording.name, recording.start_ns, recording.duration, series, units=recording.units)
+
+
+def _as_driven(recording: Recording, gearbox: JointSeries, model: Model) -> JointSeries:
+    """Gearbox angles between the encoder's counts, and with lost ones as the servo follows the setpoints.
+
+    A model without effects stays the formula of the counts.
+    """
+    if model.effects:
+        gearbox = between_counts(gearbox)
+    setpoints, lost = recording.series.get("setpoints"), missing(gearbox.stamp)
+    if not len(lost) or setpoints is None or not set(gearbox.joints) <= set(setpoints.joints):
+        return bridged(gearbox, longest=LOST)
+    setpoints = _without_gaps(setpoints.select(gearbox.joints), recording.series.get("reference"), model)
+    return bridged(gearbox, _gearbox(setpoints, np.union1d(gearbox.stamp, lost), model))
+
+
+def _without_gaps(setpoints: JointSeries, reference: JointSeries | None, model: Model) -> JointSeries:
+    """Setpoints with those that were lost on the way to the bag, not to the servo: they move as the reference."""
+    if reference is None or not set(setpoints.joints) <= set(reference.joints):
+        return bridged(setpoints, longest=LOST)
+    asked = bridged(reference.select(setpoints.joints), longest=LOST)
+    guide = JointSeries(asked.stamp, asked.joints, asked.position / model.only(asked.joints).arm.ratio)
+    return bridged(setpoints, guide, LOST)
 
 
 def _joints(gearbox: JointSeries, shown_at: Array, model: Model) -> JointSeries:
