@@ -67,7 +67,7 @@ def _as_driven(recording: Recording, gearbox: JointSeries, model: Model) -> Join
 
 
 def _without_gaps(setpoints: JointSeries, reference: JointSeries | None, model: Model) -> JointSeries:
-    """Setpoints with those that were lost on the way to the bag, not to the servo: they move as the reference."""
+    """Setpoints with those that were lost on the way to the bag; they move as the reference does."""
     if reference is None or not set(setpoints.joints) <= set(reference.joints):
         return bridged(setpoints, longest=LOST)
     asked = bridged(reference.select(setpoints.joints), longest=LOST)

@@ -13,7 +13,7 @@ from trunk_ros.recording.recording import Floats, JointSeries
 
 WINDOWS = (3, 5, 7, 9, 13, 17, 23, 33, 47, 65)  # samples, the longest that fits counts
 CURVED = 2  # order of the polynomial in a window
-KINDS = 8  # different steps, in counts, from which a grid of readings is an encoder's and no accident
+KINDS = 4  # different steps, in counts, from which a grid of readings is an encoder's and no accident
 ON_GRID = 0.02  # counts
 NEAR = 0.55  # counts that a reading may lie from a curve through it and its neighbours
 EVEN = 0.2  # of the usual time between samples

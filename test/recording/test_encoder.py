@@ -1,0 +1,58 @@
+"""Angles between the counts of an encoder."""
+
+import numpy as np
+import pytest
+
+from trunk_ros.recording.encoder import between_counts, count
+from trunk_ros.recording.recording import JointSeries
+
+STEP = 2 * np.pi / 2**14
+T = np.arange(0.0, 40.0, 0.01)
+
+
+def moving() -> np.ndarray:
+    """Sweeps with rests between, rad."""
+    return 0.4 * np.clip(1.5 * np.sin(0.5 * T), -1, 1) + 0.05 * np.sin(2.1 * T)
+
+
+def series(position: np.ndarray, stamp: np.ndarray = T) -> JointSeries:
+    return JointSeries(stamp, ("a",), position[:, None])
+
+
+def rounded(angle: np.ndarray) -> np.ndarray:
+    return np.asarray(np.round(angle / STEP) * STEP)
+
+
+def test_what_lies_between_counts_is_less_than_half_as_far_off_as_the_counts():
+    true = moving()
+    seen = rounded(true)
+    off = between_counts(series(seen)).position[:, 0] - true
+    assert np.std(off) < 0.5 * np.std(seen - true)
+
+
+@pytest.mark.parametrize("kick", [0.3 * STEP, 40 * STEP])
+def test_no_angle_is_moved_by_more_than_half_a_count(kick):
+    seen = rounded(moving() + kick * (np.arange(len(T)) % 37 == 0))
+    moved = between_counts(series(seen)).position[:, 0] - seen
+    assert np.abs(moved).max() <= 0.5 * STEP * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("position", [moving(), 0.5 * np.abs((0.1 * T) % 2 - 1), np.zeros(len(T))])
+def test_what_is_no_encoder_s_is_left_as_it_is(position):
+    assert count(position) == 0.0
+    assert (between_counts(series(position)).position[:, 0] == position).all()
+
+
+def test_the_step_is_found_wherever_the_count_begins():
+    assert count(rounded(moving()) + 0.123) == pytest.approx(STEP, rel=1e-9)
+
+
+def test_unknown_angles_stay_unknown_and_those_beside_lost_ones_as_they_are():
+    seen = rounded(moving())
+    seen[500:510] = np.nan
+    kept = (T < 20) | (T > 20.5)
+    out = between_counts(series(seen[kept], T[kept])).position[:, 0]
+    assert np.isnan(out[500:510]).all()
+    assert np.isfinite(out[:500]).all()
+    beside = np.flatnonzero(np.diff(T[kept]) > 0.1)[0]
+    assert out[beside] == seen[kept][beside]
