@@ -110,6 +110,7 @@ class Search:
             revise.drop,
             exchange.exchange,
             exchange.exchange_everywhere,
+            revise.incredible,
         ):
             now = change(self, now)
             self.problem.look_again(now.explanation)

@@ -15,6 +15,7 @@ from trunk_ros.parameter import Parameter
 PLAYS = 20
 REACHED = 1e-12  # rad
 SPREAD, BOUC_WEN, BOUC_WEN_2, DAHL = range(4)
+KIND = {"spread": SPREAD, "compliant": SPREAD, "bouc_wen": BOUC_WEN, "bouc_wen_2": BOUC_WEN_2, "dahl": DAHL}
 
 
 class PreslidingHysteresis(Effect):
@@ -22,6 +23,7 @@ class PreslidingHysteresis(Effect):
 
     spread: plays of half-widths w + width s^shape, s evenly in 0 ... 1 (Prandtl-Ishlinskii, the same as
     Maxwell slip elements);
+    compliant: the same, and a share of the motion, ``through``, gets past contacts that stick, by their shear;
     bouc_wen, bouc_wen_2: h' = u' (1 - abs(h/H)^n (1 + sign(u' h))/2) with n = 1, 2; dahl: n = 1 with half
     the stiffness;
     H = width/2 behind a play of half-width w.
@@ -31,10 +33,11 @@ class PreslidingHysteresis(Effect):
     stage, place, regime = "wire", 100, "reversal"
     signature = "Loops against position that are rounded at the reversals and shrink with the amplitude."
     source = (
-        "Al-Bender & De Moerloose (2011), Int. J. Struct. Stab. Dyn.; "
+        "Al-Bender & De Moerloose (2011), Int. J. Struct. Stab. Dyn.; compliant: a Maxwell slip element that "
+        "never slips beside them; "
         "Bouc-Wen: Ismail et al. (2009), eq. (2); Dahl (1968)."
     )
-    forms = ("spread", "bouc_wen", "bouc_wen_2", "dahl")
+    forms = ("spread", "bouc_wen", "bouc_wen_2", "dahl", "compliant")
     rising, beyond = ("dahl",), "backlash"
     parameters = (
         Parameter(
@@ -46,9 +49,10 @@ class PreslidingHysteresis(Effect):
             scan=(5e-4, 2e-3),
         ),
         Parameter(
-            "shape", "1", (0.25, 4.0), "above 1: more of the plays are narrow, below: wide", typical=1.0,
+            "shape", "1", (0.1, 4.0), "above 1: more of the plays are narrow, below: wide", typical=1.0,
             null=1.0, scale="log",
         ),
+        Parameter("through", "1", (0.0, 0.9), "share of the motion that gets past what sticks", typical=0.2),
     )  # fmt: skip
     confused_with = (
         ("backlash", "reverse with small amplitudes: a dead band lets nothing through"),
@@ -63,18 +67,19 @@ class PreslidingHysteresis(Effect):
     def _element(self) -> RoundedPlay | None:
         if not np.any(self["width"] != 0.0):
             return None
-        return RoundedPlay(self["width"], self["shape"], self.forms.index(self.form))
+        return RoundedPlay(self["width"], self["shape"], self["through"], KIND[self.form])
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return cls.parameters if form == "spread" else cls.parameters[:1]
+        return cls.parameters[: {"spread": 2, "compliant": 3}.get(form, 1)]
 
 
 class RoundedPlay:
     """A friction element with a rounded zone, in the place of the sharp play."""
 
-    def __init__(self, width: Array, shape: Array, kind: int):
+    def __init__(self, width: Array, shape: Array, through: Array, kind: int):
         self.width = width
+        self.through = through
         self.kind = kind
         evenly = (np.arange(PLAYS) + 0.5) / PLAYS
         self.zone = width[:, None] * evenly ** shape[:, None]
@@ -86,7 +91,7 @@ class RoundedPlay:
         """
         memory = self._memory(u, state)
         out = np.empty_like(u)
-        rounded(u, np.maximum(width, 0.0), self.width, self.zone, self.kind, memory, out)
+        rounded(u, np.maximum(width, 0.0), self.width, self.zone, self.through, self.kind, memory, out)
         return out, memory
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
@@ -95,7 +100,9 @@ class RoundedPlay:
             (self._memory(y, None), y[0].copy()) if state is None else (state[0].copy(), state[1].copy())
         )
         out = np.empty_like(y)
-        rounded_inverse(y, np.maximum(width, 0.0), self.width, self.zone, self.kind, memory, u, out)
+        rounded_inverse(
+            y, np.maximum(width, 0.0), self.width, self.zone, self.through, self.kind, memory, u, out
+        )
         return out, (memory, u)
 
     def _memory(self, u: Array, state: Any) -> Array:
@@ -108,14 +115,14 @@ class RoundedPlay:
 
 
 @compiled
-def step(u: float, w: float, width: float, zone: Array, kind: int, memory: Array) -> float:
+def step(u: float, w: float, width: float, zone: Array, through: float, kind: int, memory: Array) -> float:
     """One step of one column; ``memory`` (PLAYS,) changes in place."""
     if kind == SPREAD:
         total = 0.0
         for k in range(PLAYS):
             memory[k] = min(max(memory[k], u - w - zone[k]), u + w + zone[k])
             total += memory[k]
-        return total / PLAYS
+        return through * u + (1.0 - through) * total / PLAYS
     before = memory[0]
     memory[0] = min(max(before, u - w), u + w)
     travel = memory[0] - before
@@ -143,7 +150,14 @@ def step(u: float, w: float, width: float, zone: Array, kind: int, memory: Array
 
 @compiled
 def rounded(
-    u: Array, width: Array, rounding: Array, zone: Array, kind: int, memory: Array, out: Array
+    u: Array,
+    width: Array,
+    rounding: Array,
+    zone: Array,
+    through: Array,
+    kind: int,
+    memory: Array,
+    out: Array,
 ) -> None:
     """Pass ``u`` (n, columns) through; ``memory`` (PLAYS, columns) changes in place."""
     steps, columns = u.shape
@@ -153,13 +167,21 @@ def rounded(
         own[:] = memory[:, j]
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
-            out[k, j] = step(u[k, j], w, rounding[j], zone[j], kind, own)
+            out[k, j] = step(u[k, j], w, rounding[j], zone[j], through[j], kind, own)
         memory[:, j] = own
 
 
 @compiled
 def rounded_inverse(
-    y: Array, width: Array, rounding: Array, zone: Array, kind: int, memory: Array, u: Array, out: Array
+    y: Array,
+    width: Array,
+    rounding: Array,
+    zone: Array,
+    through: Array,
+    kind: int,
+    memory: Array,
+    u: Array,
+    out: Array,
 ) -> None:
     """The input of least motion that takes the element from its state to ``y`` (n, columns)."""
     steps, columns = y.shape
@@ -171,29 +193,38 @@ def rounded_inverse(
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
             trial[:] = own
-            gap = y[k, j] - step(u[j], w, rounding[j], zone[j], kind, trial)
+            gap = y[k, j] - step(u[j], w, rounding[j], zone[j], through[j], kind, trial)
             if abs(gap) > JITTER:
-                u[j] = reach(y[k, j], gap, u[j], w, rounding[j], zone[j], kind, own, trial)
-            step(u[j], w, rounding[j], zone[j], kind, own)
+                u[j] = reach(y[k, j], gap, u[j], w, rounding[j], zone[j], through[j], kind, own, trial)
+            step(u[j], w, rounding[j], zone[j], through[j], kind, own)
             out[k, j] = u[j]
         memory[:, j] = own
 
 
 @compiled
 def reach(
-    y: float, gap: float, u: float, w: float, width: float, zone: Array, kind: int, own: Array, trial: Array
+    y: float,
+    gap: float,
+    u: float,
+    w: float,
+    width: float,
+    zone: Array,
+    through: float,
+    kind: int,
+    own: Array,
+    trial: Array,
 ) -> float:
     """Input next to ``u`` for which the output, ``gap`` away, is ``y``: false position, halved (Illinois)."""
     side = 1.0 if gap > 0.0 else -1.0
     near, short = u, -abs(gap)
     far = u + gap + side * (2.0 * (w + width) + abs(gap))
     trial[:] = own
-    over = side * (step(far, w, width, zone, kind, trial) - y)
+    over = side * (step(far, w, width, zone, through, kind, trial) - y)
     last = 0
     for count in range(60):
         middle = 0.5 * (near + far) if count % 4 == 3 else (near * over - far * short) / (over - short)
         trial[:] = own
-        off = side * (step(middle, w, width, zone, kind, trial) - y)
+        off = side * (step(middle, w, width, zone, through, kind, trial) - y)
         if abs(off) < REACHED:
             return middle
         if off < 0.0:
