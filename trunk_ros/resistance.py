@@ -39,7 +39,7 @@ class Resistance:
         """What a kilogram at the tip adds to the load [N m/kg]."""
         return arm.lever(theta) + self.lever if self.weighs else self.lever
 
-    def part(self, rows: slice) -> Resistance:
+    def part(self, rows: slice | np.ndarray) -> Resistance:
         """Some of the rows."""
         return Resistance(self.moment[rows], self.lever[rows], self.weighs)
 

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.against import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmProblem, tip_data
-from trunk_ros.diagnosis.evidence import Evidence, evidence, spreads
+from trunk_ros.diagnosis.evidence import Evidence, spreads
 from trunk_ros.diagnosis.experiment import experiment, proposals
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.findings import (
@@ -25,6 +25,7 @@ from trunk_ros.diagnosis.findings import (
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.heldout import held_out
 from trunk_ros.diagnosis.leftover import rests as powers
+from trunk_ros.diagnosis.long import searched
 from trunk_ros.diagnosis.problem import LEAST, Problem
 from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
@@ -135,9 +136,8 @@ class Diagnoser:
                 "compared": False, "joints": {}, "silent": list(problem.joints)
             }  # fmt: skip
             return
-        search = Search(problem, lambda text: self.say(f"{problem.stage}: {text}"))
-        state = search.run()
-        found = evidence(search, state)
+        done = searched(problem, lambda text: self.say(f"{problem.stage}: {text}"))
+        search, state, found = done.search, done.state, done.found
         std = spreads(search, state)
         errors = held_out(search, state.explanation)
         effects = state.explanation.model_effects(len(problem.joints))
@@ -165,7 +165,9 @@ class Diagnoser:
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(problem, state.explanation)
-        self._experiment(search, state, {f.effect: found[f.effect] for f in new if f.equivalents})
+        self._experiment(
+            done.part, done.part_state, {f.effect: found[f.effect] for f in new if f.equivalents}
+        )
 
     def _experiment(self, search: Search, state: Fit, found: dict[str, Evidence]) -> None:
         """The motion that tells what was found from its equivalents."""

@@ -124,10 +124,11 @@ def _natural(f: Free, explanation: Explanation, std: float, late: float) -> floa
 
 def evidence(search: Search, state: Fit) -> dict[str, Evidence]:
     """Evidence for each effect of an explanation."""
-    return {name: _evidence(search, state, name) for name in state.explanation}
+    return {name: one_evidence(search, state, name) for name in state.explanation}
 
 
-def _evidence(search: Search, state: Fit, name: str) -> Evidence:
+def one_evidence(search: Search, state: Fit, name: str) -> Evidence:
+    """Evidence for one of them."""
     problem = search.problem
     bare = search.refit(state.explanation.without(name))
     columns = state.explanation[name].columns

@@ -41,7 +41,7 @@ def _exchanged(search: Search, now: Fit, column: int, gone: tuple[str, ...]) -> 
     screen = Screen(search.problem, bare, [column])
     kinds = [k for k in search.local_kinds() if k.id not in gone and search.open(k.id, column, bare)]
     for candidate in screen.ranked(kinds, column, REFITTED):
-        trial = search.refit_column(now, extended(search.problem, bare, candidate), column)
+        trial = search.refit_column(now, extended(search.problem, bare, candidate), column, now)
         if search.credible(trial.explanation, column):
             now = better(search, now, trial)
     return now
@@ -58,7 +58,9 @@ def exchange_everywhere(search: Search, now: Fit) -> Fit:
             if kind.everywhere and kind.id not in now.explanation:
                 for candidate in screen.all_everywhere(kind):
                     trial = search.refit(extended(search.problem, bare, candidate))
-                    now = better(search, now, drop(search, members(search, options(search, trial))))
+                    trial = members(search, options(search, trial))
+                    if trial.total < search.score(now):  # or leaving out cannot make it better
+                        now = better(search, now, drop(search, trial))
     return now
 
 

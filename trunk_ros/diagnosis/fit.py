@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.problem import Problem
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
 ROUNDS = 12
+SURE = 2  # rounds after which gains only get smaller
 TRIES = 6  # dampings a round
 DAMPING = 1e-3
 ENOUGH = 0.05  # squared unit-noise residuals: a gain that ends the fit
@@ -69,21 +70,22 @@ class Residuals:
         return out
 
 
-def fit(problem: Problem, explanation: Explanation, columns: list[int], rounds: int = ROUNDS) -> Fit:
-    """Fit what is free on ``columns``.
+def fit(problem: Problem, explanation: Explanation, columns: list[int], goal: float = np.inf) -> Fit:
+    """Fit what is free on ``columns``; given up where the squared residuals will not come down to ``goal``.
 
     Shared values move only where all joints that they act on are among the columns.
     """
     residuals = Residuals(problem, explanation, columns)
     x = explanation.get(residuals.free)
     if len(x):
-        x = minimise(residuals, np.clip(x, *bounds(residuals.free)), rounds)
+        x = minimise(residuals, np.clip(x, *bounds(residuals.free)), ROUNDS, goal)
     cost = {c: float(part @ part) for c, part in zip(columns, residuals.parts(x), strict=True)}
     return Fit(explanation.put(residuals.free, x), cost)
 
 
-def minimise(residuals: Residuals, x: Array, rounds: int) -> Array:
-    """Levenberg-Marquardt within bounds.
+def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) -> Array:
+    """Levenberg-Marquardt within bounds. Values that are good enough stay as they are, so that what is known
+    of them stays true.
 
     Few values against many samples: the normal equations cost a tenth of the decompositions that
     ``scipy.optimize.least_squares`` makes of the whole derivative.
@@ -91,7 +93,8 @@ def minimise(residuals: Residuals, x: Array, rounds: int) -> Array:
     low, high = bounds(residuals.free)
     rest = residuals(x)
     cost, damping = float(rest @ rest), DAMPING
-    for _ in range(rounds):
+    first, start = cost, x
+    for done in range(1, rounds + 1):
         jacobian = residuals.jacobian(x)
         slope, normal = jacobian.T @ rest, jacobian.T @ jacobian
         before = cost
@@ -102,9 +105,11 @@ def minimise(residuals: Residuals, x: Array, rounds: int) -> Array:
                 x, rest, cost, damping = trial, there, float(there @ there), damping / 5.0
                 break
             damping = max(damping, 1e-6) * 6.0
-        if before - cost < max(ENOUGH, ENOUGH * 1e-4 * cost):
+        enough = max(ENOUGH, ENOUGH * 1e-4 * cost)
+        hopeless = done > SURE and (rounds - done) * (before - cost) < cost - goal
+        if before - cost < enough or hopeless:
             break
-    return x
+    return x if first - cost >= enough else start
 
 
 def _step(normal: Array, slope: Array, damping: float, x: Array, low: Array, high: Array) -> Array:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.candidates import extended, given, seen_forms
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 ONSET = "onset"
-NEARBY = np.linspace(-1.0, 1.0, 201)  # s
+REACH = 1.0  # s
+NEARBY = np.linspace(-REACH, REACH, 201)  # s
 CLEARLY = 2.0  # squared unit-noise residuals
 OPTION_SIZES = (0.4, 1.6)  # of the usual value
 STRONG = 1.0  # of the noise power: a rest from which on an explanation is known to be incomplete
@@ -36,14 +38,19 @@ def moments(search: Search, now: Fit) -> Fit:
     """Move what happens at one moment to where it fits best nearby: a fit sees only what lies next to it."""
     for term in list(now.explanation.values()):
         for column in [c for c in term.columns if ONSET in term.own[c] and c in search.problem.columns]:
-            trial = now.explanation.copy()
-            begin, costs = term.own[column][ONSET], []
-            for near in NEARBY:
-                trial[term.effect].own[column][ONSET] = max(begin + near, 0.0)
-                costs.append(float(np.sum(search.problem.whitened(trial, column) ** 2)))
-            trial[term.effect].own[column][ONSET] = max(begin + NEARBY[int(np.argmin(costs))], 0.0)
-            now = better(search, now, search.refit_column(now, trial, column))
+            now = moved(search, now, term.effect, column, term.own[column][ONSET] + NEARBY)
     return now
+
+
+def moved(search: Search, now: Fit, name: str, column: int, moments: Array) -> Fit:
+    """With what happens at one moment at the best of ``moments`` (k,) s, if that is better."""
+    trial, costs = now.explanation.copy(), []
+    own = trial[name].own[column]
+    for moment in np.maximum(moments, 0.0):
+        own[ONSET] = float(moment)
+        costs.append(float(np.sum(search.problem.whitened(trial, column) ** 2)))
+    own[ONSET] = max(float(moments[int(np.argmin(costs))]), 0.0)
+    return better(search, now, search.refit_column(now, trial, column))
 
 
 def forms(search: Search, now: Fit) -> Fit:
@@ -187,7 +194,7 @@ def _less_a_source(search: Search, now: Fit, name: str, column: int, gone: int) 
     screen = Screen(search.problem, best.explanation, [column])
     kinds = [k for k in search.local_kinds() if k.id != name and search.open(k.id, column, bare)]
     for candidate in screen.ranked(kinds, column, 2):
-        trial = search.refit_column(now, extended(search.problem, best.explanation, candidate), column)
+        trial = search.refit_column(now, extended(search.problem, best.explanation, candidate), column, best)
         if search.credible(trial.explanation, column):
             best = better(search, best, trial)
     return best

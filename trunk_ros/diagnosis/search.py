@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from trunk_ros.diagnosis import exchange, revise
 from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, need, score
@@ -80,10 +82,16 @@ class Search:
         together = sorted(shared & set(columns))
         return ([together] if together else []) + [[c] for c in columns if c not in shared]
 
-    def refit_column(self, now: Fit, explanation: Explanation, column: int) -> Fit:
-        """Fit one joint's own values, the rest as it is."""
-        trial = fit(self.problem, explanation, [column])
+    def refit_column(self, now: Fit, explanation: Explanation, column: int, rival: Fit | None = None) -> Fit:
+        """Fit one joint's own values, the rest as it is; given up where it cannot beat a ``rival``."""
+        goal = np.inf if rival is None else self._goal(now, explanation, column, rival)
+        trial = fit(self.problem, explanation, [column], goal)
         return Fit(trial.explanation, now.cost | trial.cost)
+
+    def _goal(self, now: Fit, explanation: Explanation, column: int, rival: Fit) -> float:
+        """What a joint's squared residuals have to come to for the score to be better than a rival's."""
+        others = Fit(explanation, {c: cost for c, cost in now.cost.items() if c != column})
+        return self.score(rival) - self.score(others)
 
     def weigh(self, now: Fit) -> None:
         """Note what an explanation leaves, which further effects are measured by."""
@@ -157,7 +165,7 @@ class Search:
         for candidate in screen.ranked(kinds, column, PROMISING):
             if candidate.gain < 0.5 * wanted:
                 continue
-            trial = self.refit_column(now, extended(self.problem, now.explanation, candidate), column)
+            trial = self.refit_column(now, extended(self.problem, now.explanation, candidate), column, now)
             gain = self.score(now) - self.score(trial)
             known = tried[candidate.effect][0] if candidate.effect in tried else 0.0
             if gain > known and self.credible(trial.explanation, column):

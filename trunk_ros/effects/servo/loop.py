@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.moment import sine
 
 STEP = 0.002  # s
+LONGEST = 30.0  # s without a new setpoint, after which a servo stands
 
 
 @compiled
@@ -33,22 +35,25 @@ def servo_loop(
     rows, columns = setpoint.shape
     for j in range(columns):
         phi, v = state[0, j], state[1, j]
-        held = 0
+        held, smooth, known = 0, 0.0, -1.0
         for k in range(skip, rows):
             if k > 0:
-                span = stamp[k] - stamp[k - 1]
+                span = min(stamp[k] - stamp[k - 1], LONGEST)
                 substeps = max(1, int(np.round(span / STEP)))
                 h = span / substeps
-                smooth = -np.expm1(-h / tau_v[j]) if tau_v[j] < h else h / tau_v[j]
+                if h != known:
+                    known, smooth = h, -np.expm1(-h / tau_v[j]) if tau_v[j] < h else h / tau_v[j]
                 for i in range(substeps):
-                    t = stamp[k - 1] + i * h - delay[j]
+                    t = stamp[k] - span + i * h - delay[j]
                     while held + 1 < k and stamp[held + 1] <= t + 1e-9:
                         held += 1
                     target = setpoint[held, j]
                     if held + 1 < k and stamp[held + 1] < t + h - 1e-9:
                         share = (t + h - stamp[held + 1]) / h
                         target += share * (setpoint[held + 1, j] - target)
-                    target += pull[k - skip, j] + cogging[0, j] * np.sin(cogging[1, j] * phi + cogging[2, j])
+                    target += pull[k - skip, j]
+                    if cogging[0, j] != 0.0:
+                        target += cogging[0, j] * sine(cogging[1, j] * phi + cogging[2, j])
                     v_ref = min(max(kp[j] * (target - phi), -v_max[j]), v_max[j])
                     v += smooth * (v_ref - v)
                     phi += h * v

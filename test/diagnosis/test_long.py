@@ -1,0 +1,59 @@
+"""Long recordings: effects are searched for on an excerpt, and judged on the whole."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.align import wire_span
+from trunk_ros.diagnosis.excerpt import BLOCKS, LENGTH, LONG, WARM, excerpt
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import Recording
+
+SECONDS = LONG + 60.0
+
+
+def gearbox_and_joints(recording: Recording) -> Recording:
+    """The recording without setpoints, so that there is only the wire to look at."""
+    return replace(recording, series={k: s for k, s in recording.series.items() if k != "setpoints"})
+
+
+def test_a_short_recording_is_searched_as_a_whole() -> None:
+    span = wire_span(recorded(seconds=40.0), load_model("trunk"))
+    assert excerpt(span) is span
+
+
+def test_an_excerpt_has_the_stamps_and_samples_of_the_whole() -> None:
+    span = wire_span(recorded(seconds=SECONDS), load_model("trunk"))
+    part = excerpt(span)
+    row = np.searchsorted(span.stamp, part.stamp)
+    np.testing.assert_array_equal(span.stamp[row], part.stamp)
+    np.testing.assert_array_equal(span.target[row], part.target)
+    assert part.grid[0] == span.grid[0]
+    assert part.stamp[-1] == pytest.approx(span.stamp[-1], abs=0.02)
+    assert part.stamp.size == pytest.approx(BLOCKS * LENGTH * 100, rel=0.01)
+
+
+def test_what_follows_a_gap_of_an_excerpt_does_not_count_until_it_has_been_forgotten() -> None:
+    part = excerpt(wire_span(recorded(seconds=SECONDS), load_model("trunk")))
+    begins = part.stamp[1:][np.diff(part.stamp) > 1.0]
+    assert len(begins) == BLOCKS - 1
+    for begin in begins:
+        assert not part.valid[(part.stamp >= begin) & (part.stamp < begin + WARM)].any()
+        assert part.valid[(part.stamp > begin + LENGTH - 5.0) & (part.stamp < begin + LENGTH)].all()
+
+
+def test_a_jump_between_the_blocks_is_found_at_its_moment() -> None:
+    part = excerpt(wire_span(recorded(seconds=SECONDS), load_model("trunk")))
+    gap = int(np.argmax(np.diff(part.stamp)))
+    onset = float(part.stamp[gap : gap + 2].mean())
+    made = recorded({"wire_slip": {"step": on(2, 5e-4), "onset": on(2, onset)}}, seconds=SECONDS)
+    result = diagnose([gearbox_and_joints(made)])
+    (found,) = result.findings
+    assert (found.effect, found.joints) == ("wire_slip", ["joint_2"])
+    assert found.parameters["joint_2"]["onset"]["value"] == pytest.approx(onset, abs=0.5)
+    assert found.parameters["joint_2"]["step"]["value"] == pytest.approx(5e-4, rel=0.02)
