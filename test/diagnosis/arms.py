@@ -36,12 +36,13 @@ def recorded(
     seed: int = 0,
     noise: float = NOISE,
     name: str = "made",
+    size: float = 1.0,
 ) -> Recording:
-    """Setpoints, gearbox and joints of the nominal arm with some effects."""
+    """Setpoints, gearbox and joints of the nominal arm with some effects; ``size`` scales the motion."""
     nominal = load_model("trunk")
     model = Model(nominal.arm, effects or {})
     joints, stamp = nominal.arm.joints, np.arange(int(seconds * RATE)) / RATE
-    setpoints = setpoints_of(seconds, len(joints), seed)
+    setpoints = size * setpoints_of(seconds, len(joints), seed)
     phi, _ = Chain(model, "servo").run(setpoints, stamp)
     step = 2 * np.pi / nominal.arm.counts_per_rev
     theta, _ = Chain(model, "wire").run(phi, stamp)

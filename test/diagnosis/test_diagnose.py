@@ -99,6 +99,16 @@ def test_several_recordings_are_one_arm() -> None:
     assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_2"])]
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_only_one_of_several_recordings_shows_is_found_in_any_order(order: int) -> None:
+    """The joint meets its stop in the wide motion alone."""
+    upper = np.where(on(2, 1.0) > 0, 0.11, np.inf)
+    bags = [recorded({"hard_stop": {"upper": upper}}, seed=2 + k, size=s) for k, s in enumerate((0.3, 1.0))]
+    result = diagnose(bags[::order])
+    assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
+    assert result.findings[0].parameters["joint_2"]["upper"]["value"] == pytest.approx(0.11, abs=1e-3)
+
+
 def test_a_joint_that_hardly_moves_is_said_to_be_silent() -> None:
     recording = recorded()
     still = {}

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload
 from trunk_ros.diagnosis.held import coarseness
 from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells
 from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
-from trunk_ros.effects.effect import Now
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.model import Model
 from trunk_ros.resistance import loads
 
@@ -89,6 +89,7 @@ class Problem(ABC):
         """
         self._coarse = [self._coarseness(c) for c in range(len(self.joints))]
         self._cache: dict[tuple[int, int, float, int | None], Now] = {}
+        self._telling: dict[int, list[int]] = {}
         self.version = 0
         self.unexplained: dict[int, float] = {}
         """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
@@ -189,7 +190,8 @@ class Problem(ABC):
         """The same stage with the same noise over other spans of the same arm."""
         other = copy(self)
         other.views = [self._view(span) for span in spans]
-        other.unexplained, other._cache, other._known = {}, {}, [other.views[0].angles]
+        other.unexplained, other._cache, other._telling = {}, {}, {}
+        other._known = [other.views[0].angles]
         return other
 
     def estimate_noise(self, explanation: Explanation) -> None:
@@ -219,16 +221,33 @@ class Problem(ABC):
         """
         return self.step < SLOW and not set(self.columns) <= self.wide
 
-    def shown(self, column: int) -> Now:
-        """The surroundings of a column in the first span; of a wide loop what counts, and of the gearbox's
-        motion what comes through.
+    def telling(self, column: int) -> list[int]:
+        """The spans in which a column counts, the one with most to explain first."""
+        if len(self.views) == 1:
+            return [0]
+        if column not in self._telling:
+            left = [float(np.sum(self.residual(k, self.known, column) ** 2)) for k in range(len(self.views))]
+            order = np.argsort(-np.array(left), kind="stable")
+            self._telling[column] = [int(k) for k in order if left[k] > 0.0] or [0]
+        return self._telling[column]
+
+    def shown(self, column: int, index: int = 0) -> Now:
+        """The surroundings of a column in a span; of a wide loop what counts, and of the gearbox's motion
+        what comes through.
         """
-        now, span = self.now(0, column, 0.0), self.views[0].span
+        now, span = self.now(index, column, 0.0), self.views[index].span
         if column not in self.wide:
             return now
         valid = span.valid[:, column]
         return replace(
             now, gearbox=span.target[valid, column : column + 1] / now.ratio, stamp=span.stamp[valid]
+        )
+
+    def shows(self, block: Effect, column: int) -> bool:
+        """Whether an effect on a column is within what the motion of one of the spans can show."""
+        return any(
+            block.credible(self.now(index, column, 0.0)) and block.credible(self.shown(column, index))
+            for index in self.telling(column)
         )
 
     def _comes_back(self, column: int) -> bool:

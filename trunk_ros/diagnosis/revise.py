@@ -204,8 +204,8 @@ def incredible(search: Search, now: Fit) -> Fit:
     """Take out what a fit has moved to where the motion cannot show it."""
     for term in list(now.explanation.values()):
         for column in term.columns:
-            seen = search.problem.shown(column) if column in search.problem.columns else None
-            if seen is not None and not bind_column(term, column).credible(seen):
+            seen = column in search.problem.columns
+            if seen and not search.problem.shows(bind_column(term, column), column):
                 now = search.refit_column(now, now.explanation.without(term.effect, column), column)
     return now
 

@@ -20,6 +20,8 @@ NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 FREED = 0.5  # of what an effect must gain on a joint: a linear look does not see all of it
 
+BAGS = 2  # of an arm's recordings that give an effect its starts
+
 Products = dict[int, tuple[float, float]]
 """By column: (rest . d, d . d) of a change d of the prediction."""
 
@@ -164,20 +166,25 @@ class Screen:
         gain = sum(f.gain for f in chosen.values())
         return replace(trial, start=next(iter(own.values())), gain=gain, columns=tuple(chosen), own=own)
 
-    def _residual(self, column: int) -> Array:
-        """(m,) residual of the first recording over its whole grid."""
-        span = self.problem.views[0].span
+    def _residual(self, column: int, index: int) -> Array:
+        """(m,) residual of a recording over its whole grid."""
+        span = self.problem.views[index].span
         valid = span.valid[:, column]
-        off = span.target[valid, column] - self.base[column][0][valid]
+        off = span.target[valid, column] - self.base[column][index][valid]
         return np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
 
-    def _starts(self, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
+    def _starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
+        """Where an effect may begin on a column, by the recordings with most to explain."""
+        telling = self.problem.telling(column)[:BAGS]
+        return _different([s for index in telling for s in self._starts_in(index, kind, form, column)])
+
+    def _starts_in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         problem = self.problem
-        rest = None if column in problem.wide else self._residual(column)
-        for start in kind({}, {}, form).starts(problem.shown(column), 0, rest):
+        rest = None if column in problem.wide else self._residual(column, index)
+        for start in kind({}, {}, form).starts(problem.shown(column, index), 0, rest):
             if not kind.texts:
                 yield start
-                yield from self._wide_starts(kind, form, column, start)
+                yield from self._wide_starts(index, kind, form, column, start)
                 continue
             words = self.explanation.get_words(kind.id, column)
             for joint in problem.joints:
@@ -185,11 +192,11 @@ class Screen:
                     yield {**start, kind.texts[0]: joint}
 
     def _wide_starts(
-        self, kind: type[Effect], form: str, column: int, start: dict[str, Any]
+        self, index: int, kind: type[Effect], form: str, column: int, start: dict[str, Any]
     ) -> Iterator[dict[str, Any]]:
         """Starts far from null for what makes a wide loop: a linear look does not reach that far."""
         if column in self.problem.wide and kind.regime == "reversal":
-            now, lead = self.problem.now(0, column, 0.0), kind.own_parameters(form)[0]
+            now, lead = self.problem.now(index, column, 0.0), kind.own_parameters(form)[0]
             for share in SHARES:
                 yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}
 

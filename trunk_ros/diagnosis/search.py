@@ -227,8 +227,7 @@ class Search:
         blocks = explanation.bound(column)
         there = {"", *(block.id for block in blocks)}
         placed = column not in self.problem.wide or {block.beyond for block in blocks} <= there
-        seen = (self.problem.now(0, column, 0.0), self.problem.shown(column))
-        return placed and all(block.credible(now) for block in blocks for now in seen)
+        return placed and all(self.problem.shows(block, column) for block in blocks)
 
     def local_kinds(self) -> list[type[Effect]]:
         """Effects that a single joint may have."""

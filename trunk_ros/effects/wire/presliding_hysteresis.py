@@ -23,7 +23,7 @@ class PreslidingHysteresis(Effect):
 
     spread: plays of half-widths w + width s^shape, s evenly in 0 ... 1 (Prandtl-Ishlinskii, the same as
     Maxwell slip elements);
-    compliant: the same, and a share of the motion, ``through``, gets past contacts that stick, by their shear;
+    compliant: the same, and a share of the motion, ``through``, gets past contacts that stick: they shear;
     bouc_wen, bouc_wen_2: h' = u' (1 - abs(h/H)^n (1 + sign(u' h))/2) with n = 1, 2; dahl: n = 1 with half
     the stiffness;
     H = width/2 behind a play of half-width w.
