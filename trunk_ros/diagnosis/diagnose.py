@@ -12,7 +12,7 @@ import numpy as np
 from trunk_ros.diagnosis.against import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
-from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmProblem, tip_data
+from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmFit, ArmProblem, tip_data
 from trunk_ros.diagnosis.evidence import Evidence, spreads
 from trunk_ros.diagnosis.experiment import experiment, proposals
 from trunk_ros.diagnosis.explanation import Explanation
@@ -196,12 +196,12 @@ class Diagnoser:
 
     def tip(self) -> None:
         """Joint to tip."""
-        problem = self._tip_problem() if self.against is None else None
-        if problem is None:
+        best = self._fitted_tip() if self.against is None else None
+        if best is None:
             self.result.stages["arm"] = {"compared": False, "tip": {}}
             return
         self.say("arm")
-        done = problem.run()
+        problem, done = best
         before, after = np.concatenate(problem.residual({})), problem.held_out(list(done.values))
         self.result.stages["arm"] = {
             "compared": True,
@@ -225,20 +225,25 @@ class Diagnoser:
         self.result.findings += found
         self.effects |= values
 
-    def _tip_problem(self) -> ArmProblem | None:
-        """Joint angles and tip at the same moments: a late joint sensor is not blamed on the arm."""
+    def _fitted_tip(self) -> tuple[ArmProblem, ArmFit] | None:
+        """Joint angles and tip at the same moments, and the fit to them: a late joint sensor is not blamed
+        on the arm.
+        """
         late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
-        problems = []
+        fitted = []
         model = replace(self.model, effects={**self.model.effects, **self.effects})
         for delay in {0.0, late}:  # a simulated tip may be as late as the joints
             data = [d for d in (tip_data(r, model, delay) for r in self.recordings) if d is not None]
-            problems += [ArmProblem(data)] if data else []
-        return min(problems, key=_left, default=None)
+            if data:
+                problem = ArmProblem(data)
+                fitted.append((problem, problem.run()))
+        return min(fitted, key=_left, default=None)
 
 
-def _left(problem: ArmProblem) -> float:
+def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
     """How much a fit leaves, whatever the signals' units."""
-    rest = np.concatenate(problem.residual(problem.run().values))
+    problem, done = fitted
+    rest = np.concatenate(problem.residual(done.values))
     return float(np.log(np.mean(rest**2, axis=0)).sum())
 
 

@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.result import Finding, Unexplained
 from trunk_ros.diagnosis.unnamed import knot_names
 from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.curve import Curve
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
@@ -77,7 +78,7 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
     joints = [problem.joints[c] for c in _touched(problem, kind, term)]
     unnamed = not kind.named
     variable = term.words[term.columns[0]]["on"] if unnamed else ""
-    varies = _alone(term, variable) if unnamed else _varies_with(kind, term)
+    varies = [*kind.also, variable] if issubclass(kind, Curve) else _varies_with(kind, term)
     parameters = {} if unnamed else _parameters(problem, kind, term, std)
     return Finding(
         effect="unknown" if unnamed else term.effect,
@@ -105,14 +106,6 @@ def _touched(problem: Problem, kind: type[Effect], term: Term) -> list[int]:
     shared = kind.everywhere and all(p.shared for p in kind.own_parameters(term.form))
     whole = shared and set(term.columns) >= set(problem.columns)
     return list(range(len(problem.joints))) if whole else term.columns
-
-
-WHAT = {"unknown_friction": "the dead band", "unknown_gain": "the share of the motion that arrives"}
-"""What a curve without a name is of, where it is not of the angle."""
-
-
-def _alone(term: Term, variable: str) -> list[str]:
-    return ["position", variable] if term.effect == "unknown_gain" else [variable]
 
 
 def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
@@ -175,8 +168,10 @@ def statement_of(
 ) -> str:
     where = ", ".join(joints) if joints else "the arm"
     if variable:
-        what = f"{WHAT[kind.id]} depends" if kind.id in WHAT else "depends"
-        return f"{where}: {what} on {variable} in a way that no name fits; a smooth curve stands in for it."
+        of = f"{kind.of} " if issubclass(kind, Curve) and kind.of != Curve.of else ""
+        return (
+            f"{where}: {of}depends on {variable} in a way that no name fits; a smooth curve stands in for it."
+        )
     values = [f"{owner} {_said(name, v)}" for owner, named in parameters.items() for name, v in named.items()]
     what = f"{title(kind)[0].lower()}{title(kind)[1:]}"
     return f"{where}: {what}" + (f" ({'; '.join(values)})." if values else ".")
@@ -201,8 +196,9 @@ def _curve(problem: Problem, term: Term, variable: str) -> dict[str, Any]:
     own = problem.units.get(problem.joints[term.columns[0]], "rad")
     over = problem.units.get(variable, "rad") if variable in problem.joints else own
     unit = {"time": "s", "speed": f"{own}/s", "load": "N*m"}.get(variable, over)
-    of = WHAT.get(term.effect, "the angle")
-    return {"on": variable, "of": of, "x_unit": unit, "y_unit": own, "joints": curves}
+    kind = effect(term.effect)
+    of, y_unit = (kind.of, kind.parameters[-1].unit) if issubclass(kind, Curve) else ("", "")
+    return {"on": variable, "of": of, "x_unit": unit, "y_unit": unit_of(y_unit, own), "joints": curves}
 
 
 def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:

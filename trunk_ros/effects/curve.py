@@ -36,6 +36,10 @@ class Curve(Effect):
     regime: ClassVar[Regime] = "posture"
     parameters = RANGE + VALUES
     texts = ("on",)
+    of: ClassVar[str] = "the angle"
+    """What the curve is added to."""
+    also: ClassVar[tuple[str, ...]] = ()
+    """What the change depends on besides."""
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._curve(now), None

@@ -23,6 +23,7 @@ class UnknownFriction(Curve):
     signature = "The dead band at a reversal depends on something in a way that no named effect has."
     regime = "reversal"
     parameters = (*RANGE, *(replace(p, typical=TYPICAL) for p in VALUES))
+    of = "the dead band"
     confused_with = (
         ("load_dependent_friction", "reach one posture under different loads"),
         ("unknown", "pass one place in both directions: friction changes its sign"),

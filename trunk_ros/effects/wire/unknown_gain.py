@@ -1,9 +1,10 @@
 """A gain of the wire that depends on something in a way that no name fits."""
 
+from dataclasses import replace
 from typing import Any
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.curve import RANGE, VALUES, Curve
 from trunk_ros.effects.effect import Now
 
 
@@ -16,6 +17,8 @@ class UnknownGain(Curve):
     stage = "wire"
     place = 260
     signature = "The share of the motion that arrives depends on something in a way that no named effect has."
+    parameters = (*RANGE, *(replace(p, unit="1") for p in VALUES))
+    of, also = "the share of the motion that arrives", ("position",)
     confused_with = (("unknown", "be at one posture at different times, speeds and loads"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
