@@ -17,6 +17,7 @@ SHARE = (
 )
 FURTHER = 20.0  # price of each further value of an effect
 LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
+FORMS = 0.002  # of a joint's misfit: what the formulas of named effects may be off by
 CURVE = 2.5  # price of a curve without a name, in effects
 
 
@@ -42,7 +43,7 @@ def price(problem: Problem, term: Term) -> float:
     if not needs:
         return 0.0
     if not effect(term.effect).named:
-        return CURVE * sum(needs.values())
+        return sum(max(CURVE * n, FORMS * problem.misfit.get(c, 0.0)) for c, n in needs.items())
     free = Explanation({term.effect: term}).free(list(term.columns))
     if effect(term.effect).everywhere:
         return max(needs.values()) + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)

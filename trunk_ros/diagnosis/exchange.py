@@ -6,6 +6,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from trunk_ros.diagnosis.candidates import extended, usable
+from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.revise import better, drop, members, options
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
+MOST = 0.7  # of the joints: an effect on as many may be one of all
 REFITTED = 4  # candidates of an exchange that are refitted in full
 
 
@@ -48,9 +50,9 @@ def _exchanged(search: Search, now: Fit, column: int, gone: tuple[str, ...]) -> 
 
 
 def exchange_everywhere(search: Search, now: Fit) -> Fit:
-    """Replace an effect that is on all joints by another that acts on all alike."""
+    """Replace an effect that is on most joints by another that acts on all alike."""
     for name in list(now.explanation):
-        if name not in now.explanation or not _on_all(search, now.explanation, name):
+        if name not in now.explanation or not _on_most(search, now.explanation, name):
             continue
         bare = now.explanation.without(name)
         screen = Screen(search.problem, bare)
@@ -59,13 +61,35 @@ def exchange_everywhere(search: Search, now: Fit) -> Fit:
                 for candidate in screen.all_everywhere(kind):
                     trial = search.refit(extended(search.problem, bare, candidate))
                     trial = members(search, options(search, trial))
+                    if kind.regime == effect(name).regime:
+                        trial = _with_some_back(search, now, trial, name)
                     if trial.total < search.score(now):  # or leaving out cannot make it better
                         now = better(search, now, drop(search, trial))
     return now
 
 
-def _on_all(search: Search, explanation: Explanation, name: str) -> bool:
-    return effect(name).everywhere or set(explanation[name].columns) >= set(search.problem.columns)
+def _with_some_back(search: Search, now: Fit, trial: Fit, name: str) -> Fit:
+    """The effect that was replaced again on joints that have more of it than all, the neediest first."""
+    old = now.explanation[name]
+    left = [c for c in old.columns if c in search.problem.columns]
+    while len(left) > 1:
+        needy = max(left, key=lambda c: trial.cost[c] - now.cost[c])
+        if trial.cost[needy] - now.cost[needy] < need(search.problem, needy):
+            break
+        left.remove(needy)
+        out = trial.explanation.copy()
+        term = out.setdefault(name, Term(name, old.form, dict(old.shared), given=old.given))
+        term.own[needy] = dict(old.own[needy])
+        if needy in old.words:
+            term.words[needy] = dict(old.words[needy])
+        trial = search.refit(out)
+    return trial
+
+
+def _on_most(search: Search, explanation: Explanation, name: str) -> bool:
+    columns = search.problem.columns
+    there = set(explanation[name].columns) & set(columns)
+    return effect(name).everywhere or len(there) > MOST * len(columns)
 
 
 def unname(search: Search, now: Fit) -> Fit | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, fields, replace
 
@@ -15,7 +16,7 @@ from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload
 from trunk_ros.diagnosis.held import coarseness
 from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells
 from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
 from trunk_ros.resistance import loads
 
@@ -93,6 +94,8 @@ class Problem(ABC):
         self.version = 0
         self.unexplained: dict[int, float] = {}
         """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
+        self.misfit: dict[int, float] = {}
+        """The same of the nominal arm."""
         self._known = [self.views[0].angles]
         self.look_again(self.known)
         self.estimate_noise(self.known)
@@ -243,10 +246,10 @@ class Problem(ABC):
             now, gearbox=span.target[valid, column : column + 1] / now.ratio, stamp=span.stamp[valid]
         )
 
-    def shows(self, block: Effect, column: int) -> bool:
-        """Whether an effect on a column is within what the motion of one of the spans can show."""
+    def shows(self, tells: Callable[[Now], bool], column: int) -> bool:
+        """Whether the motion of a column in one of the spans tells something."""
         return any(
-            block.credible(self.now(index, column, 0.0)) and block.credible(self.shown(column, index))
+            tells(self.now(index, column, 0.0)) and tells(self.shown(column, index))
             for index in self.telling(column)
         )
 

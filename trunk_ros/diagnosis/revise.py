@@ -69,23 +69,31 @@ def forms(search: Search, now: Fit) -> Fit:
 
 
 def _reformed(search: Search, now: Fit, name: str, form: str) -> Fit | None:
-    """An effect in another form on the joints that it is on."""
-    kind = effect(name)
+    """An effect in another form on the joints that it is on.
+
+    A refined form leaves the values of a joint as they are where its motion does not show more.
+    """
+    kind, old = effect(name), now.explanation[name]
     if not kind.own_parameters(form):
         return None
+    refined = form in kind.refined and old.form not in kind.refined
     bare = now.explanation.without(name)
     out = bare
-    columns, shared = now.explanation[name].columns, now.explanation[name].shared
-    screen = Screen(search.problem, bare, columns)
-    for column in columns:
+    screen = Screen(search.problem, bare, old.columns)
+    for column in old.columns:
         candidate = screen.local_form(kind, form, column)
         if candidate is None:
             return None
         out = extended(search.problem, out, replace(candidate, column=None, columns=(column,)))
     out[name].shared |= {
-        p.name: shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in shared
+        p.name: old.shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in old.shared
     }
-    return search.refit(out)
+    trial = search.refit(out)
+    for column in [c for c in old.columns if refined and not search.credible(trial.explanation, c)]:
+        kept = trial.explanation.copy()
+        kept[name].own[column] = dict(old.own[column])
+        trial = search.refit_column(trial, kept, column)
+    return trial
 
 
 def options(search: Search, now: Fit) -> Fit:
@@ -205,7 +213,7 @@ def incredible(search: Search, now: Fit) -> Fit:
     for term in list(now.explanation.values()):
         for column in term.columns:
             seen = column in search.problem.columns
-            if seen and not search.problem.shows(bind_column(term, column), column):
+            if seen and not search.shows(now.explanation, bind_column(term, column), column):
                 now = search.refit_column(now, now.explanation.without(term.effect, column), column)
     return now
 

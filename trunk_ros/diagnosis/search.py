@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.diagnosis import exchange, revise
 from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, need, score
-from trunk_ros.diagnosis.explanation import Explanation, Term, describe
+from trunk_ros.diagnosis.explanation import Explanation, Term, bind_column, describe
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.screen import Screen
@@ -42,6 +42,7 @@ class Search:
         """The explanation that no single change improves by what is needed."""
         now = self.refit(start or self.problem.known)
         self.weigh(now)
+        self.problem.misfit = dict(self.problem.unexplained)
         for _ in range(ROUNDS):
             grown = self.grow(now) or exchange.unname(self, now)
             if grown is None:
@@ -190,7 +191,8 @@ class Search:
             return []
         screen = Screen(self.problem, now.explanation)
         found = [c for k in kinds for c in screen.all_everywhere(k) if c.gain > SIGNIFICANT]
-        promising = sorted(found, key=lambda c: -c.gain)[:PROMISING_EVERYWHERE]
+        most = PROMISING_EVERYWHERE if self.local_kinds() else len(found)  # a servo's lags hide each other
+        promising = sorted(found, key=lambda c: -c.gain)[:most]
         trials = [
             revise.members(self, self.refit(extended(self.problem, now.explanation, c))) for c in promising
         ]
@@ -227,7 +229,19 @@ class Search:
         blocks = explanation.bound(column)
         there = {"", *(block.id for block in blocks)}
         placed = column not in self.problem.wide or {block.beyond for block in blocks} <= there
-        return placed and all(self.problem.shows(block, column) for block in blocks)
+        return placed and all(self.shows(explanation, block, column) for block in blocks)
+
+    def shows(self, explanation: Explanation, block: Effect, column: int) -> bool:
+        """Whether an effect on a joint is within what its motion can show; less will do where another joint
+        shows the same.
+        """
+        if self.problem.shows(block.credible, column):
+            return True
+        term = explanation[block.id]
+        others = [c for c in term.columns if c in self.problem.columns and c != column]
+        return self.problem.shows(block.plausible, column) and any(
+            self.problem.shows(bind_column(term, c).credible, c) for c in others
+        )
 
     def local_kinds(self) -> list[type[Effect]]:
         """Effects that a single joint may have."""

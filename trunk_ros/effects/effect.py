@@ -166,6 +166,10 @@ class Effect(ABC):
         """
         return True
 
+    def plausible(self, now: Now) -> bool:
+        """The same for a joint of an arm on which another joint shows the effect beyond doubt."""
+        return self.credible(now)
+
     def transients(self, now: Now) -> Array | None:
         """(n, k) shapes of what may go on besides, from before the recording or by knocks, for one joint.
 

@@ -10,6 +10,8 @@ from trunk_ros.effects.periods import periods, positive
 from trunk_ros.moment import sines
 from trunk_ros.parameter import Parameter
 
+LEAST = 1.05  # periods within the motion
+
 
 class TransmissionRipple(Effect):
     """u += amplitude sin(cycles_per_rev phi + phase), with or without a second harmonic."""
@@ -69,12 +71,15 @@ class TransmissionRipple(Effect):
 
     def credible(self, now: Now) -> bool:
         """A good period has to lie within the motion, or it is no more than a bent curve."""
-        return bool(
-            np.all(
-                self["cycles_per_rev"] * np.ptp(now.gearbox, axis=0) / (2 * np.pi)
-                > (2.0 if self.form == "two_harmonics" else 1.6)
-            )
-        )
+        harmonic = (self.form == "two_harmonics") & (self["harmonic"] != 0.0)
+        return bool(np.all(self._periods(now) > np.where(harmonic, 2.0, 1.6)))
+
+    def plausible(self, now: Now) -> bool:
+        return bool(np.all(self._periods(now) > LEAST))
+
+    def _periods(self, now: Now) -> Array:
+        """How many lie within the motion, (columns,)."""
+        return np.asarray(self["cycles_per_rev"] * np.ptp(now.gearbox, axis=0) / (2 * np.pi))
 
     @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:
@@ -91,9 +96,9 @@ class TransmissionRipple(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        """Only ripples of which the motion spans more than a period can be told from a bent curve."""
+        """Only ripples of which the motion spans a period can be told from a bent curve."""
         if parameter.name != "cycles_per_rev" or rest is None:
             return super().grid(parameter, now, column, rest)
         phi = now.gearbox[:, column]
-        low = max(parameter.bounds[0], 1.2 * 2 * np.pi / max(float(np.ptp(phi)), 1e-3))
+        low = max(parameter.bounds[0], LEAST * 2 * np.pi / max(float(np.ptp(phi)), 1e-3))
         return periods(phi, rest, low, parameter.bounds[1])
