@@ -241,9 +241,11 @@ class Chain:
             better, after = run_servo(self.arm, self.effects, now, setpoints, stamps, start)
             settled = not now.asked or passes.agree(better, phi)
             phi = better
-        now = self._look(stamp, phi * ratio, last, state, given)
-        now.see(phi, phi * ratio)
-        out = through(phi, self.order.after + self.order.sensor, now, {}, {})
-        kept = max(int(np.searchsorted(stamps, stamps[-1] - REMEMBERED)) - 1, 0)
+        out, behind = phi, self.order.after + self.order.sensor
+        if behind or now.swing is not None:
+            now = self._look(stamp, phi * ratio, last, state, given)
+            now.see(phi, phi * ratio)
+            out = through(phi, behind, now, {}, {})
+        kept = max(int(stamps.searchsorted(stamps[-1] - REMEMBERED)) - 1, 0)
         core = stamps[kept:], setpoints[kept:], after
         return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], {}, core, 0.0, passes.calm, now.swing)

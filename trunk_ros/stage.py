@@ -154,8 +154,8 @@ def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Arr
     for e in effects:
         if e.place == Effect.CORE:
             e.adjust(core, now)
-    heading = np.cumsum(theta, axis=1)
-    out = np.column_stack(
-        [-(np.sin(heading) @ core.link_length), np.cos(heading) @ core.link_length, heading[:, -1]]
-    )
+    heading, out = theta.cumsum(axis=1), np.empty((len(theta), 3))
+    out[:, 0] = -(np.sin(heading) @ core.link_length)
+    out[:, 1] = np.cos(heading) @ core.link_length
+    out[:, 2] = heading[:, -1]
     return through(out, [e for e in effects if e.place > Effect.CORE], now, {}, {})

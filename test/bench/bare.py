@@ -10,6 +10,7 @@ import sys
 import time
 from array import array
 
+from trunk_ros.nodes.process import serve_for
 from trunk_ros.nodes.ros import EventsExecutor, JointState, rclpy
 
 NAMES = [f"joint_{number}" for number in range(1, 6)]
@@ -38,19 +39,12 @@ def run(rate: float, seconds: float) -> dict[str, list[float] | float]:
     node.create_timer(1 / rate, publish)
     executor = EventsExecutor()
     executor.add_node(node)
-    spin(executor, WARM)
+    serve_for(WARM, executor, node)
     sent.clear()
     took.clear()
     begin = time.process_time()
-    spin(executor, seconds)
+    serve_for(seconds, executor, node)
     return {"cpu": time.process_time() - begin, "seconds": seconds, "sent": sent, "took": took}
-
-
-def spin(executor: EventsExecutor, seconds: float) -> None:
-    """Serve callbacks for a while."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        executor.spin_once(timeout_sec=0.1)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import signal
 import sys
 from contextlib import ExitStack
 
@@ -208,8 +209,9 @@ def stuck(control_msgs, domain):
     from trunk_ros.nodes.messages import joint_state
     from trunk_ros.nodes.ros import JointState
 
-    with running("compensator", domain=domain):
+    with running("compensator", domain=domain) as process:
         client = Client(domain)
+        client.process = process
         outs = [
             client.peer.publisher(JointState, topic) for topic in ("trunk/gearbox_states", "joint_states")
         ]
@@ -249,3 +251,15 @@ def test_without_gearbox_states_the_arm_holds_and_the_goal_is_given_up(stuck):
     assert "no trunk/gearbox_states" in result.error_string
     assert stuck.rests()
     assert stuck.references[-1].position[0] < 0.2
+
+
+def test_a_goal_under_way_is_told_that_the_compensator_ends(stuck):
+    handle = stuck.send([0.3] * 5, 60.0)
+    stuck.moving()
+    waited = handle.get_result_async()
+    stuck.peer.spin(0.2)
+    stuck.process.send_signal(signal.SIGINT)
+    stuck.peer.until(waited.done)
+    assert waited.result().status == ABORTED
+    assert "was deactivated" in waited.result().result.error_string
+    stuck.peer.until(lambda: stuck.process.poll() == 0)

@@ -1,5 +1,6 @@
 """compensator over DDS: trajectories, foreign references, models that change while it runs."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -123,6 +124,27 @@ def test_a_model_is_swapped_without_a_jump_and_another_arms_is_refused(domain, p
         path = np.array([message.position for message in graph.setpoints])
         since = np.argmax((path == before).all(axis=1))
         assert np.abs(np.diff(path[since:], axis=0)).max() < 3e-3
+
+
+def test_a_state_stamped_by_another_clock_counts_from_its_arrival(domain, peer, graph):
+    from trunk_ros.nodes.messages import joint_state, nanoseconds
+    from trunk_ros.nodes.ros import JointState, JointTrajectoryControllerState
+
+    hour = 3600 * 10**9
+    topic = "trunk/controller_state" + ("" if JointTrajectoryControllerState else "/feedback")
+    shown = peer.listen(JointTrajectoryControllerState or JointState, topic)
+    joints = peer.publisher(JointState, "joint_states")
+    with running("compensator", domain=domain):
+        peer.until(lambda: graph.ready() and joints.get_subscription_count())
+        graph.ask([0.0] * 5)
+        peer.until(lambda: graph.setpoints)
+        peer.until(
+            lambda: (
+                joints.publish(joint_state(time.time_ns() - hour, JOINTS, np.full(5, 0.25)))
+                or "off the clock; taken as now" in words(graph.said, "compensator")
+            )
+        )
+    assert min(nanoseconds(message.header.stamp) for message in shown) > time.time_ns() - hour // 2
 
 
 def test_a_params_file_is_the_complete_model(domain, peer, graph, tmp_path):

@@ -2,12 +2,14 @@
 
 import os
 import signal
+import time
 from contextlib import ExitStack
 
 import numpy as np
 import pytest
 
 from test.nodes.graph import JOINTS, needs_ros, running, words
+from trunk_ros.model import load_model
 
 pytestmark = needs_ros
 
@@ -165,7 +167,6 @@ def test_a_compensator_whose_model_is_of_another_arm_refuses_to_move_it(
 ):
     from dataclasses import replace
 
-    from trunk_ros.model import load_model
     from trunk_ros.nodes.qos import LATCHED
     from trunk_ros.nodes.ros import String
     from trunk_ros.urdf import urdf
@@ -200,6 +201,35 @@ def test_an_arm_that_does_not_say_where_it_stands_is_not_moved(domain, peer, end
         ends.go(0.1, 0.5)
         peer.until(lambda: ends.setpoints)
     np.testing.assert_allclose(ends.setpoints[0].position, 0.2, atol=1e-3)
+
+
+def test_an_arm_that_shows_late_where_it_stands_is_led_from_there(domain, peer):
+    from trunk_ros.nodes.messages import joint_state
+    from trunk_ros.nodes.ros import DiagnosticArray, JointState
+
+    reference, setpoints = (
+        peer.publisher(JointState, "trunk/reference"),
+        peer.listen(JointState, "trunk/setpoints"),
+    )
+    said = peer.listen(DiagnosticArray, "diagnostics")
+    with running("compensator", "--ros-args", "-p", "patience:=60.0", domain=domain):
+        peer.until(lambda: reference.get_subscription_count())
+        reference.publish(joint_state(0, JOINTS, np.full(5, 0.1)))
+        peer.until(lambda: len(setpoints) > 5)  # nobody says where the arm stands: it is taken to stand at 0
+        gearbox = peer.publisher(JointState, "trunk/gearbox_states")
+        peer.until(gearbox.get_subscription_count)
+        gearbox.publish(joint_state(time.time_ns(), JOINTS, np.full(5, -0.5)))
+        peer.until(lambda: setpoints[-1].position[0] < 0)
+        while "starting anew from there" not in words(said, "compensator"):
+            gearbox.publish(joint_state(time.time_ns(), JOINTS, np.array(setpoints[-1].position)))
+            peer.spin(0.01)
+    path = np.array([message.position for message in setpoints])
+    at = np.array([message.header.stamp.sec + message.header.stamp.nanosec * 1e-9 for message in setpoints])
+    anew = int(np.argmax(path[:, 0] < 0))
+    np.testing.assert_allclose(path[anew], -0.5, atol=0.02)
+    top_speed = load_model("trunk").arm.v_max
+    moved = np.abs(np.diff(path[anew:], axis=0)).max(axis=1)
+    assert (moved <= top_speed * np.diff(at[anew:]) + 1e-6).all()
 
 
 def test_a_compensator_that_was_deactivated_starts_anew_from_where_the_arm_stands(domain, peer, ends):

@@ -160,6 +160,25 @@ def test_messages_of_a_mebibyte_are_kept_byte_for_byte(recorder):
     assert [raw[8:-1].decode() for raw in bag_messages(path)["/large"]] == texts
 
 
+def test_while_the_clock_has_not_begun_messages_wait_in_the_room_there_is(domain, peer, tmp_path):
+    from trunk_ros.nodes.ros import String
+
+    path, count, size = tmp_path / "bag", 30, 10_000
+    given = ("-p", f"output:={path}", "-p", "use_sim_time:=true", "-p", "buffer_size:=0.1")
+    with running("recorder", "--ros-args", *given, domain=domain) as process:
+        out = peer.publisher(String, "large")
+        peer.until(heard(out))
+        for number in range(count):
+            out.publish(String(data=f"{number:02}" * (size // 2)))
+            peer.spin(0.01)
+        assert ended(process, signal.SIGINT)[0] == 0
+    kept = [int(raw[8:10]) for raw in bag_messages(path)["/large"]]
+    room = int(0.1 * (1 << 20)) // size
+    assert kept == list(range(room))
+    loss = json.loads(read_metadata(path).custom["trunk_ros.loss"])["/large"]
+    assert (loss["received"], loss["lost"], loss["dropped"]) == (count, 0, count - room)
+
+
 def test_a_second_recorder_on_the_same_folder_is_refused(recorder):
     process, path, peer = recorder
     peer.until(lambda: list(path.glob("*.mcap")))

@@ -1,7 +1,9 @@
 """replay over DDS."""
 
 import signal
+import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -87,6 +89,19 @@ def test_step_by_step_each_line_gives_one_message(domain, peer, bag):
         peer.until(lambda: gearbox)
         peer.spin(0.5)
         assert len(gearbox) == 3
+
+
+def test_steps_asked_for_from_two_sides_at_once_all_count(monkeypatch):
+    from trunk_ros.nodes.replay import Replay, read_steps
+
+    node, each = SimpleNamespace(steps=threading.Semaphore(0)), 2000
+    monkeypatch.setattr("sys.stdin", ["\n"] * each)
+    reader = threading.Thread(target=read_steps, args=[node])
+    reader.start()
+    for _ in range(each):
+        assert Replay.on_step(node, None, SimpleNamespace()).success
+    reader.join()
+    assert sum(node.steps.acquire(blocking=False) for _ in range(3 * each)) == 2 * each
 
 
 @pytest.mark.parametrize(

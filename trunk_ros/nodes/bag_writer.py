@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from trunk_ros.errors import ArgumentError
 from trunk_ros.nodes.bag_folder import create_folder
@@ -54,8 +54,7 @@ class Channel:
     written_qos: list[dict[str, Any]] | None = None
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """One message on its way to the disk."""
 
     channel: Channel

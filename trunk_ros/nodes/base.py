@@ -28,6 +28,8 @@ from trunk_ros.nodes.streams import DEPTH, StreamNode
 
 PROGRESS_TOPIC = "trunk/_progress"  # hidden: only listened to by the bringup that started the node
 
+WATCH = SECOND // 20  # ns between two steps of a loop that only looks after health
+
 DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
 
 COMMON = (
@@ -48,19 +50,23 @@ class TrunkNode(StreamNode):
     NAME = "node"
     OWN: tuple[Declaration, ...] = ()
     needs_model = True
+    idle = False  # nothing to do in the loop of real time: the node acts on what arrives
     model: Model
 
     def __init__(self, **options: Any):
         """``options`` are those of rclpy's Node. Raises TrunkError for parameters that make no sense."""
         super().__init__(self.NAME, **options)
+        self._values: dict[str, Any] = {}
+        self.add_post_set_parameters_callback(lambda _: self._values.clear())
         for declaration in (*COMMON, *self.OWN):
             parameters.declare(self, declaration)
         if self.needs_model:
             self.model = parameters.declare_model(self)
         for line in parameters.unknown(self):
             self.get_logger().warning(line)
-        self.period = round(SECOND / self.value("rate"))
         self.simulated = bool(self.value("use_sim_time"))
+        period = round(SECOND / self.value("rate"))
+        self.period = max(period, WATCH) if self.idle and not self.simulated else period
         self.fault = ""
         self.crash: Exception | None = None
         self._last = -1
@@ -68,7 +74,9 @@ class TrunkNode(StreamNode):
 
     def value(self, name: str) -> Any:
         """A parameter's value."""
-        return self.get_parameter(name).value
+        if name not in self._values:
+            self._values[name] = self.get_parameter(name).value
+        return self._values[name]
 
     # What a subclass does
 
@@ -160,6 +168,12 @@ class TrunkNode(StreamNode):
             if not succeeded:
                 raise TrunkError(f"{self.get_name()}: {self.fault or 'the node could not be started'}")
 
+    def retire(self) -> None:
+        """Stop acting before the end; who waits for the node is told while the executor is still served."""
+        if self.active:
+            self.active = False
+            self._uncrashed(self.halt)
+
     def end(self) -> None:
         """Let the last messages arrive and let go of everything, from any state."""
         self.active = False
@@ -207,8 +221,7 @@ class TrunkNode(StreamNode):
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop acting; the arm holds."""
-        self.active = False
-        self._uncrashed(self.halt)
+        self.retire()
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:

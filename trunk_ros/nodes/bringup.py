@@ -60,6 +60,8 @@ def make_pacer(plan: Plan) -> Any:
 
 def run_together(plan: Plan, stop: Any) -> str:
     """All nodes in this process; returns why it ended early, "" otherwise."""
+    from trunk_ros.nodes.base import DELIVERY
+    from trunk_ros.nodes.process import serve_for
     from trunk_ros.nodes.ros import EventsExecutor
 
     make_room(plan)
@@ -74,6 +76,10 @@ def run_together(plan: Plan, stop: Any) -> str:
             nodes[part].start()
             executor.add_node(nodes[part])
         pump(executor, pacer, stop, lambda: first_fault(nodes), lambda: pacer.phase == "done")
+        for part in CHAIN:
+            if part in nodes:
+                nodes[part].retire()
+        serve_for(DELIVERY, executor, pacer)
     finally:
         for part in [*CHAIN, "recorder"]:
             if part in nodes:
@@ -134,9 +140,14 @@ def recorder_of(pacer: Any) -> list[str]:
 
 def pump(executor: Any, pacer: Any, stop: Any, trouble: Callable[[], str], over: Callable[[], bool]) -> None:
     """Serve callbacks until it is over, somebody asks to end, or something is wrong."""
-    while not over() and not stop.asked and not pacer.fault:
-        executor.spin_once(timeout_sec=0.1)
+    from trunk_ros.nodes.process import serve
+
+    def ended() -> bool:
         pacer.fault = pacer.fault or trouble()
+        return bool(over() or stop.asked or pacer.fault)
+
+    if not ended():
+        serve(executor, pacer, ended)
 
 
 def make_room(plan: Plan) -> None:

@@ -96,7 +96,7 @@ class SimulatedBus:
             return torque
         wire = self.arm.wire
         friction = wire.pull_tension * (1 - wire.efficiency) * wire.shaft_radius
-        return torque + friction * np.clip(speed / SLOW, -1.0, 1.0)
+        return torque + friction * between(speed / SLOW, -1.0, 1.0)
 
 
 def bus_of(name: str, model: Model) -> Bus:
@@ -113,6 +113,11 @@ def bus_of(name: str, model: Model) -> Bus:
         raise ArgumentError(f"bus {name!r} is neither {SIMULATED} nor MODULE:CLASS: {error}") from None
     bus: Bus = made(model)
     return bus
+
+
+def between(values: Array, lower: Array | float, upper: Array | float) -> Array:
+    """What np.clip does, in a third of its time for a handful of joints."""
+    return np.asarray(np.minimum(np.maximum(values, lower), upper))
 
 
 def gearbox_limits(arm: Arm) -> tuple[Array, Array]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from trunk_ros.chain import Chain, State
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
-from trunk_ros.nodes.bus import gearbox_limits
+from trunk_ros.nodes.bus import between, gearbox_limits
 from trunk_ros.trajectory import Array
 
 NUDGE = 1e-4  # rad, tells a new model in which direction a joint came
@@ -33,7 +35,7 @@ class Compensation:
         self.model = model
         self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
-        self.top_speed = slowest(model)
+        self.top_speed, self.gain = slowest(model), position_gain(model)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 
@@ -60,7 +62,7 @@ class Compensation:
         later = max(dt - STEP, 0.0) / 2
         travelled = later * (velocity + acceleration * later / 2)
         tau_v = self.model.arm.tau_v
-        return travelled + (velocity + (later + tau_v) * acceleration) / position_gain(self.model)
+        return travelled + (velocity + (later + tau_v) * acceleration) / self.gain
 
     def step(self, reference: Array, dt: float) -> Array:
         """The setpoint for ``dt`` s after the last one. ``limited`` tells which joints a limit held back."""
@@ -70,11 +72,10 @@ class Compensation:
         if self._fresh:
             self._fade, self._fresh = self.out - wanted, False
         else:
-            self._fade = self._fade * np.exp(-dt / FADE)
+            self._fade = self._fade * math.exp(-dt / FADE)
         target = wanted + self._fade
-        inside = np.clip(target, self.lower, self.upper)
         reach = self.top_speed * dt
-        self.out = self.out + np.clip(inside - self.out, -reach, reach)
+        self.out = self.out + between(between(target, self.lower, self.upper) - self.out, -reach, reach)
         self.limited = (np.abs(self.out - target) > 1e-12) | self._clipped
         return self.out
 
@@ -82,7 +83,7 @@ class Compensation:
         """What the inverse alone asks for, with memory of direction."""
         arm = self.model.arm
         self._time += dt
-        allowed = np.clip(reference, arm.lower, arm.upper)
+        allowed = between(reference, arm.lower, arm.upper)
         self._clipped = allowed != reference
         steady = self._steady(allowed)
         (wanted,), self._state = self.chain.invert(steady[None], np.array([self._time]), self._state)

@@ -16,7 +16,7 @@ from trunk_ros.nodes.controller_state import ControllerState
 from trunk_ros.nodes.follower import Follower, limits_of
 from trunk_ros.nodes.foreign import ForeignReference
 from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, state_of, trajectory_of
+from trunk_ros.nodes.messages import SECOND, nanoseconds, state_of, trajectory_of
 from trunk_ros.nodes.model_swap import ModelSwap, check_description
 from trunk_ros.nodes.observation import Observation
 from trunk_ros.nodes.process import run_node
@@ -25,6 +25,7 @@ from trunk_ros.nodes.slow_feedback import Settings
 from trunk_ros.trajectory import Array
 
 LONGEST_STEP = 0.1  # s that the output may move on after a pause
+ELSEWHERE = 0.02  # rad at the gearbox between where an arm was sent unseen and where it then shows to be
 
 
 class Compensator(TrunkNode):
@@ -44,6 +45,7 @@ class Compensator(TrunkNode):
         self.foreign: Array | None = None
         self.waiting: Any = None
         self.since: int | None = None
+        self.blind = False
         self.foreign_reference = ForeignReference(self.model.arm)
         self.observation = Observation(self.model, self.simulated)
         self.gearbox_matcher, self.joints_matcher = JointMatcher(self.joints), JointMatcher(self.joints)
@@ -55,8 +57,8 @@ class Compensator(TrunkNode):
         timeout = self.value("timeout")
         self.gearbox_stream = self.watch("trunk/gearbox_states", timeout)
         self.joints_stream = self.watch("joint_states", timeout)
-        self.publish_reference = self.publish_on(JointState, "trunk/reference")
-        self.publish_setpoints = self.publish_on(JointState, "trunk/setpoints")
+        self.publish_reference = self.joint_states_on("trunk/reference", self.joints)
+        self.publish_setpoints = self.joint_states_on("trunk/setpoints", self.joints)
         self.shown = ControllerState(self, self.joints, self.value("state_rate"))
         self.listen_to(JointTrajectory, "trunk/joint_trajectory", self.on_trajectory)
         self.listen_to(JointState, "trunk/reference", self.on_reference, raw=True)
@@ -118,7 +120,8 @@ class Compensator(TrunkNode):
         if message is None:
             return
         given = self.foreign_reference.position(message)
-        self.arrived(self.watch("trunk/reference", self.value("timeout")), message)
+        stream = self.watch("trunk/reference", self.value("timeout"))
+        self.heard(stream, nanoseconds(message.header.stamp))
         for oddity in self.foreign_reference.matcher.oddities():
             self.health.note(oddity)
         held = self.reference_now()
@@ -138,6 +141,8 @@ class Compensator(TrunkNode):
         if self.health.fault or (self.compensation is None and not self.begin_when_known(now)):
             return
         assert self.compensation is not None
+        if self.blind and not self.seen(now):
+            return
         dt = min(max((now - self.since) / SECOND, 0.0), LONGEST_STEP) if self.since is not None else 0.0
         self.since = now
         reference, velocity, acceleration = self.sample(now)
@@ -147,7 +152,7 @@ class Compensator(TrunkNode):
         if self.compensation.limited.any():
             held_back = self.joints[int(np.argmax(self.compensation.limited))]
             self.health.note(f"held back at a limit: {held_back}", level=0)
-        self.publish_setpoints(joint_state(now, self.joints, out))
+        self.publish_setpoints(now, out)
         stamp, wanted, actual = self.observation.compared(now, not self.joints_stream.stale(now))
         self.shown.tick(stamp, wanted, actual, out)
         if self.action is not None:
@@ -156,7 +161,7 @@ class Compensator(TrunkNode):
     def correction(self, now: int, reference: Array, dt: float) -> Array:
         """What the slow feedback adds to the reference (joints,) rad."""
         assert self.compensation is not None
-        settings = Settings(*(self.value(each.name) for each in FEEDBACK))
+        settings = Settings(*[self.value(each.name) for each in FEEDBACK])
         fresh, limited = not self.joints_stream.stale(now), self.compensation.limited
         return self.observation.correction(now, fresh, settings, reference, limited, dt)
 
@@ -173,10 +178,24 @@ class Compensator(TrunkNode):
             self.health.note("refused: trunk/gearbox_states do not say where all joints stand")
         return False
 
+    def seen(self, now: int) -> bool:
+        """Whether an arm that was taken to stand at 0 may be moved: nobody is there to say where it stands,
+        or somebody has. Where it stands elsewhere than it was asked to, all starts anew from there.
+        """
+        stands = self.observation.stands(now)
+        if stands is None:
+            return not self.count_publishers("trunk/gearbox_states")
+        out, self.blind = self.compensation.out if self.compensation else None, False
+        if out is None or np.abs(stands - out).max() > ELSEWHERE:
+            self.health.note("the arm stands elsewhere than was thought: starting anew from there")
+            self.begin(now)
+        return True
+
     def begin(self, now: int) -> None:
         """Start from where the arm stands, at 0 where that is not known."""
         self.since = None
         stands = self.observation.stands(now)
+        self.blind = stands is None
         self.compensation = Compensation(self.model, self.value("reversal"), stands)
         start = self.compensation.joint_angle(np.zeros(len(self.joints)) if stands is None else stands)
         self.follower = Follower(
@@ -200,9 +219,8 @@ class Compensator(TrunkNode):
             rest = np.zeros(len(self.joints))
             return self.follower.position, rest, rest
         position, velocity, acceleration = self.follower.sample(now / SECOND)
-        message = joint_state(now, self.joints, position, velocity)
-        self.foreign_reference.sent(message)
-        self.publish_reference(message)
+        self.foreign_reference.sent(now)
+        self.publish_reference(now, position, velocity)
         return position, velocity, acceleration
 
     # What stops it

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections import deque
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.nodes.joints import JointMatcher, MessageError
+from trunk_ros.nodes.messages import SECOND
 from trunk_ros.nodes.ros import JointState, deserialize_message
 from trunk_ros.trajectory import Array
 
@@ -23,12 +23,14 @@ class ForeignReference:
     def __init__(self, arm: Arm):
         self.arm = arm
         self.matcher = JointMatcher(arm.joints)
-        self._ours: deque[bytes] = deque(maxlen=REMEMBERED)
+        self._ours: dict[bytes, None] = {}
 
-    def sent(self, message: Any) -> None:
-        """Note one of our own."""
-        stamp = message.header.stamp
-        self._ours.append(stamp.sec.to_bytes(4, "little") + stamp.nanosec.to_bytes(4, "little"))
+    def sent(self, ns: int) -> None:
+        """Note the stamp of one of our own."""
+        seconds, rest = divmod(ns, SECOND)
+        self._ours[seconds.to_bytes(4, "little") + rest.to_bytes(4, "little")] = None
+        if len(self._ours) > REMEMBERED:
+            del self._ours[next(iter(self._ours))]
 
     def message(self, raw: bytes) -> Any:
         """The message, None where it is our own."""

@@ -25,14 +25,15 @@ class JointMatcher:
         self.unknown: tuple[str, ...] = ()
         self.missing: tuple[str, ...] = ()
         self._names: list[str] | None = None
+        self._as_is = False
         self._from: list[int] = []
         self._to: list[int] = []
 
     def match(self, names: Sequence[str]) -> None:
         """Prepare for messages with these names. Raises MessageError where one comes twice or none fits."""
-        names = list(names)
         if names == self._names:
             return
+        names = list(names)
         if len(set(names)) != len(names):
             raise MessageError(f"a joint is named twice: {', '.join(names)}")
         known = [name for name in names if name in self.joints]
@@ -42,7 +43,7 @@ class JointMatcher:
         self.missing = tuple(joint for joint in self.joints if joint not in names)
         self._from = [names.index(name) for name in known]
         self._to = [self.joints.index(name) for name in known]
-        self._names = names
+        self._names, self._as_is = names, tuple(names) == self.joints
 
     def gather(self, names: Sequence[str], values: Sequence[float]) -> Array:
         """Values (joints,) in the arm's order, NaN where the message has none; a field may be empty.
@@ -50,11 +51,13 @@ class JointMatcher:
         Raises MessageError where names and values do not go together.
         """
         self.match(names)
-        out = np.full(len(self.joints), np.nan)
         if not len(values):
-            return out
+            return np.full(len(self.joints), np.nan)
         if len(values) != len(names):
             raise MessageError(f"{len(names)} names but {len(values)} values")
+        if self._as_is:
+            return np.array(values, dtype=float)
+        out = np.full(len(self.joints), np.nan)
         out[self._to] = np.asarray(values, dtype=float)[self._from]
         return out
 

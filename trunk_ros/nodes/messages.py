@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Sequence
 from typing import Any
@@ -10,10 +11,11 @@ import numpy as np
 
 from trunk_ros.nodes.goal import State
 from trunk_ros.nodes.joints import JointMatcher
-from trunk_ros.nodes.ros import JointState, JointTrajectory, JointTrajectoryPoint, PoseStamped, Time
+from trunk_ros.nodes.ros import JointState, JointTrajectory, JointTrajectoryPoint, Time
 from trunk_ros.trajectory import Array, Trajectory, TrajectoryError
 
 SECOND = 1_000_000_000
+NONE = array("d")
 
 
 def nanoseconds(stamp: Any) -> int:
@@ -23,21 +25,30 @@ def nanoseconds(stamp: Any) -> int:
 
 def time_message(ns: int) -> Any:
     """The stamp message of a time in ns."""
-    return Time(sec=ns // SECOND, nanosec=ns % SECOND)
+    return set_time(Time(), ns)
+
+
+def set_time(stamp: Any, ns: int) -> Any:
+    """Set a stamp message to a time in ns."""
+    stamp.sec, stamp.nanosec = divmod(ns, SECOND)
+    return stamp
 
 
 def joint_state(
     ns: int, names: Sequence[str], position: Array, velocity: Array | None = None, effort: Array | None = None
 ) -> Any:
     """A JointState of (joints,) arrays; what is None stays empty."""
-    message = JointState()
-    message.header.stamp = time_message(ns)
-    message.name = list(names)
+    return fill(JointState(name=list(names)), ns, position, velocity, effort)
+
+
+def fill(
+    message: Any, ns: int, position: Array, velocity: Array | None = None, effort: Array | None = None
+) -> Any:
+    """Put stamp and (joints,) arrays into a JointState, whose names stay; what is None becomes empty."""
+    set_time(message.header.stamp, ns)
     message.position = doubles(position)
-    if velocity is not None:
-        message.velocity = doubles(velocity)
-    if effort is not None:
-        message.effort = doubles(effort)
+    message.velocity = NONE if velocity is None else doubles(velocity)
+    message.effort = NONE if effort is None else doubles(effort)
     return message
 
 
@@ -52,7 +63,8 @@ def state_of(message: Any, matcher: JointMatcher) -> State:
     Raises MessageError where names and values do not go together.
     """
     position = matcher.gather(message.name, message.position)
-    return State(position, np.nan_to_num(matcher.gather(message.name, message.velocity)))
+    velocity = matcher.gather(message.name, message.velocity)
+    return State(position, np.where(np.isfinite(velocity), velocity, 0.0))
 
 
 def point(state: State) -> Any:
@@ -60,14 +72,13 @@ def point(state: State) -> Any:
     return JointTrajectoryPoint(positions=doubles(state.position), velocities=doubles(state.velocity))
 
 
-def pose(ns: int, frame: str, tip: Array) -> Any:
-    """PoseStamped of a tip (3,): y m, z m, roll rad about X."""
-    message = PoseStamped()
-    message.header.stamp = time_message(ns)
+def fill_pose(message: Any, ns: int, frame: str, tip: Array) -> Any:
+    """Put a tip (3,), y m, z m, roll rad about X, into a PoseStamped."""
+    set_time(message.header.stamp, ns)
     message.header.frame_id = frame
-    message.pose.position.y, message.pose.position.z = float(tip[0]), float(tip[1])
-    message.pose.orientation.x = float(np.sin(tip[2] / 2))
-    message.pose.orientation.w = float(np.cos(tip[2] / 2))
+    y, z, roll = tip.tolist()
+    message.pose.position.y, message.pose.position.z = y, z
+    message.pose.orientation.x, message.pose.orientation.w = math.sin(roll / 2), math.cos(roll / 2)
     return message
 
 

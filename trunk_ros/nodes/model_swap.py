@@ -47,8 +47,10 @@ class ModelSwap:
         """Let the other parameters show the model that ``model`` has loaded."""
         if not self.describing and any(change.name == parameters.MODEL.name for change in changes):
             self.describing = True
-            parameters.describe_model(self.node, self.node.model)
-            self.describing = False
+            try:
+                parameters.describe_model(self.node, self.node.model)
+            finally:
+                self.describing = False
 
     def _changed(self, changes: dict[str, Any]) -> Model | None:
         """The model that changed parameters describe, None where they are not about it. Raises TrunkError."""

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import signal
 import sys
+import time
+from collections.abc import Callable
 from typing import Any
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes import parameters
-from trunk_ros.nodes.base import COMMON, TrunkNode
-from trunk_ros.nodes.ros import EventsExecutor, SignalHandlerOptions, rclpy
+from trunk_ros.nodes.base import COMMON, DELIVERY, TrunkNode, steady_clock
+from trunk_ros.nodes.ros import EventsExecutor, Future, SignalHandlerOptions, rclpy
+
+MOMENT = 0.05  # s after which it is noticed that somebody asks to end
+LONG = 1e5  # s; without a timeout the events executor does not see that the future is done, and while
+# callbacks queue up it sees no timeout
 
 
 class Stop:
@@ -37,14 +43,37 @@ def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
             node.start()
         executor = EventsExecutor()
         executor.add_node(node)
-        while not stop.asked and not node.fault:
-            executor.spin_once(timeout_sec=0.1)
+        serve(executor, node, lambda: stop.asked or node.fault)
+        node.retire()
+        serve_for(DELIVERY, executor, node)
         node.end()
         if node.fault:
             raise TrunkError(f"{node.get_name()}: {node.fault}")
     finally:
         rclpy.try_shutdown()
     return 0
+
+
+def serve(executor: Any, node: Any, over: Callable[[], Any]) -> None:
+    """Serve callbacks until it is over, as a timer of ``node`` finds: cheaper than to look after each."""
+    ended = Future()
+
+    def look() -> None:
+        if over() and not ended.done():
+            ended.set_result(None)
+
+    timer = node.create_timer(MOMENT, look, clock=steady_clock())
+    try:
+        while not ended.done():
+            executor.spin_until_future_complete(ended, timeout_sec=LONG)
+    finally:
+        node.destroy_timer(timer)
+
+
+def serve_for(seconds: float, executor: Any, node: Any) -> None:
+    """Serve callbacks for a while."""
+    end = time.monotonic() + seconds
+    serve(executor, node, lambda: time.monotonic() > end)
 
 
 def usage(kind: type[TrunkNode]) -> str:

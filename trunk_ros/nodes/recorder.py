@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import replace
 from typing import Any
 
 from trunk_ros.errors import TrunkError
@@ -22,7 +21,7 @@ from trunk_ros.nodes.run_notes import WallClock, manifest
 
 LOOK = 0.1  # s between two looks at the graph
 TURNS = 20  # looks after which a topic's publishers are asked for their QoS again
-TAKE = 0.004  # s between two looks for messages
+TAKE = 0.01  # s between two looks for messages
 AT_ONCE = 2000  # messages of one topic taken before the next topic has its turn
 QUIET = 10  # empty looks after which everything has arrived
 LAST = 1.0  # s after which no more is waited for
@@ -33,6 +32,7 @@ class Recorder(TrunkNode):
 
     NAME = "recorder"
     needs_model = False
+    idle = True
     recording = False
     OWN = PARAMETERS
 
@@ -44,6 +44,7 @@ class Recorder(TrunkNode):
         self.looks = 0
         self.refused: dict[str, str] = {}
         self.early: list[Entry] = []
+        self.early_bytes, self.room = 0, options.buffer_bytes
         self.wall = WallClock()
         self.ending = 0
         self.writer: BagWriter | None = BagWriter(
@@ -157,20 +158,31 @@ class Recorder(TrunkNode):
         at, source = (self.now(), self.now()) if self.simulated else (arrival, sent)
         entry = Entry(ear.channel, at, source, number, data)
         if at < 0:
-            self.early.append(entry)
+            self.await_clock(ear, entry)
             return
-        self.file_early()
+        if self.early:
+            self.file_early()
         if not self.writer.put(entry):
             ear.tally.dropped += 1
             self.health.note(f"no room for messages of {ear.channel.name}: the disk is too slow")
+
+    def await_clock(self, ear: Ear, entry: Entry) -> None:
+        """Keep a message until the clock begins, as far as there is room."""
+        if self.early_bytes + len(entry.data) > self.room:
+            ear.tally.dropped += 1
+            self.health.note(f"no room for messages of {ear.channel.name}: no /clock yet")
+            return
+        self.early_bytes += len(entry.data)
+        self.early.append(entry)
 
     def file_early(self) -> None:
         """File what waited for the clock, at the time that it shows now."""
         now = max(self.now(), 0)
         for entry in self.early:
             assert self.writer is not None
-            self.writer.put(replace(entry, log_ns=now, publish_ns=now))
+            self.writer.put(entry._replace(log_ns=now, publish_ns=now))
         self.early.clear()
+        self.early_bytes = 0
 
     # Saying and ending
 

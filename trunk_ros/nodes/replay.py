@@ -39,7 +39,8 @@ class Replay(TrunkNode):
     def prepare(self, given: argparse.Namespace, topics: list[Topic]) -> None:
         """Create publishers and services. Raises TrunkError where no topic is left."""
         self.given = given
-        self.paused, self.steps, self.count = given.paused or given.step, 0, 0
+        self.paused, self.count = given.paused or given.step, 0
+        self.steps = threading.Semaphore(0)  # two threads ask for steps
         names = renamed(given.remap)
         self.outlets: dict[str, Any] = {}
         for topic in topics:
@@ -60,7 +61,7 @@ class Replay(TrunkNode):
 
     def on_step(self, request: Any, response: Any) -> Any:
         """Publish one more message."""
-        self.steps += 1
+        self.steps.release()
         response.success = True
         return response
 
@@ -131,8 +132,7 @@ class Player:
         """Whether a message of bag time ``at`` [ns] is due; serves callbacks for a moment where it is not."""
         if self.node.paused:
             self.anchor = None
-            if self.node.steps:
-                self.node.steps -= 1
+            if self.node.steps.acquire(blocking=False):
                 return True
             self.executor.spin_once(timeout_sec=0.02)
             return False
@@ -227,4 +227,4 @@ def play(given: argparse.Namespace, bag: BagSource, topics: list[Topic], stop: S
 def read_steps(node: Replay) -> None:
     """A step for each line on the standard input."""
     for _ in sys.stdin:
-        node.steps += 1
+        node.steps.release()

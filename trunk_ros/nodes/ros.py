@@ -44,6 +44,7 @@ try:
     )
     from rclpy.serialization import deserialize_message
     from rclpy.signals import SignalHandlerOptions
+    from rclpy.task import Future
     from rosgraph_msgs.msg import Clock
     from sensor_msgs.msg import JointState
     from std_msgs.msg import String
@@ -72,6 +73,7 @@ __all__ = [
     "EventsExecutor",
     "FloatingPointRange",
     "FollowJointTrajectory",
+    "Future",
     "GoalResponse",
     "HistoryPolicy",
     "JointState",

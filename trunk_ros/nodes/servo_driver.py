@@ -11,12 +11,10 @@ from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.bus import SIMULATED, Bus, bus_of, gearbox_limits
 from trunk_ros.nodes.elapsed import Elapsed
 from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds
 from trunk_ros.nodes.process import run_node
 from trunk_ros.nodes.ros import JointState
 from trunk_ros.trajectory import Array
 
-NEAR = SECOND  # ns; a stamp further off than this is of another clock
 ROUNDING = 1e-9  # rad
 
 
@@ -46,18 +44,18 @@ class ServoDriver(TrunkNode):
         self.shaft: Array | None = None
         self.elapsed = Elapsed()
         self.setpoints = self.watch("trunk/setpoints", self.value("timeout"))
-        self.publish_state = self.publish_on(JointState, "trunk/gearbox_states")
+        self.publish_state = self.joint_states_on("trunk/gearbox_states", self.joints)
         self.listen_to(JointState, "trunk/setpoints", self.on_setpoints)
 
     def tick(self, now: int) -> None:
         """Read the shafts and publish."""
         sample = self.bus.read(self.elapsed.at(now))
         self.shaft = sample.position
-        self.publish_state(joint_state(now, self.joints, sample.position, sample.velocity, sample.effort))
+        self.publish_state(now, sample.position, sample.velocity, sample.effort)
 
     def on_setpoints(self, message: Any) -> None:
         """Check a setpoint and hand it on. Raises MessageError where it is refused."""
-        self.arrived(self.setpoints, message)
+        stamp = self.arrived(self.setpoints, message)
         given = self.matcher.gather(message.name, message.position)
         for oddity in self.matcher.oddities():
             self.health.note(oddity)
@@ -65,7 +63,7 @@ class ServoDriver(TrunkNode):
         setpoint = given if named.all() else np.where(named, given, self.last_setpoint())
         self.check(setpoint)
         self.asked = setpoint
-        self.bus.write(setpoint, self.elapsed.of(self.begin(nanoseconds(message.header.stamp))))
+        self.bus.write(setpoint, self.elapsed.of(stamp))
 
     def _given(self, given: Array, message: Any) -> Any:
         """Which joints the message speaks of. Raises MessageError for a value that is no number."""
@@ -94,14 +92,6 @@ class ServoDriver(TrunkNode):
                 f"setpoint refused: {self.joints[j]} at {setpoint[j]:.4f} rad is outside "
                 f"{self.lower[j]:.4f} ... {self.upper[j]:.4f}; holding the last safe one"
             )
-
-    def begin(self, stamp: int) -> int:
-        """When [ns] a setpoint acts from: its stamp, or now where that is missing or of another clock."""
-        now = self.now()
-        if stamp and abs(stamp - now) > NEAR:
-            self.health.note("a setpoint's stamp is more than a second off the clock; taken as now")
-            return now
-        return stamp or now
 
     def release(self) -> None:
         """Close the bus."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.health import Health, Stream
-from trunk_ros.nodes.messages import nanoseconds
+from trunk_ros.nodes.joint_state_reader import JointStateReader
+from trunk_ros.nodes.messages import SECOND, fill, nanoseconds
 from trunk_ros.nodes.progress import Listener, Progress
 from trunk_ros.nodes.qos import LATCHED
-from trunk_ros.nodes.ros import LifecycleNode
+from trunk_ros.nodes.ros import JointState, LifecycleNode
+
+NEAR = SECOND  # ns; a stamp further off than this is of another clock
 
 DEPTH = 200  # messages that a slow partner may be behind
 
@@ -46,26 +49,46 @@ class StreamNode(LifecycleNode):
 
         return publish
 
+    def joint_states_on(self, topic: str, names: Sequence[str]) -> Callable[..., None]:
+        """Create a publisher of JointStates; returns a function of what ``fill`` takes after the message.
+
+        One message serves for all: publishing copies it.
+        """
+        publish, message = self.publish_on(JointState, topic), JointState(name=list(names))
+        return lambda ns, *arrays: publish(fill(message, ns, *arrays))
+
     def listen_to(self, kind: Any, topic: str, callback: Callable[[Any], None], raw: bool = False) -> None:
-        """Subscribe and count; a TrunkError of the callback goes to diagnostics and the node goes on."""
+        """Subscribe and count; a TrunkError of the callback goes to diagnostics and the node goes on.
 
-        def if_active(message: Any) -> None:
-            if self.active:
-                callback(message)
-
-        self._listen(kind, topic, if_active, DEPTH, raw)
+        A JointState is valid until the next one: its message is reused.
+        """
+        if kind is not JointState or raw:
+            self._listen(kind, topic, callback, DEPTH, raw)
+            return
+        read = JointStateReader().read
+        self._listen(kind, topic, lambda data: callback(read(data)), DEPTH, raw=True)
 
     def listen_latched(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> None:
         """Subscribe to a topic that keeps its last message for latecomers; heard before activation too."""
-        self._listen(kind, topic, callback, LATCHED, raw=False)
+        self._listen(kind, topic, callback, LATCHED, raw=False, always=True)
 
-    def _listen(self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, raw: bool) -> None:
-        name = ""
+    def _listen(
+        self,
+        kind: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        qos: Any,
+        raw: bool,
+        always: bool = False,
+    ) -> None:
+        name, received = "", self.progress.received
 
         def arrived(message: Any) -> None:
-            self.progress.received[name] += 1
-            self.guarded(callback, message)
-            self._tell()
+            received[name] += 1
+            if self.active or always:
+                self.guarded(callback, message)
+            if self.simulated:
+                self._tell()
 
         subscription = self.create_subscription(kind, topic, arrived, qos, raw=raw)
         self.own(self.destroy_subscription, subscription)
@@ -77,13 +100,25 @@ class StreamNode(LifecycleNode):
         self._parts.append((destroy, part))
 
     def arrived(self, stream: Stream, message: Any) -> int:
-        """Note a message; returns its stamp [ns], in real time that of its arrival where it has none.
+        """Note a message; returns its stamp [ns], now where it has none or that of another clock."""
+        stamp = self.own_time(nanoseconds(message.header.stamp), self.now())
+        self.heard(stream, stamp)
+        return stamp
 
-        In simulated time it arrives at its stamp, so that runs repeat in whatever order messages come.
+    def heard(self, stream: Stream, stamp: int) -> None:
+        """Note that a message came: in simulated time at its stamp [ns], so that runs repeat whatever comes
+        first.
         """
-        stamp, now = nanoseconds(message.header.stamp), self.now()
-        stream.arrived(stamp if self.simulated and stamp else now)
-        return stamp or now
+        stream.arrived(stamp if self.simulated and stamp else self.now())
+
+    def own_time(self, stamp: int, now: int) -> int:
+        """A stamp [ns] as the node's clock would give it: ``now`` where it is missing or of another clock."""
+        if not stamp:
+            return now
+        if abs(stamp - now) > NEAR and now >= 0:  # before the first /clock nothing is known
+            self.health.note("a stamp is more than a second off the clock; taken as now")
+            return now
+        return stamp
 
     def watch(self, topic: str, timeout: float) -> Stream:
         """A stream whose silence diagnostics report."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -36,8 +37,9 @@ class OfflineWire(WireElasticity):
         self.configure()
 
     def publish_on(self, kind: Any, topic: str, qos: Any = None) -> Any:
-        """Keep in the place of publishing."""
-        return self.said.setdefault(topic, []).append
+        """Keep in the place of publishing: a copy, as publishing makes one."""
+        kept = self.said.setdefault(topic, [])
+        return lambda message: kept.append(deepcopy(message))
 
     def listen_to(self, kind: Any, topic: str, callback: Any, raw: bool = False) -> None:
         """Note what is to be told."""

@@ -11,7 +11,7 @@ from trunk_ros.model import Declaration
 from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.elapsed import Elapsed
 from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import SECOND, joint_state, nanoseconds, pose
+from trunk_ros.nodes.messages import SECOND, fill_pose, nanoseconds
 from trunk_ros.nodes.process import run_node
 from trunk_ros.nodes.qos import LATCHED
 from trunk_ros.nodes.ros import JointState, PoseStamped, String
@@ -25,6 +25,7 @@ class WireElasticity(TrunkNode):
     """One sample in, one sample out with the same stamp."""
 
     NAME = "wire_elasticity"
+    idle = True
     OWN = (
         Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which gearbox_states are called stale"),
         Declaration("base_frame", "base_link", "", None, "frame of tip_pose"),
@@ -39,9 +40,10 @@ class WireElasticity(TrunkNode):
         self.restart()
         still = np.zeros((2, len(arm.joints)))
         self.wire.run(still, np.arange(2.0) / 100)  # compiles, so that no sample is late
-        self.publish_joints = self.publish_on(JointState, "joint_states")
-        self.publish_wires = self.publish_on(JointState, "trunk/wire_states")
+        self.publish_joints = self.joint_states_on("joint_states", self.joints)
+        self.publish_wires = self.joint_states_on("trunk/wire_states", self.wires)
         self.publish_tip = self.publish_on(PoseStamped, "trunk/tip_pose")
+        self.pose = PoseStamped()
         self.publish_on(String, "robot_description", LATCHED)(String(data=urdf(arm)))
         self.gearbox = self.watch("trunk/gearbox_states", self.value("timeout"))
         self.listen_to(JointState, "trunk/gearbox_states", self.on_gearbox)
@@ -56,8 +58,8 @@ class WireElasticity(TrunkNode):
 
     def on_gearbox(self, message: Any) -> None:
         """Pass one sample through the wire. Raises MessageError for one that cannot be used."""
-        self.arrived(self.gearbox, message)
         now = nanoseconds(message.header.stamp)
+        self.heard(self.gearbox, now)
         phi = self.complete(message)
         if self.last is not None and now <= self.last[0]:
             if self.last[0] - now < RESTART:
@@ -82,13 +84,14 @@ class WireElasticity(TrunkNode):
         stamp = np.array([self.elapsed.at(now)])
         (theta,), self.state = self.wire.run(phi[None], stamp, self.state)
         effort = -self.wire.arm.load(theta[None])[0]
-        self.publish_joints(joint_state(now, self.joints, theta, self.speed(now, theta), effort))
+        self.publish_joints(now, theta, self.speed(now, theta), effort)
         self.last = now, theta
         if self.model.arm.wire is not None:
             stretch, tension = wire_state(self.model.arm, phi, theta, effort)
-            self.publish_wires(joint_state(now, self.wires, stretch, effort=tension))
+            self.publish_wires(now, stretch, None, tension)
         if self.model.arm.has_geometry:
-            self.publish_tip(pose(now, self.value("base_frame"), self.tip.tip(theta[None], stamp)[0]))
+            tip = self.tip.tip(theta[None], stamp)[0]
+            self.publish_tip(fill_pose(self.pose, now, self.value("base_frame"), tip))
 
     def speed(self, now: int, theta: Array) -> Array:
         """Joint speed (joints,) rad/s since the last sample."""
