@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import fcntl
 import inspect
 import itertools
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -17,7 +20,9 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-DOMAINS = itertools.count(os.getpid() % 61)
+DOMAINS = itertools.count(os.getpid())
+TAKEN: deque[int] = deque()  # locks of the latest domains of this process
+AT_ONCE = 15  # domains that a process holds
 JOINTS = [f"joint_{number}" for number in range(1, 6)]
 SHARED_MEMORY = Path("/dev/shm")
 
@@ -30,8 +35,20 @@ def environment(domain: int) -> dict[str, str]:
 
 
 def new_domain() -> int:
-    """A ROS_DOMAIN_ID that no other test uses at the moment."""
-    return 30 + next(DOMAINS) % 61
+    """A ROS_DOMAIN_ID that no other test on this machine uses at the moment."""
+    for number in itertools.islice(DOMAINS, 61):
+        domain = 30 + number % 61
+        lock = os.open(Path(tempfile.gettempdir(), f"trunk_ros_domain_{domain}"), os.O_CREAT | os.O_RDWR)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(lock)
+            continue
+        TAKEN.append(lock)
+        if len(TAKEN) > AT_ONCE:
+            os.close(TAKEN.popleft())
+        return domain
+    raise RuntimeError("all ROS domains from 30 to 90 are taken by other tests")
 
 
 def trunk(
