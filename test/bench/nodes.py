@@ -59,8 +59,8 @@ def measure() -> Iterator[Row]:
 def graph(name: str, rate: int, options: list[str], bare: float) -> Iterator[Row]:
     """One run of bringup; ``bare``: CPU [s] that bare rclpy takes per message.
 
-    A message counts once, however many listen: a step of the arm is 6 messages that are delivered 11 times, the
-    recorder's included, while bare rclpy delivers each of its messages once.
+    A message counts once, however many listen: a step of the arm is 6 messages that are delivered 11 times,
+    the recorder's included, while bare rclpy delivers each of its messages once.
     """
     run = driven(rate, options)
     wanted = rate == 500 and not options
