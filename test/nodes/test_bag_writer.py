@@ -1,7 +1,6 @@
 """Bags as they are written: every reader opens them, and what does not fit is said."""
 
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -120,7 +119,7 @@ def test_a_clock_that_jumps_corrupts_nothing(tmp_path, jump, split):
     writer, talk = BagWriter(tmp_path / "bag", Options(split_seconds=split)), channel()
     writer.add_channel(talk)
     for step, entry in enumerate(entries(talk, 100)):
-        moved = replace(entry, log_ns=entry.log_ns + (jump if 40 <= step < 60 else 0))
+        moved = entry._replace(log_ns=entry.log_ns + (jump if 40 <= step < 60 else 0))
         assert writer.put(moved)
     writer.close(dict)
     assert not writer.failure
