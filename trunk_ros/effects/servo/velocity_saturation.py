@@ -7,6 +7,7 @@ from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.parameter import Parameter
 
 UNLIMITED = 1e3  # rad/s
+STEADY = 0.99  # of the top speed: the speeds of a servo that can go no faster, and their noise
 
 
 class VelocitySaturation(Effect):
@@ -46,8 +47,12 @@ class VelocitySaturation(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        fast = float(np.abs(_speed(now)).max())
-        return tuple(max(share * fast, 2e-3) for share in (0.995, 0.97, 0.85, 0.7))
+        speed = np.abs(_speed(now))
+        fast = float(speed.max())
+        steady = float(np.median(speed[speed >= STEADY * fast]))
+        return tuple(
+            max(start, 2e-3) for start in (steady, *(share * fast for share in (0.995, 0.97, 0.85, 0.7)))
+        )
 
 
 def _speed(now: Now) -> Array:
