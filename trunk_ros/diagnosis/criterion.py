@@ -17,7 +17,8 @@ SHARE = (
 )
 FURTHER = 20.0  # price of each further value of an effect
 LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
-FORMS = 0.002  # of a joint's misfit: what the formulas of named effects may be off by
+FORMULAS = 0.0002  # of a joint's misfit: what the formulas of named effects may be off by
+CURVED = 0.002  # likewise, by what is smooth
 CURVE = 2.5  # price of a curve without a name, in effects
 
 
@@ -30,7 +31,8 @@ def need(problem: Problem, column: int) -> float:
     chance = SIGNIFICANT * (1.0 + problem.noise[column].correlation)
     steps = problem.resolution(column) / problem.noise[column].std
     least = problem.count(column) * max(RELEVANT, STEPS * steps**2)
-    return max(chance, least, SHARE * problem.unexplained.get(column, 0.0))
+    formulas = FORMULAS * problem.misfit.get(column, 0.0)
+    return max(chance, least, formulas, SHARE * problem.unexplained.get(column, 0.0))
 
 
 def price(problem: Problem, term: Term) -> float:
@@ -43,7 +45,7 @@ def price(problem: Problem, term: Term) -> float:
     if not needs:
         return 0.0
     if not effect(term.effect).named:
-        return sum(max(CURVE * n, FORMS * problem.misfit.get(c, 0.0)) for c, n in needs.items())
+        return sum(max(CURVE * n, CURVED * problem.misfit.get(c, 0.0)) for c, n in needs.items())
     free = Explanation({term.effect: term}).free(list(term.columns))
     if effect(term.effect).everywhere:
         return max(needs.values()) + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)

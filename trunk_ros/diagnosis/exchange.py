@@ -54,7 +54,7 @@ def exchange_everywhere(search: Search, now: Fit) -> Fit:
     for name in list(now.explanation):
         if name not in now.explanation or not _on_most(search, now.explanation, name):
             continue
-        bare = now.explanation.without(name)
+        was, bare = now, now.explanation.without(name)
         screen = Screen(search.problem, bare)
         for kind in usable(search.problem):
             if kind.everywhere and kind.id not in now.explanation:
@@ -62,19 +62,19 @@ def exchange_everywhere(search: Search, now: Fit) -> Fit:
                     trial = search.refit(extended(search.problem, bare, candidate))
                     trial = members(search, options(search, trial))
                     if kind.regime == effect(name).regime:
-                        trial = _with_some_back(search, now, trial, name)
+                        trial = _with_some_back(search, was, trial, name)
                     if trial.total < search.score(now):  # or leaving out cannot make it better
                         now = better(search, now, drop(search, trial))
     return now
 
 
-def _with_some_back(search: Search, now: Fit, trial: Fit, name: str) -> Fit:
+def _with_some_back(search: Search, was: Fit, trial: Fit, name: str) -> Fit:
     """The effect that was replaced again on joints that have more of it than all, the neediest first."""
-    old = now.explanation[name]
+    old = was.explanation[name]
     left = [c for c in old.columns if c in search.problem.columns]
     while len(left) > 1:
-        needy = max(left, key=lambda c: trial.cost[c] - now.cost[c])
-        if trial.cost[needy] - now.cost[needy] < need(search.problem, needy):
+        needy = max(left, key=lambda c: trial.cost[c] - was.cost[c])
+        if trial.cost[needy] - was.cost[needy] < need(search.problem, needy):
             break
         left.remove(needy)
         out = trial.explanation.copy()

@@ -59,6 +59,7 @@ def searched(problem: Problem, say: Progress) -> Searched:
 
 def _on_the_whole(search: Search, begun: Fit) -> Fit:
     """Fitted to all of it, without what that does not need, and with what only that shows."""
+    search.begin()
     now = _settled(search, begun)
     for _ in range(FURTHER):
         grown = search.grow(now)

@@ -40,9 +40,7 @@ class Search:
 
     def run(self, start: Explanation | None = None) -> Fit:
         """The explanation that no single change improves by what is needed."""
-        now = self.refit(start or self.problem.known)
-        self.weigh(now)
-        self.problem.misfit = dict(self.problem.unexplained)
+        now = self.begin(start)
         for _ in range(ROUNDS):
             grown = self.grow(now) or exchange.unname(self, now)
             if grown is None:
@@ -50,6 +48,13 @@ class Search:
             now = self.settle(grown)
             self.say(describe(now.explanation))
         return self.written(revise.slices(self, now))
+
+    def begin(self, start: Explanation | None = None) -> Fit:
+        """What is known, fitted; all else is measured by what it leaves."""
+        now = self.refit(start or self.problem.known)
+        self.weigh(now)
+        self.problem.misfit = dict(self.problem.unexplained)
+        return now
 
     def written(self, now: Fit) -> Fit:
         """The same physics in the values that one would write down."""
