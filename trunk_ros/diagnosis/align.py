@@ -26,7 +26,7 @@ SETTLING = 0.3  # s in which a servo forgets how it began
 MOVED = 3e-4  # rad
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
 STANDS = 1e-4  # rad, more than the encoder's steps
-FIRST = 40  # samples that the angle at the start is the median of
+FIRST = 1200  # samples that the angle at the start is the median of: of fewer the error shows in a long stand
 LONG = 100  # samples that a joint has to stand before it moves for them to tell anything
 
 

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
-MOST = 0.7  # of the joints: an effect on as many may be one of all
-REFITTED = 4  # candidates of an exchange that are refitted in full
+MOST = 0.5  # of the joints: an effect on as many may be one of all
+REFITTED = 5  # candidates of an exchange that are refitted in full
 
 
 def exchange(search: Search, now: Fit) -> Fit:
-    """Replace one or two effects of a joint by one that explains the joint better."""
+    """Replace one or two effects of a joint by one that explains the joint better, or begin one anew."""
     for column in search.problem.columns:
         key = (column, search.problem.version, now.explanation.key(column))
         if key in search.settled:
@@ -41,7 +41,7 @@ def _exchanged(search: Search, now: Fit, column: int, gone: tuple[str, ...]) -> 
     for name in gone:
         bare = bare.without(name, column)
     screen = Screen(search.problem, bare, [column])
-    kinds = [k for k in search.local_kinds() if k.id not in gone and search.open(k.id, column, bare)]
+    kinds = [k for k in search.local_kinds() if search.open(k.id, column, bare)]
     for candidate in screen.ranked(kinds, column, REFITTED):
         trial = search.refit_column(now, extended(search.problem, bare, candidate), column, now)
         if search.credible(trial.explanation, column):
@@ -70,20 +70,30 @@ def exchange_everywhere(search: Search, now: Fit) -> Fit:
 
 def _with_some_back(search: Search, was: Fit, trial: Fit, name: str) -> Fit:
     """The effect that was replaced again on joints that have more of it than all, the neediest first."""
-    old = was.explanation[name]
-    left = [c for c in old.columns if c in search.problem.columns]
-    while len(left) > 1:
+    left = [c for c in was.explanation[name].columns if c in search.problem.columns]
+    while left:
         needy = max(left, key=lambda c: trial.cost[c] - was.cost[c])
         if trial.cost[needy] - was.cost[needy] < need(search.problem, needy):
             break
         left.remove(needy)
-        out = trial.explanation.copy()
-        term = out.setdefault(name, Term(name, old.form, dict(old.shared), given=old.given))
-        term.own[needy] = dict(old.own[needy])
-        if needy in old.words:
-            term.words[needy] = dict(old.words[needy])
-        trial = search.refit(out)
+        trial = _back(search, was.explanation[name], trial, needy)
     return trial
+
+
+def _back(search: Search, old: Term, now: Fit, column: int) -> Fit:
+    """With an effect on a joint again, as it was there or begun anew."""
+    trials = [
+        extended(search.problem, now.explanation, candidate)
+        for candidate in Screen(search.problem, now.explanation, [column]).forms(effect(old.effect), column)
+    ]
+    if old.effect not in now.explanation or now.explanation[old.effect].form == old.form:
+        as_it_was = now.explanation.copy()
+        term = as_it_was.setdefault(old.effect, Term(old.effect, old.form, dict(old.shared), given=old.given))
+        term.own[column] = dict(old.own[column])
+        if column in old.words:
+            term.words[column] = dict(old.words[column])
+        trials.append(as_it_was)
+    return min(map(search.refit, trials), key=search.score)
 
 
 def _on_most(search: Search, explanation: Explanation, name: str) -> bool:

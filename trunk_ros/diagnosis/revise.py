@@ -209,11 +209,12 @@ def _less_a_source(search: Search, now: Fit, name: str, column: int, gone: int) 
 
 
 def incredible(search: Search, now: Fit) -> Fit:
-    """Take out what a fit has moved to where the motion cannot show it."""
+    """Take out, for good, what a fit has moved to where the motion cannot show it."""
     for term in list(now.explanation.values()):
         for column in term.columns:
             seen = column in search.problem.columns
             if seen and not search.shows(now.explanation, bind_column(term, column), column):
+                search.barred.add((term.effect, column))
                 now = search.refit_column(now, now.explanation.without(term.effect, column), column)
     return now
 

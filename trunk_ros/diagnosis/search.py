@@ -37,6 +37,8 @@ class Search:
     say: Progress = lambda _: None
     tried: dict[tuple[object, ...], Trials] = field(default_factory=dict)
     settled: set[tuple[object, ...]] = field(default_factory=set)
+    barred: set[tuple[str, int]] = field(default_factory=set)
+    """Effects that a fit has moved, on a column, to where its motion cannot show them."""
 
     def run(self, start: Explanation | None = None) -> Fit:
         """The explanation that no single change improves by what is needed."""
@@ -256,7 +258,11 @@ class Search:
         """Whether an effect may be added on a column."""
         kind = effect(name)
         lost = kind.fine and column in self.problem.wide
-        if lost or (kind.regime in UNTOLD and column in self.problem.one_way):
+        if (
+            lost
+            or (name, column) in self.barred
+            or (kind.regime in UNTOLD and column in self.problem.one_way)
+        ):
             return False
         if name in explanation and column in explanation[name].own:
             return 0 < len(explanation.get_words(name, column)) < len(kind.texts)
