@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.problem import Problem
@@ -48,7 +50,8 @@ def price(problem: Problem, term: Term) -> float:
         return sum(max(CURVE * n, CURVED * problem.misfit.get(c, 0.0)) for c, n in needs.items())
     free = Explanation({term.effect: term}).free(list(term.columns))
     if effect(term.effect).everywhere:
-        return max(needs.values()) + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)
+        usual = float(np.median(list(needs.values())))
+        return usual + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)
     words = sum(n * max(len(term.words.get(c, {})) - 1, 0) for c, n in needs.items())
     own_values = sum(1 for f in free if f.column is not None)
     return sum(needs.values()) + words + FURTHER * max(own_values - len(needs), 0)

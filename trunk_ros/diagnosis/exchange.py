@@ -9,15 +9,16 @@ from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
-from trunk_ros.diagnosis.revise import better, drop, members, options
+from trunk_ros.diagnosis.revise import better, drop, forms, members, options
 from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.unnamed import curve_fit
-from trunk_ros.effects import effect
+from trunk_ros.effects import Effect, effect
 
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
+ALONE = 2  # joints that what acts on all must explain by itself
 MOST = 0.5  # of the joints: an effect on as many may be one of all
 REFITTED = 5  # candidates of an exchange that are refitted in full
 
@@ -62,16 +63,48 @@ def exchange_everywhere(search: Search, now: Fit) -> Fit:
                     trial = search.refit(extended(search.problem, bare, candidate))
                     trial = members(search, options(search, trial))
                     if kind.regime == effect(name).regime:
-                        trial = _with_some_back(search, was, trial, name)
+                        trial = forms(search, _with_some_back(search, was, trial, name))
                     if trial.total < search.score(now):  # or leaving out cannot make it better
                         now = better(search, now, drop(search, trial))
     return now
 
 
+def exchange_on_many(search: Search, now: Fit) -> Fit:
+    """Replace an effect that most joints have by one that it is confused with, on all of them at once: what
+    the arm shares moves along.
+    """
+    for name in list(now.explanation):
+        if effect(name).everywhere or not any(effect(other).everywhere for other in now.explanation):
+            continue
+        for rival, _ in effect(name).confused_with:
+            if name not in now.explanation or not _on_most(search, now.explanation, name):
+                break
+            kind = effect(rival)
+            if kind in search.local_kinds() and rival not in now.explanation:
+                now = better(search, now, _on_the_same(search, now, name, kind))
+    return now
+
+
+def _on_the_same(search: Search, now: Fit, name: str, kind: type[Effect]) -> Fit | None:
+    """An effect in the place of another on all of its joints; None where one does not show it."""
+    columns, out = now.explanation[name].columns, now.explanation.without(name)
+    screen = Screen(search.problem, out, columns)
+    for column in columns:
+        start = screen.local_form(kind, kind.forms[0], column)
+        if start is None:
+            return None
+        out = extended(search.problem, out, start)
+    trial = search.refit(out)
+    return trial if all(search.credible(trial.explanation, c) for c in columns) else None
+
+
 def _with_some_back(search: Search, was: Fit, trial: Fit, name: str) -> Fit:
-    """The effect that was replaced again on joints that have more of it than all, the neediest first."""
+    """The effect that was replaced again on joints that have more of it than all, the neediest first: on
+    most, since what acts on all shows on several joints alone.
+    """
     left = [c for c in was.explanation[name].columns if c in search.problem.columns]
-    while left:
+    alone = len(search.problem.columns) - len(left)
+    while left and len(left) + alone > ALONE:
         needy = max(left, key=lambda c: trial.cost[c] - was.cost[c])
         if trial.cost[needy] - was.cost[needy] < need(search.problem, needy):
             break

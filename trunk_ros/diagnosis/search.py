@@ -125,6 +125,7 @@ class Search:
             revise.sources,
             revise.drop,
             exchange.exchange,
+            exchange.exchange_on_many,
             exchange.exchange_everywhere,
             revise.incredible,
         ):
