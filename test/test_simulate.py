@@ -54,6 +54,14 @@ def test_messages_that_were_lost_hardly_change_what_is_predicted(whole, model, s
     assert np.abs(lost - full).max() < 3e-3
 
 
+def test_setpoints_that_were_lost_at_the_end_follow_the_reference(whole, model):
+    series = dict(whole.series)
+    series["setpoints"] = series["setpoints"].rows(T[-1] - 1.2 > T)
+    cut = simulate(dataclasses.replace(whole, series=series), model, "setpoints").series["gearbox_states"]
+    full = whole.series["gearbox_states"]
+    np.testing.assert_allclose(cut.position[-1], full.position[-1], atol=3e-3)
+
+
 def test_the_nominal_arm_is_the_formula_of_what_the_encoder_said(whole):
     nominal = load_model("trunk")
     gearbox = whole.series["gearbox_states"]

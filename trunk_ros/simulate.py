@@ -59,9 +59,12 @@ def _as_driven(recording: Recording, gearbox: JointSeries, model: Model) -> Join
     """
     if model.effects:
         gearbox = between_counts(gearbox)
-    setpoints, lost = recording.series.get("setpoints"), missing(gearbox.stamp)
-    if not len(lost) or setpoints is None or not set(gearbox.joints) <= set(setpoints.joints):
+    setpoints = recording.series.get("setpoints")
+    if setpoints is None or not set(gearbox.joints) <= set(setpoints.joints):
         return bridged(gearbox, longest=LOST)
+    lost = missing(gearbox.stamp, end=float(setpoints.stamp[-1]))
+    if not len(lost):
+        return gearbox
     setpoints = _without_gaps(setpoints.select(gearbox.joints), recording.series.get("reference"), model)
     return bridged(gearbox, _gearbox(setpoints, np.union1d(gearbox.stamp, lost), model))
 

@@ -56,6 +56,16 @@ def test_the_model_found_predicts_another_run_of_the_same_arm() -> None:
     assert error["after"] < 0.05 * error["before"]
 
 
+def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
+    """The droop of a servo under load is as large as it is, not as large as the payload makes it look."""
+    effects = {"load_elasticity": {"compliance": load_model("trunk").arm.compliance, "payload": 0.06}}
+    recording = recorded(effects | {"load_droop": {"gain": 0.05}})
+    result = diagnose([recording])
+    named = {f.effect: f for f in result.findings}
+    assert set(named) == {"load_droop", "load_elasticity"}
+    assert named["load_droop"].parameters["arm"]["gain"]["value"] == pytest.approx(0.05, rel=0.02)
+
+
 def test_a_late_sensor_is_one_delay_of_the_whole_arm() -> None:
     result = diagnose([recorded({"sensor_delay": {"delay": 0.02}})])
     (found,) = result.findings

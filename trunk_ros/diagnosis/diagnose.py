@@ -38,6 +38,7 @@ from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 
+STAGES = ("servo", "wire", "arm")
 ARM_REST = 1.0  # of the noise power that lengths and tilt may leave at the tip
 ARM_SHARE = 0.02  # of the misfit, likewise
 
@@ -92,9 +93,11 @@ class Diagnoser:
 
     def run(self) -> Diagnosis:
         """All stages."""
-        self.servo()
+        self.result.stages["servo"] = {"compared": False, "joints": {}}  # comes first in what is said
         self.wire()
+        self.servo()  # with the payload that the wires show
         self.tip()
+        self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
         self._refuse_if_nothing_was_seen()
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"] and s != "arm"}
@@ -119,11 +122,10 @@ class Diagnoser:
             else []
         )
         spans = [s for s in spans if s.joints == self.spans[0].joints]
-        if not spans:
-            self.result.stages["servo"] = {"compared": False, "joints": {}}
-            return
-        self.say("servo")
-        self._stage(ServoProblem(spans, self.model, self.recordings[0].units))
+        if spans:
+            self.say("servo")
+            arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
+            self._stage(ServoProblem(spans, replace(self.model, arm=arm), self.recordings[0].units))
 
     def wire(self) -> None:
         """Gearbox to joint."""

@@ -22,9 +22,11 @@ def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
     return np.flatnonzero(wide & (between <= longest) & steady)
 
 
-def missing(stamp: Floats, longest: float = np.inf) -> Floats:
-    """(m,) s: when the samples missing in the gaps of a stream would have come."""
+def missing(stamp: Floats, longest: float = np.inf, end: float = -np.inf) -> Floats:
+    """(m,) s: when the samples missing in a stream's gaps, and from its last one to ``end`` s, had come."""
     usual = float(np.median(np.diff(stamp))) if len(stamp) > 1 else 1.0
+    if GAP * usual < end - stamp[-1] <= longest:
+        stamp = np.append(stamp, end + usual)
     parts = [
         np.linspace(stamp[k], stamp[k + 1], max(round((stamp[k + 1] - stamp[k]) / usual), 1) + 1)[1:-1]
         for k in gaps(stamp, longest)
@@ -35,10 +37,10 @@ def missing(stamp: Floats, longest: float = np.inf) -> Floats:
 def bridged(series: JointSeries, guide: JointSeries | None = None, longest: float = np.inf) -> JointSeries:
     """The series with samples in its gaps of at most ``longest`` s.
 
-    They move as the guide does, which has the same joints, brought to what is known on both sides; without a
-    guide smoothly, with the speeds of both sides.
+    They move as the guide does, which has the same joints, brought to what is known on both sides, and on to
+    its end; without a guide smoothly, with the speeds of both sides.
     """
-    added = missing(series.stamp, longest)
+    added = missing(series.stamp, longest, -np.inf if guide is None else float(guide.stamp[-1]))
     if not len(added):
         return series
     known = fill(series.position)

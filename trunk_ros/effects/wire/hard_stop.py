@@ -10,7 +10,7 @@ from trunk_ros.parameter import Parameter
 
 FREE = 100.0  # rad: no stop
 LEVELS = (0.6, 0.75, 0.85, 0.92, 0.97)  # of the samples that a fit starts from as free
-DEPTHS = (0.03, 0.01, 0.003)  # of the motion that a fit starts from as beyond
+DEPTHS = (0.03, 0.01, 0.003, 0.001)  # of the motion that a fit starts from as beyond
 YIELDING = 0.4  # share of the motion into it that goes on: beyond that nothing stands in the way
 
 
@@ -24,8 +24,8 @@ class HardStop(Effect):
     source = "Unilateral contact, rigid or yielding."
     forms = ("upper", "lower")
     parameters = (
-        Parameter("upper", "rad", (-FREE, FREE), "largest angle reached", typical=0.3, null=FREE),
-        Parameter("lower", "rad", (-FREE, FREE), "smallest angle reached", typical=-0.3, null=-FREE),
+        Parameter("upper", "rad", (-FREE, FREE), "largest angle reached", typical=0.01, null=FREE),
+        Parameter("lower", "rad", (-FREE, FREE), "smallest angle reached", typical=-0.01, null=-FREE),
         Parameter(
             "give", "1", (0.0, 0.95), "share of the motion into the obstacle that goes on", typical=0.1
         ),
