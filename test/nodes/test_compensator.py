@@ -144,6 +144,7 @@ def test_a_state_stamped_by_another_clock_counts_from_its_arrival(domain, peer, 
                 or "off the clock; taken as now" in words(graph.said, "compensator")
             )
         )
+        peer.until(lambda: shown)
     assert min(nanoseconds(message.header.stamp) for message in shown) > time.time_ns() - hour // 2
 
 
