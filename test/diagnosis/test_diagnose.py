@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,6 +65,48 @@ def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"load_droop", "load_elasticity"}
     assert named["load_droop"].parameters["arm"]["gain"]["value"] == pytest.approx(0.05, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        {"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}},
+        {"tension_error": {"factor": 1.7}, "backlash": {"half_width": on(1, 4e-4) + on(4, 6e-4)}},
+        {"sensor_delay": {"delay": 0.004}, "backlash": {"half_width": np.full(5, 4e-4)}},
+    ],
+    ids=lambda effects: "+".join(effects),
+)
+def test_effects_that_hide_each_other_are_both_named(effects: dict[str, dict[str, Any]]) -> None:
+    """A later and a faster servo all but cancel; a tension and dead bands widen the same loops; a dead band
+    that is narrower in fast motion takes a part of a delay."""
+    result = diagnose([recorded(effects)])
+    assert {f.effect for f in result.findings} == set(effects)
+    assert result.verdict == "explained"
+
+
+def test_a_joint_that_stood_somewhere_in_its_play_for_long_is_no_finding() -> None:
+    whole = recorded(seconds=50.0, seed=4)
+    arm = load_model("trunk").arm
+    stood = {}
+    for key, offset in (
+        ("setpoints", 0.0),
+        ("gearbox_states", 0.0),
+        ("joint_states", 0.4 * arm.dead_band[4]),
+    ):
+        position = whole.series[key].position.copy()
+        rest = np.median(position[:5, 4]) + offset
+        noise = np.random.default_rng(9).normal(size=4000) * 1e-4 if key == "joint_states" else 0.0
+        position[:4000, 4] = rest + noise
+        stood[key] = replace(whole.series[key], position=position, velocity=None)
+    result = diagnose([replace(whole, series={**whole.series, **stood})])
+    assert [f.effect for f in result.findings if f.stage == "wire"] == []
+
+
+def test_a_stop_that_is_hardly_touched_is_a_stop() -> None:
+    free = recorded(seed=3, noise=0.0).series["joint_states"].position[:, 1].max()
+    upper = np.where(on(2, 1.0) > 0, free - 1.5e-3, np.inf)
+    result = diagnose([recorded({"hard_stop": {"upper": upper}}, seed=3)])
+    assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
 
 
 def test_a_late_sensor_is_one_delay_of_the_whole_arm() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -74,28 +75,43 @@ def exchange_on_many(search: Search, now: Fit) -> Fit:
     the arm shares moves along.
     """
     for name in list(now.explanation):
-        if effect(name).everywhere or not any(effect(other).everywhere for other in now.explanation):
-            continue
+        if not any(effect(other).everywhere for other in now.explanation):
+            break
         for rival, _ in effect(name).confused_with:
             if name not in now.explanation or not _on_most(search, now.explanation, name):
                 break
             kind = effect(rival)
-            if kind in search.local_kinds() and rival not in now.explanation:
-                now = better(search, now, _on_the_same(search, now, name, kind))
+            if kind in search.local_kinds():
+                for trial in _on_the_same(search, now, name, kind):
+                    now = better(search, now, trial)
     return now
 
 
-def _on_the_same(search: Search, now: Fit, name: str, kind: type[Effect]) -> Fit | None:
-    """An effect in the place of another on all of its joints; None where one does not show it."""
-    columns, out = now.explanation[name].columns, now.explanation.without(name)
-    screen = Screen(search.problem, out, columns)
+def _on_the_same(search: Search, now: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
+    """An effect in the place of another on all of its joints, and of all that these have of its regime."""
+    columns, less = now.explanation[name].columns, now.explanation.without(name)
+    alone = less
+    for other in [t.effect for t in less.values() if effect(t.effect).regime == kind.regime]:
+        alone = alone.without(other)
+    for bare in (less, alone) if len(alone) < len(less) else (less,):
+        out = _with(search, bare, kind, [c for c in columns if c in search.problem.columns])
+        if out is not None:
+            trial = search.refit(out)
+            if all(search.credible(trial.explanation, c) for c in columns):
+                yield drop(search, trial)
+
+
+def _with(search: Search, bare: Explanation, kind: type[Effect], columns: list[int]) -> Explanation | None:
+    """An effect on further joints, in one form; None where one of them does not show it."""
+    screen, out = Screen(search.problem, bare, columns), bare
+    form = bare[kind.id].form if kind.id in bare else kind.forms[0]
     for column in columns:
-        start = screen.local_form(kind, kind.forms[0], column)
-        if start is None:
-            return None
-        out = extended(search.problem, out, start)
-    trial = search.refit(out)
-    return trial if all(search.credible(trial.explanation, c) for c in columns) else None
+        if kind.id not in bare or column not in bare[kind.id].own:
+            start = screen.local_form(kind, form, column)
+            if start is None:
+                return None
+            out = extended(search.problem, out, start)
+    return out
 
 
 def _with_some_back(search: Search, was: Fit, trial: Fit, name: str) -> Fit:
