@@ -97,3 +97,19 @@ def test_running_ahead_makes_up_for_the_servos_lag():
 
     assert error(ahead=False) > 1e-2
     assert error(ahead=True) < 5e-4
+
+
+@pytest.mark.parametrize("amplitude", [5e-4, 2.3e-2])
+def test_friction_that_fades_while_the_servo_crosses_it_makes_nothing_worse(amplitude):
+    """Slow turns of an arm that sticks: with the nominal model, and with that of the arm."""
+    sticks = {"amplitude": np.full(5, amplitude), "velocity": np.full(5, 0.017), "form": "gaussian"}
+    arm = replace(NOMINAL, effects={"stribeck_friction": sticks})
+    references = sweep(0.05, 25.0)
+    stamp = np.arange(len(references)) * STEP
+
+    def off(believed):
+        phi, _ = Chain(arm, "servo").run(drive(Compensation(believed, REVERSAL), references), stamp)
+        theta, _ = Chain(arm, "wire").run(phi, stamp)
+        return np.sqrt(np.mean((theta - references)[300:] ** 2))
+
+    assert off(arm) < off(NOMINAL)

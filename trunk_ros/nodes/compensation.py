@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class Compensation:
 
     def _use(self, model: Model) -> None:
         self.model = model
-        self.chain = Chain(model, "wire", hold_time=True)
+        self.chain = Chain(tamed(model), "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
         self.top_speed, self.gain = slowest(model), position_gain(model)
         self._state: State | None = None
@@ -99,6 +100,20 @@ class Compensation:
         self._direction = np.where(passes & (step != 0), np.sign(step), self._direction)
         self._held = np.where(passes, reference, self._held)
         return self._held
+
+
+def tamed(model: Model) -> Model:
+    """The model with no more friction at low speed than the servo crosses slowly.
+
+    It goes through a dead band w at about Kp w; where friction has faded at that speed it carries the joint
+    along, past its reference.
+    """
+    found = model.effects.get("stribeck_friction")
+    if found is None:
+        return model
+    most = np.asarray(found["velocity"]) / position_gain(model)
+    crossed = {**found, "amplitude": np.minimum(found["amplitude"], most)}
+    return replace(model, effects={**model.effects, "stribeck_friction": crossed})
 
 
 def position_gain(model: Model) -> Array:
