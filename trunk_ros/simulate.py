@@ -14,14 +14,13 @@ from trunk_ros.model import Model, load_model
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.encoder import between_counts
 from trunk_ros.recording.fill import fill
-from trunk_ros.recording.gaps import bridged, missing
+from trunk_ros.recording.gaps import GAP, bridged, missing
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 from trunk_ros.resistance import resistance
 
-GAP = 1.5  # usual steps
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
 SOURCES = ("gearbox_states", "setpoints")
 

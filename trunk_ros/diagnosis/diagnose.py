@@ -28,7 +28,7 @@ from trunk_ros.diagnosis.leftover import rests as powers
 from trunk_ros.diagnosis.long import searched
 from trunk_ros.diagnosis.problem import LEAST, Problem
 from trunk_ros.diagnosis.quality import quality_of_recording
-from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.result import STAGES, Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
 from trunk_ros.effects import effect
@@ -38,7 +38,6 @@ from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 
-STAGES = ("servo", "wire", "arm")
 ARM_REST = 1.0  # of the noise power that lengths and tilt may leave at the tip
 ARM_SHARE = 0.02  # of the misfit, likewise
 

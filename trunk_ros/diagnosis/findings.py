@@ -197,8 +197,9 @@ def _curve(problem: Problem, term: Term, variable: str) -> dict[str, Any]:
     over = problem.units.get(variable, "rad") if variable in problem.joints else own
     unit = {"time": "s", "speed": f"{own}/s", "load": "N*m"}.get(variable, over)
     kind = effect(term.effect)
-    of, y_unit = (kind.of, kind.parameters[-1].unit) if issubclass(kind, Curve) else ("", "")
-    return {"on": variable, "of": of, "x_unit": unit, "y_unit": unit_of(y_unit, own), "joints": curves}
+    assert issubclass(kind, Curve)
+    y_unit = unit_of(kind.parameters[-1].unit, own)
+    return {"on": variable, "of": kind.of, "x_unit": unit, "y_unit": y_unit, "joints": curves}
 
 
 def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:

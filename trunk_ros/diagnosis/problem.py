@@ -57,7 +57,7 @@ class View:
         )
 
 
-def first(now: Now, steps: int | None) -> Now:
+def first(now: Now, steps: int) -> Now:
     """The surroundings of the first steps."""
     whole = ("joints", "ratio", "held")
     return replace(now, **{f.name: getattr(now, f.name)[:steps] for f in fields(now) if f.name not in whole})
@@ -144,12 +144,13 @@ class Problem(ABC):
         """The surroundings of a column in a span, or in its first ``steps``, kept between calls."""
         key = (index, column, payload, steps)
         if key not in self._cache:
-            whole = None if steps is None else self.now(index, column, payload)
+            if steps is None:
+                made = self.views[index].now(self.arm, column, payload)
+            else:
+                made = first(self.now(index, column, payload), steps)
             if len(self._cache) > 8 * len(self.joints) * len(self.views):
                 self._cache.clear()
-            self._cache[key] = (
-                self.views[index].now(self.arm, column, payload) if whole is None else first(whole, steps)
-            )
+            self._cache[key] = made
         return self._cache[key]
 
     def forget(self) -> None:

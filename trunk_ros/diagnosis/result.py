@@ -12,6 +12,7 @@ from trunk_ros.model import Model, save_model
 from trunk_ros.trajectory import Trajectory, save_trajectory
 
 SCHEMA = "trunk_ros/diagnosis/1"
+STAGES = ("servo", "wire", "arm")  # in the order of the signal
 
 
 @dataclass

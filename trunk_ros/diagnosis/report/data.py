@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.report.signals import STAGES, Signal, entries, signals
+from trunk_ros.diagnosis.report.signals import Signal, entries, signals
 from trunk_ros.diagnosis.report.units import quantity, significant
-from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.result import STAGES, Diagnosis
 
 SAME = "same"
 LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag

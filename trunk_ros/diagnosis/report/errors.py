@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.report.signals import STAGES, Signal, concerns, entries, signals
+from trunk_ros.diagnosis.report.signals import Signal, concerns, entries, signals
 from trunk_ros.diagnosis.report.style import (
     ACCENT,
     GREY,
@@ -26,7 +26,7 @@ from trunk_ros.diagnosis.report.style import (
     styled,
 )
 from trunk_ros.diagnosis.report.units import multiple
-from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.result import STAGES, Diagnosis
 
 WIDTH = 9.4  # inches
 WELL_ABOVE = 3.0  # times the noise, over a window

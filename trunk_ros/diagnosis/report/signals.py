@@ -9,11 +9,10 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.diagnosis.result import STAGES, Diagnosis, Finding
 from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
 
-STAGES = ("servo", "wire", "arm")
 STILL = 2e-4  # of a joint's range: less is no reversal
 
 
