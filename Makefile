@@ -31,10 +31,10 @@ lint: setup
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m mypy
 
-# The nodes' tests measure time, so nothing runs beside them.
+# The nodes' tests start many processes, so nothing runs beside them.
 pytest: setup
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 120 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
-	$(PYTHON) -m pytest -q --timeout 120 test/nodes
+	$(PYTHON) -m pytest -q --timeout 300 test/nodes
 
 bench: setup
 	$(PYTHON) -m test.bench --output bench.json

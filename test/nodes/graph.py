@@ -25,6 +25,7 @@ TAKEN: deque[int] = deque()  # locks of the latest domains of this process
 AT_ONCE = 15  # domains that a process holds
 JOINTS = [f"joint_{number}" for number in range(1, 6)]
 SHARED_MEMORY = Path("/dev/shm")
+PATIENCE = 60.0  # s; how fast a machine is decides nothing, this only ends what hangs
 
 
 def environment(domain: int) -> dict[str, str]:
@@ -52,7 +53,7 @@ def new_domain() -> int:
 
 
 def trunk(
-    *arguments: Any, domain: int | None = None, timeout: float = 60
+    *arguments: Any, domain: int | None = None, timeout: float = 4 * PATIENCE
 ) -> subprocess.CompletedProcess[str]:
     """Run a command to its end."""
     command = [sys.executable, "-m", "trunk_ros", *map(str, arguments)]
@@ -72,7 +73,7 @@ def running(*arguments: Any, domain: int) -> Iterator[subprocess.Popen[str]]:
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
             try:
-                process.communicate(timeout=15)
+                process.communicate(timeout=PATIENCE)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.communicate()
@@ -81,7 +82,7 @@ def running(*arguments: Any, domain: int) -> Iterator[subprocess.Popen[str]]:
 def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[int, str, str]:
     """Exit code, standard output and error of a process after a signal."""
     process.send_signal(number)
-    out, error = process.communicate(timeout=20)
+    out, error = process.communicate(timeout=PATIENCE)
     return process.returncode, out, error
 
 
@@ -108,18 +109,34 @@ class Peer:
         self.node.create_subscription(kind, topic, heard.append, 100)
         return heard
 
-    def until(self, condition: Callable[[], Any], timeout: float = 20.0) -> None:
+    def until(self, condition: Callable[[], Any], timeout: float = PATIENCE) -> None:
         """Spin until a condition holds; fails the test where it does not in time."""
         end = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < end, f"waited in vain: {inspect.getsource(condition).strip()}"
             self.executor.spin_once(timeout_sec=0.02)
 
-    def spin(self, seconds: float) -> None:
-        """Spin for a while."""
-        end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
-            self.executor.spin_once(timeout_sec=min(left, 0.02))
+    def more(self, heard: list[Any], count: int = 20) -> None:
+        """Spin until so many more messages have come: what was to happen at once has happened by then."""
+        most = len(heard) + count
+        self.until(lambda: len(heard) >= most)
+
+    def meets(self, *publishers: Any, node: str) -> None:
+        """Spin until a node hears all of these publishers, beside other subscribers that there may be."""
+
+        def matched(publisher: Any) -> bool:
+            ears = self.node.get_subscriptions_info_by_topic(publisher.topic_name)
+            there = any(each.node_name == node for each in ears)
+            return there and publisher.get_subscription_count() >= len(ears)
+
+        self.until(lambda: all(matched(each) for each in publishers))
+
+    def call(self, client: Any, request: Any) -> Any:
+        """The answer of a service."""
+        self.until(client.service_is_ready)
+        done = client.call_async(request)
+        self.until(lambda: done.done())
+        return done.result()
 
     def now(self) -> Any:
         """The stamp of this moment."""
@@ -150,8 +167,34 @@ def segments() -> list[Path]:
 
 def words(statuses: list[Any], node: str) -> str:
     """All that a node has said on diagnostics."""
-    said = [status for array in statuses for status in array.status if status.name.lstrip("/") == node]
-    return " | ".join(status.message for status in said)
+    return " | ".join(status.message for status in said_by(statuses, node))
+
+
+def said_by(statuses: list[Any], node: str) -> list[Any]:
+    """What a node has said on diagnostics."""
+    return [status for array in statuses for status in array.status if status.name.lstrip("/") == node]
+
+
+def values(statuses: list[Any], node: str) -> dict[str, str]:
+    """The values that a node has shown last on diagnostics, none where it has not."""
+    return {item.key: item.value for status in said_by(statuses, node)[-1:] for item in status.values}
+
+
+def hears(statuses: list[Any], node: str, *topics: str) -> bool:
+    """Whether a node says on diagnostics that all of these topics come in."""
+    shown = values(statuses, node)
+    return all(float(shown.get(f"{topic} [Hz]", 0)) > 0 for topic in topics)
+
+
+def rests(states: list[Any], count: int = 10) -> bool:
+    """Whether the last messages all say the same position."""
+    last = [list(state.position) for state in states[-count:]]
+    return len(last) == count and all(position == last[0] for position in last)
+
+
+def seconds(stamp: Any) -> float:
+    """A message's stamp [s]."""
+    return stamp.sec + stamp.nanosec * 1e-9
 
 
 def bag_messages(path: Path) -> dict[str, list[bytes]]:

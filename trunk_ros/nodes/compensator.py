@@ -124,7 +124,7 @@ class Compensator(TrunkNode):
         self.heard(stream, nanoseconds(message.header.stamp))
         for oddity in self.foreign_reference.matcher.oddities():
             self.health.note(oddity)
-        held = self.reference_now()
+        held, self.waiting = self.reference_now(), None
         self.foreign = given if held is None else np.where(np.isfinite(given), given, held)
         self.end_goal("a foreign reference has come")
 
@@ -166,14 +166,20 @@ class Compensator(TrunkNode):
         return self.observation.correction(now, fresh, settings, reference, limited, dt)
 
     def begin_when_known(self, now: int) -> bool:
-        """Start when there is something to do and it is known where the arm stands, or nobody says it."""
+        """Start when there is something to do and it is known where the arm stands, or nobody says it.
+
+        A trajectory waits for that: who says it may not have been found yet.
+        """
         if self.waiting is None and self.foreign is None:
             return False
-        if self.observation.stands(now) is not None or not self.count_publishers("trunk/gearbox_states"):
+        told = self.observation.stands(now) is not None
+        said = self.count_publishers("trunk/gearbox_states")
+        self.since = now if self.since is None else self.since
+        patient = now - self.since < self.value("patience") * SECOND
+        if told or not (said or (patient and self.waiting is not None)):
             self.begin(now)
             return True
-        self.since = now if self.since is None else self.since
-        if now - self.since >= self.value("patience") * SECOND:
+        if not patient:
             self.waiting = self.since = None
             self.health.note("refused: trunk/gearbox_states do not say where all joints stand")
         return False

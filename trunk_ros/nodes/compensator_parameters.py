@@ -15,7 +15,7 @@ STREAMS = (
         5.0,
         "s",
         (0.0, 60.0),
-        "wait for gearbox_states before a trajectory is refused",
+        "wait for gearbox_states before a trajectory is refused, or begins at 0 where nobody publishes them",
     ),
     Declaration("state_rate", 50.0, "Hz", (0.1, 2000.0), "rate of controller_state at most"),
 )
