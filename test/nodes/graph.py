@@ -114,7 +114,11 @@ class Peer:
         end = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < end, f"waited in vain: {inspect.getsource(condition).strip()}"
-            self.executor.spin_once(timeout_sec=0.02)
+            self.spin_once()
+
+    def spin_once(self) -> None:
+        """Serve what has come, or wait a moment for it."""
+        self.executor.spin_once(timeout_sec=0.02)
 
     def more(self, heard: list[Any], count: int = 20) -> None:
         """Spin until so many more messages have come: what was to happen at once has happened by then."""

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 import signal
 import sys
 from contextlib import ExitStack
@@ -14,13 +15,16 @@ from test.nodes.graph import (
     JOINTS,
     Peer,
     clean_shared_memory,
+    hears,
     needs_ros,
     new_domain,
+    rests,
     running,
     segments,
     words,
 )
 
+PATIENT = ("--ros-args", "-p", "timeout:=10.0")  # streams that a busy machine delays are not stale
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6  # action_msgs/GoalStatus
 INVALID_GOAL, PATH_TOLERANCE_VIOLATED, GOAL_TOLERANCE_VIOLATED = -1, -4, -5
 installed = importlib.util.find_spec("control_msgs") is not None
@@ -86,13 +90,13 @@ class Client:
         """Send a goal; returns its handle."""
         request = self.goal(*arguments, **options)
         sent = self.client.send_goal_async(request, feedback_callback=self.feedback.append)
-        self.peer.until(sent.done)
+        self.peer.until(lambda: sent.done())
         return sent.result()
 
     def result(self, handle):
         """Status and result of a goal that ends by itself."""
         waited = handle.get_result_async()
-        self.peer.until(waited.done)
+        self.peer.until(lambda: waited.done())
         return waited.result().status, waited.result().result
 
     def moving(self):
@@ -101,12 +105,17 @@ class Client:
         start = self.references[-1].position[0]
         self.peer.until(lambda: abs(self.references[-1].position[0] - start) > 0.01)
 
-    def rests(self):
-        """Whether the reference rests."""
-        self.peer.spin(0.2)
-        before = np.array(self.references[-1].position)
-        self.peer.spin(0.3)
-        return bool((before == np.array(self.references[-1].position)).all())
+    def rest(self):
+        """Wait until the reference rests; returns where."""
+        self.peer.until(lambda: rests(self.references))
+        return list(self.references[-1].position)
+
+    def ready(self):
+        """Wait until the compensator hears the arm and the test."""
+        self.peer.until(lambda: self.client.server_is_ready())
+        self.peer.meets(self.trajectory, node="compensator")
+        streams = ("trunk/gearbox_states", "joint_states")
+        self.peer.until(lambda: hears(self.said, "compensator", *streams))
 
 
 @pytest.fixture(scope="module")
@@ -115,42 +124,44 @@ def arm(control_msgs):
     before = {path.name for path in segments()}
     domain = new_domain()
     with ExitStack() as stack:
-        for name in ("servo_driver", "wire_elasticity", "compensator"):
+        for name in ("servo_driver", "wire_elasticity"):
             stack.enter_context(running(name, domain=domain))
+        stack.enter_context(running("compensator", *PATIENT, domain=domain))
         client = Client(domain)
-        client.peer.until(client.client.server_is_ready)
-        client.peer.until(lambda: client.said and client.trajectory.get_subscription_count())
-        client.peer.spin(1.0)
+        client.ready()
+        client.result(client.send([0.05] * 5, 0.5))
         yield client
         client.peer.close()
     clean_shared_memory(before)
 
 
 def test_a_goal_is_followed_with_feedback_and_reached(arm):
+    arm.feedback.clear()
     handle = arm.send(
-        [0.15, -0.1], 1.0, joints=["joint_2", "joint_5"], path_tolerance=0.1, goal_tolerance=0.01
+        [0.15, -0.1], 4.0, joints=["joint_2", "joint_5"], path_tolerance=0.1, goal_tolerance=0.01
     )
     assert handle.accepted
     status, result = arm.result(handle)
     assert (status, result.error_code, result.error_string) == (SUCCEEDED, 0, "goal reached")
+    arm.peer.until(lambda: len(arm.feedback) > 5 and arm.feedback[-1].feedback.actual.positions[1] > 0.05)
     last = arm.feedback[-1].feedback
-    assert len(arm.feedback) > 5
     assert list(last.joint_names) == JOINTS
     difference = np.subtract(last.desired.positions, last.actual.positions)
     np.testing.assert_allclose(last.error.positions, difference, atol=1e-12)
-    assert 0.05 < last.actual.positions[1] < 0.16
+    assert last.actual.positions[1] < 0.16
 
 
 def test_the_controllers_state_shows_reference_feedback_error_and_output(arm):
+    arm.result(arm.send([0.0] * 5, 0.5))
     arm.result(arm.send([0.1] * 5, 0.5))
-    arm.peer.spin(0.5)
+
+    arm.peer.until(lambda: np.allclose(arm.states[-1].feedback.positions, 0.1, rtol=0, atol=2e-3))
+    arm.peer.until(lambda: np.allclose(arm.states[-1].output.positions, 0.16, rtol=0, atol=5e-3))
     state = arm.states[-1]
     np.testing.assert_allclose(state.reference.positions, 0.1)
-    np.testing.assert_allclose(state.feedback.positions, 0.1, atol=2e-3)
     np.testing.assert_allclose(
         state.error.positions, np.subtract(state.reference.positions, state.feedback.positions), atol=1e-12
     )
-    np.testing.assert_allclose(state.output.positions, 0.16, atol=5e-3)
     assert list(state.joint_names) == JOINTS
 
 
@@ -164,25 +175,25 @@ def test_the_controllers_state_shows_reference_feedback_error_and_output(arm):
     ],
 )
 def test_a_goal_that_cannot_be_followed_is_refused_with_the_reason(arm, goal, reason):
-    before = list(arm.references[-1].position)
+    before = arm.rest()
     assert not arm.send(**goal).accepted
     arm.peer.until(lambda: reason in words(arm.said, "compensator"))
     assert "goal refused: " in words(arm.said, "compensator")
+    arm.peer.more(arm.references)
     assert list(arm.references[-1].position) == before
 
 
 def test_a_cancelled_goal_leaves_the_arm_where_it_is(arm):
-    handle = arm.send([-0.3] * 5, 4.0)
+    handle = arm.send([-0.3] * 5, 20.0)
     arm.moving()
     asked = handle.cancel_goal_async()
-    arm.peer.until(asked.done)
+    arm.peer.until(lambda: asked.done())
     assert arm.result(handle)[0] == CANCELED
-    assert arm.rests()
-    assert arm.references[-1].position[0] > -0.25
+    assert arm.rest()[0] > -0.3
 
 
 def test_a_new_goal_replaces_the_one_under_way(arm):
-    first = arm.send([0.3] * 5, 4.0)
+    first = arm.send([0.3] * 5, 20.0)
     arm.moving()
     second = arm.send([0.0] * 5, 0.8)
     status, result = arm.result(first)
@@ -194,13 +205,13 @@ def test_a_new_goal_replaces_the_one_under_way(arm):
 def test_a_trajectory_on_the_topic_ends_the_goal_under_way(arm):
     from trunk_ros.nodes.ros import JointTrajectory
 
-    handle = arm.send([0.3] * 5, 4.0)
+    handle = arm.send([0.3] * 5, 20.0)
     arm.moving()
     arm.trajectory.publish(JointTrajectory())
     status, result = arm.result(handle)
     assert status == ABORTED
     assert "empty trajectory" in result.error_string
-    assert arm.rests()
+    assert arm.rest()[0] < 0.3
 
 
 @pytest.fixture
@@ -209,7 +220,7 @@ def stuck(control_msgs, domain):
     from trunk_ros.nodes.messages import joint_state
     from trunk_ros.nodes.ros import JointState
 
-    with running("compensator", domain=domain) as process:
+    with running("compensator", *PATIENT, domain=domain) as process:
         client = Client(domain)
         client.process = process
         outs = [
@@ -223,19 +234,17 @@ def stuck(control_msgs, domain):
 
         client.alive = True
         client.peer.node.create_timer(0.01, stay)
-        client.peer.until(client.client.server_is_ready)
-        client.peer.until(lambda: client.said and outs[0].get_subscription_count())
-        client.peer.spin(0.5)
+        client.ready()
         yield client
         client.peer.close()
 
 
 def test_leaving_the_path_or_missing_the_goal_gives_it_up_and_holds(stuck):
-    status, result = stuck.result(stuck.send([0.3] * 5, 2.0, path_tolerance=0.05))
+    status, result = stuck.result(stuck.send([0.3] * 5, 20.0, path_tolerance=0.05))
     assert (status, result.error_code) == (ABORTED, PATH_TOLERANCE_VIOLATED)
-    assert "joint_1 is off by 0.05" in result.error_string
-    assert stuck.rests()
-    assert stuck.references[-1].position[0] < 0.15
+    off = re.search(r"joint_1 is off by ([0-9.]+) rad, more than 0.05 rad", result.error_string)
+    assert 0.05 < float(off.group(1)) < 0.3
+    assert stuck.rest()[0] < 0.3
 
     status, result = stuck.result(stuck.send([0.3] * 5, 0.5, goal_tolerance=0.02, goal_time=1))
     assert (status, result.error_code) == (ABORTED, GOAL_TOLERANCE_VIOLATED)
@@ -243,23 +252,22 @@ def test_leaving_the_path_or_missing_the_goal_gives_it_up_and_holds(stuck):
 
 
 def test_without_gearbox_states_the_arm_holds_and_the_goal_is_given_up(stuck):
-    handle = stuck.send([0.3] * 5, 5.0)
+    handle = stuck.send([0.3] * 5, 60.0)
     stuck.moving()
     stuck.alive = False
     status, result = stuck.result(handle)
     assert status == ABORTED
     assert "no trunk/gearbox_states" in result.error_string
-    assert stuck.rests()
-    assert stuck.references[-1].position[0] < 0.2
+    assert stuck.rest()[0] < 0.3
 
 
 def test_a_goal_under_way_is_told_that_the_compensator_ends(stuck):
     handle = stuck.send([0.3] * 5, 60.0)
     stuck.moving()
     waited = handle.get_result_async()
-    stuck.peer.spin(0.2)
+    assert not stuck.send([0.9] * 5, 60.0).accepted  # what was asked before has arrived as well
     stuck.process.send_signal(signal.SIGINT)
-    stuck.peer.until(waited.done)
+    stuck.peer.until(lambda: waited.done())
     assert waited.result().status == ABORTED
     assert "was deactivated" in waited.result().result.error_string
     stuck.peer.until(lambda: stuck.process.poll() == 0)

@@ -77,7 +77,7 @@ def test_trajectories_are_followed_stopped_and_refused_as_joint_trajectory_contr
         points = np.full((1, len(joints)), angle)
         graph.trajectory.publish(trajectory_message(Trajectory(joints, np.array([time]), points)))
 
-    patient = ("--ros-args", "-p", "timeout:=10.0")
+    patient = ("--ros-args", "-p", "timeout:=10.0", "-p", "patience:=60.0")
     with running("compensator", *patient, domain=domain):
         graph.meet()
         send(0.2, 0.5)  # before there is a driver: it waits for one
