@@ -152,6 +152,21 @@ class Peer:
         self.context.try_shutdown()
 
 
+class Received:
+    """How many messages of a topic a supervised recorder has received, as it says itself."""
+
+    def __init__(self, peer: Peer):
+        from trunk_ros.nodes.base import PROGRESS_TOPIC
+        from trunk_ros.nodes.ros import String
+
+        self.said = peer.listen(String, PROGRESS_TOPIC)
+
+    def __call__(self, topic: str) -> int:
+        from trunk_ros.nodes.progress import Progress
+
+        return Progress.from_json(self.said[-1].data).received.get(topic, 0) if self.said else 0
+
+
 def clean_shared_memory(before: set[str]) -> None:
     """Remove Fast DDS segments that killed processes left: new ones that no process has mapped."""
     new = [path for path in segments() if path.name not in before]

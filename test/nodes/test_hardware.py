@@ -59,7 +59,8 @@ def test_the_bus_of_the_page_drives_motors_survives_their_silence_and_leaves_the
     states = peer.listen(JointState, "trunk/gearbox_states")
     said = peer.listen(DiagnosticArray, "diagnostics")
     with running("servo_driver", "--ros-args", "-p", "bus:=my_arm:UdpBus", domain=domain) as process:
-        peer.until(lambda: states and out.get_subscription_count())
+        peer.meets(out, node="servo_driver")
+        peer.until(lambda: states)
         np.testing.assert_allclose(states[-1].position, 0.05)
         np.testing.assert_allclose(states[-1].effort, 0.01)
         message = JointState(name=JOINTS, position=[0.1, 0.2, 0.3, -0.1, 0.0])
@@ -69,11 +70,10 @@ def test_the_bus_of_the_page_drives_motors_survives_their_silence_and_leaves_the
         box.deaf = True
         peer.until(lambda: "the motors do not answer" in words(said, "servo_driver"))
         box.deaf = False
-        before = len(states)
-        peer.until(lambda: len(states) > before + 10)
+        peer.more(states, 10)
         code, _, error = ended(process, signal.SIGTERM)
     assert code == 0, error
-    assert box.heard[-1] == "hold"
+    peer.until(lambda: box.heard[-1] == "hold")
 
 
 @pytest.mark.parametrize("name", ["nowhere:Bus", "trunk_ros.nodes.bus:Nothing", "motors"])

@@ -7,7 +7,7 @@ import signal
 
 import pytest
 
-from test.nodes.graph import bag_messages, ended, needs_ros, running, trunk
+from test.nodes.graph import Received, bag_messages, ended, needs_ros, running, trunk, values
 from test.recording.kill import kill_once
 from trunk_ros import __version__
 from trunk_ros.recording.metadata import read_metadata
@@ -19,8 +19,10 @@ pytestmark = needs_ros
 def recorder(domain, peer, tmp_path):
     """A recorder at work, and its bag."""
     path = tmp_path / "bag"
-    with running("recorder", "--ros-args", "-p", f"output:={path}", domain=domain) as process:
-        yield process, path, peer
+    given = ("-p", f"output:={path}", "-p", "supervised:=true")
+    received = Received(peer)
+    with running("recorder", "--ros-args", *given, domain=domain) as process:
+        yield process, path, peer, received
 
 
 def numbered(count):
@@ -29,31 +31,31 @@ def numbered(count):
     return [String(data=f"message {number}") for number in range(count)]
 
 
-def heard(publisher):
-    return lambda: publisher.get_subscription_count() > 0
+def texts(messages):
+    return [raw[8:].rstrip(b"\0").decode() for raw in messages]
 
 
 def test_every_quality_of_service_is_matched_and_latched_messages_are_kept(recorder):
     from trunk_ros.nodes.ros import DurabilityPolicy, QoSProfile, ReliabilityPolicy, String
 
-    process, path, peer = recorder
+    process, path, peer, received = recorder
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     careless = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
     peer.node.create_publisher(String, "latched", latched).publish(String(data="sent before"))
     fast = peer.node.create_publisher(String, "fast", careless)
     late = peer.node.create_publisher(String, "late", 100)
-    peer.until(lambda: heard(fast)() and heard(late)())
+    peer.meets(late, node="_recorder_taker")
+    peer.until(lambda: received("/fast") or fast.publish(String(data="heard?")))
     for message in numbered(50):
         fast.publish(message)
         late.publish(message)
-        peer.spin(0.002)
-    peer.spin(0.3)
+    peer.until(lambda: received("/fast") > 50 and received("/late") == 50 and received("/latched") == 1)
     assert ended(process, signal.SIGINT)[0] == 0
     messages = bag_messages(path)
     assert len(messages["/latched"]) == 1
     assert b"sent before" in messages["/latched"][0]
-    assert [raw[8:].rstrip(b"\0").decode() for raw in messages["/late"]] == [m.data for m in numbered(50)]
-    assert len(messages["/fast"]) == 50
+    assert texts(messages["/late"]) == [m.data for m in numbered(50)]
+    assert texts(messages["/fast"])[-50:] == [m.data for m in numbered(50)]
 
 
 def test_publishers_of_all_qualities_on_one_topic_are_heard_once_each(domain, peer, tmp_path):
@@ -67,25 +69,29 @@ def test_publishers_of_all_qualities_on_one_topic_are_heard_once_each(domain, pe
     for text in ("latched 1", "latched 2"):
         first.publish(String(data=text))
     path = tmp_path / "bag"
-    with running("recorder", "--ros-args", "-p", f"output:={path}", domain=domain) as process:
-        peer.until(heard(second))
-        peer.spin(0.3)
+    received = Received(peer)
+    given = ("-p", f"output:={path}", "-p", "supervised:=true")
+    with running("recorder", "--ros-args", *given, domain=domain) as process:
+        peer.meets(first, second, node="_recorder_taker")
+        peer.until(lambda: received("/mixed") == 2)
         expected = ["latched 1", "latched 2"]
-        third = None
-        for number in range(100):
+        third, number = None, 0
+        while third is None or number < 100 or not third.get_subscription_count():
             if number == 40:  # joins while the others go on: the recorder has to ask for less
                 third = peer.node.create_publisher(String, "mixed", careless)
             for publisher, name in ((first, "latching"), (second, "reliable")):
                 publisher.publish(String(data=f"{name} {number}"))
                 expected.append(f"{name} {number}")
-            peer.spin(0.01)
-        peer.until(heard(third))
-        peer.spin(0.5)
+            number += 1
+            peer.spin_once()
+        peer.until(lambda: received("/mixed") == len(expected))
+        peer.until(lambda: received("/mixed") > len(expected) or third.publish(String(data="heard?")))
+        before = received("/mixed")
         third.publish(String(data="careless"))
-        peer.spin(0.3)
+        peer.until(lambda: received("/mixed") > before)
         assert ended(process, signal.SIGINT)[0] == 0
-    kept = [raw[8:].rstrip(b"\0").decode() for raw in bag_messages(path)["/mixed"]]
-    assert sorted(kept) == sorted([*expected, "careless"])
+    kept = texts(bag_messages(path)["/mixed"])
+    assert sorted(text for text in kept if text != "heard?") == sorted([*expected, "careless"])
 
 
 def test_the_bag_carries_what_ros2_bag_needs(recorder):
@@ -93,11 +99,11 @@ def test_the_bag_carries_what_ros2_bag_needs(recorder):
 
     from trunk_ros.nodes.ros import String
 
-    process, path, peer = recorder
+    process, path, peer, received = recorder
     out = peer.publisher(String, "some/topic")
-    peer.until(heard(out))
+    peer.meets(out, node="_recorder_taker")
     out.publish(String(data="one"))
-    peer.spin(0.3)
+    peer.until(lambda: received("/some/topic") == 1)
     assert ended(process, signal.SIGTERM)[0] == 0
     told = yaml.safe_load((path / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert (told["version"], told["storage_identifier"]) == (9, "mcap")
@@ -126,21 +132,24 @@ def test_the_bag_says_how_it_was_made(domain, peer, tmp_path):
     assert told["recorder"]["split_duration"] == 9.0
 
 
-def test_what_was_sent_before_the_end_is_recorded_and_nothing_that_comes_after(recorder):
-    from trunk_ros.nodes.ros import String
+def test_what_was_sent_before_the_end_is_recorded_and_nothing_that_comes_after(domain, peer, tmp_path):
+    from trunk_ros.nodes.ros import DiagnosticArray, String
 
-    process, path, peer = recorder
+    path, said = tmp_path / "bag", peer.listen(DiagnosticArray, "diagnostics")
+    given = ("-p", f"output:={path}", "-p", "topics:=['/numbers']")
     out = peer.publisher(String, "numbers")
-    peer.until(heard(out))
-    peer.spin(0.3)
-    for message in numbered(90):
-        out.publish(message)
-    process.send_signal(signal.SIGINT)
-    while process.poll() is None:  # publishers that go on do not keep it from ending
-        out.publish(String(data="after"))
-        peer.spin(0.001)
-    kept = [raw[8:].rstrip(b"\0").decode() for raw in bag_messages(path)["/numbers"]]
-    assert kept[:90] == [message.data for message in numbered(90)]
+    with running("recorder", "--ros-args", *given, domain=domain) as process:
+        peer.meets(out, node="_recorder_taker")
+        out.publish(String(data="heard?"))
+        peer.until(lambda: values(said, "recorder").get("messages") == "1")
+        for message in numbered(90):
+            out.publish(message)
+        process.send_signal(signal.SIGINT)
+        while process.poll() is None:  # publishers that go on do not keep it from ending
+            out.publish(String(data="after"))
+            peer.spin_once()
+    kept = texts(bag_messages(path)["/numbers"])
+    assert kept[1:91] == [message.data for message in numbered(90)]
     assert process.returncode == 0
     assert "none lost" in process.stdout.read()
 
@@ -148,16 +157,15 @@ def test_what_was_sent_before_the_end_is_recorded_and_nothing_that_comes_after(r
 def test_messages_of_a_mebibyte_are_kept_byte_for_byte(recorder):
     from trunk_ros.nodes.ros import String
 
-    process, path, peer = recorder
+    process, path, peer, received = recorder
     out = peer.publisher(String, "large")
-    peer.until(heard(out))
-    texts = [str(number) * (1 << 20) for number in range(10)]
-    for text in texts:
+    peer.meets(out, node="_recorder_taker")
+    sent = [str(number) * (1 << 20) for number in range(10)]
+    for number, text in enumerate(sent):
         out.publish(String(data=text))
-        peer.spin(0.05)
-    peer.spin(0.3)
+        peer.until(lambda number=number: received("/large") > number)
     assert ended(process, signal.SIGINT)[0] == 0
-    assert [raw[8:-1].decode() for raw in bag_messages(path)["/large"]] == texts
+    assert texts(bag_messages(path)["/large"]) == sent
 
 
 def test_while_the_clock_has_not_begun_messages_wait_in_the_room_there_is(domain, peer, tmp_path):
@@ -165,12 +173,13 @@ def test_while_the_clock_has_not_begun_messages_wait_in_the_room_there_is(domain
 
     path, count, size = tmp_path / "bag", 30, 10_000
     given = ("-p", f"output:={path}", "-p", "use_sim_time:=true", "-p", "buffer_size:=0.1")
-    with running("recorder", "--ros-args", *given, domain=domain) as process:
+    received = Received(peer)
+    with running("recorder", "--ros-args", *given, "-p", "supervised:=true", domain=domain) as process:
         out = peer.publisher(String, "large")
-        peer.until(heard(out))
+        peer.meets(out, node="_recorder_taker")
         for number in range(count):
             out.publish(String(data=f"{number:02}" * (size // 2)))
-            peer.spin(0.01)
+        peer.until(lambda: received("/large") == count)
         assert ended(process, signal.SIGINT)[0] == 0
     kept = [int(raw[8:10]) for raw in bag_messages(path)["/large"]]
     room = int(0.1 * (1 << 20)) // size
@@ -180,8 +189,8 @@ def test_while_the_clock_has_not_begun_messages_wait_in_the_room_there_is(domain
 
 
 def test_a_second_recorder_on_the_same_folder_is_refused(recorder):
-    process, path, peer = recorder
-    peer.until(lambda: list(path.glob("*.mcap")))
+    process, path, peer, received = recorder
+    peer.until(lambda: received("/diagnostics"))
     second = trunk("recorder", "--ros-args", "-p", f"output:={path}")
     assert second.returncode == 2
     assert "is being recorded" in second.stderr
@@ -193,9 +202,11 @@ def test_a_second_recorder_on_the_same_folder_is_refused(recorder):
 
 
 def test_what_a_killed_recorder_left_is_repaired_by_the_next(recorder):
-    process, path, peer = recorder
-    peer.until(lambda: list(path.glob("*.mcap")))
-    peer.spin(2.0)
+    process, path, peer, received = recorder
+    peer.until(lambda: received("/diagnostics"))
+    (file,) = path.glob("*.mcap")
+    size = file.stat().st_size
+    peer.until(lambda: file.stat().st_size > size)
     process.kill()
     process.wait()
     following = trunk("recorder", "--ros-args", "-p", f"output:={path}")

@@ -6,11 +6,13 @@ import resource
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from test.nodes.graph import ROOT, bag_messages, ended, environment, needs_ros, words
+from test.nodes.graph import ROOT, Received, bag_messages, ended, environment, needs_ros, values, words
 from trunk_ros.recording.metadata import read_metadata
 
 pytestmark = needs_ros
@@ -30,7 +32,10 @@ def small_disk(tmp_path):
     subprocess.run(["umount", folder], check=True)
 
 
-def start(code: str, *parameters: str, domain: int, limit: int | None = None) -> subprocess.Popen[str]:
+@contextmanager
+def started(
+    code: str, *parameters: str, domain: int, limit: int | None = None
+) -> Iterator[subprocess.Popen[str]]:
     """A recorder after some Python of the test; limit: largest file in bytes."""
     main = "import sys; from trunk_ros.__main__ import main; sys.exit(main(sys.argv[1:]))"
     given = [part for parameter in parameters for part in ("-p", parameter)]
@@ -39,7 +44,7 @@ def start(code: str, *parameters: str, domain: int, limit: int | None = None) ->
         if limit is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    return subprocess.Popen(
+    process = subprocess.Popen(
         [sys.executable, "-c", f"{code}\n{main}", "recorder", "--ros-args", *given],
         cwd=ROOT,
         env=environment(domain),
@@ -48,21 +53,30 @@ def start(code: str, *parameters: str, domain: int, limit: int | None = None) ->
         stderr=subprocess.PIPE,
         preexec_fn=limited,
     )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
 
 
-def publish_noise(peer, over, count: int = 400) -> int:
-    """Publish messages of 100 kB that cannot be compressed until it is over; returns how many."""
+def publish_noise(peer, over, most: int = 10_000, received=None) -> int:
+    """Publish messages of 100 kB that cannot be compressed until it is over; returns how many.
+
+    ``received``: how many the recorder has; then no more are under way than its queues hold.
+    """
     from trunk_ros.nodes.ros import String
 
     out = peer.publisher(String, "noise")
-    peer.until(lambda: out.get_subscription_count() or over())
-    peer.spin(0.3)
-    for number in range(count):
+    peer.meets(out, node="_recorder_taker")
+    for number in range(most):
+        if received is not None:
+            peer.until(lambda number=number: over() or number - received("/noise") < 20)
         if over():
             return number
         out.publish(String(data=f"{number:06d}" + os.urandom(50_000).hex()))
-        peer.spin(0.01)
-    return count
+        peer.spin_once()
+    return most
 
 
 def assert_whole(path: Path) -> int:
@@ -77,40 +91,45 @@ def assert_whole(path: Path) -> int:
 
 def assert_ended(process) -> str:
     """It has ended with one line on the standard error."""
-    _, error = process.communicate(timeout=20)
+    _, error = process.communicate(timeout=60)
     assert process.returncode == 2
     assert len(error.splitlines()) == 1, error
     return error
 
 
 def test_a_full_disk_ends_the_recording_with_what_it_has(domain, peer, small_disk):
-    process = start("", f"output:={small_disk / 'bag'}", domain=domain)
-    publish_noise(peer, lambda: process.poll() is not None)
-    assert "is full: the recording was ended" in assert_ended(process)
+    received = Received(peer)
+    with started("", f"output:={small_disk / 'bag'}", "supervised:=true", domain=domain) as process:
+        publish_noise(peer, lambda: process.poll() is not None, received=received)
+        assert "is full: the recording was ended" in assert_ended(process)
     assert assert_whole(small_disk / "bag") > 20
 
 
 def test_a_disk_that_others_fill_at_once_leaves_a_whole_bag(domain, peer, small_disk):
-    process = start("", f"output:={small_disk / 'bag'}", "compression:=none", domain=domain)
+    received = Received(peer)
+    given = (f"output:={small_disk / 'bag'}", "compression:=none", "supervised:=true")
+    with started("", *given, domain=domain) as process:
 
-    def filled() -> bool:
-        with (small_disk / "others").open("ab") as stream:
-            files = list(small_disk.glob("bag/*.mcap"))
-            if files and files[0].stat().st_size > 2 * MIB:
-                room = os.statvfs(small_disk)
-                stream.write(bytes(room.f_bavail * room.f_frsize))
-        return process.poll() is not None
+        def filled() -> bool:
+            with (small_disk / "others").open("ab") as stream:
+                files = list(small_disk.glob("bag/*.mcap"))
+                if files and files[0].stat().st_size > 2 * MIB:
+                    room = os.statvfs(small_disk)
+                    stream.write(bytes(room.f_bavail * room.f_frsize))
+            return process.poll() is not None
 
-    publish_noise(peer, filled)
-    assert "bag" in assert_ended(process)
+        publish_noise(peer, filled, received=received)
+        assert "bag" in assert_ended(process)
     assert assert_whole(small_disk / "bag") > 5
 
 
 def test_a_quota_that_is_reached_leaves_a_whole_bag(domain, peer, tmp_path):
     """A limit on the size of files stands for the quota."""
-    process = start("", f"output:={tmp_path / 'bag'}", domain=domain, limit=3 * MIB)
-    publish_noise(peer, lambda: process.poll() is not None)
-    assert "cannot be written" in assert_ended(process)
+    received = Received(peer)
+    given = (f"output:={tmp_path / 'bag'}", "supervised:=true")
+    with started("", *given, domain=domain, limit=3 * MIB) as process:
+        publish_noise(peer, lambda: process.poll() is not None, received=received)
+        assert "cannot be written" in assert_ended(process)
     assert assert_whole(tmp_path / "bag") > 5
 
 
@@ -135,14 +154,20 @@ def test_a_slow_disk_is_buffered_up_to_a_bound_and_then_counted_as_loss(domain, 
     said = peer.listen(DiagnosticArray, "/diagnostics")
     path, stands = tmp_path / "bag", tmp_path / "stands"
     code = STANDING.format(stands=str(stands))
-    process = start(code, f"output:={path}", "buffer_size:=1.0", domain=domain)
-    peer.until(lambda: words(said, "recorder"))
-    stands.touch()
-    sent = publish_noise(peer, lambda: "the disk is too slow" in words(said, "recorder"), 2000)
-    stands.unlink()
-    status, out, _ = ended(process, signal.SIGINT)
+    given = (f"output:={path}", "buffer_size:=1.0", "topics:=['/noise']")
+
+    def counted() -> int:
+        shown = values(said, "recorder")
+        return int(shown["messages"]) + int(shown["lost"])
+
+    with started(code, *given, domain=domain) as process:
+        peer.until(lambda: words(said, "recorder"))
+        stands.touch()
+        sent = publish_noise(peer, lambda: "the disk is too slow" in words(said, "recorder"))
+        stands.unlink()
+        peer.until(lambda: counted() == sent)
+        status, out, _ = ended(process, signal.SIGINT)
     assert status == 0
-    assert sent < 2000
     loss = json.loads(read_metadata(path).custom["trunk_ros.loss"])["/noise"]
     kept = len(bag_messages(path)["/noise"])
     assert loss["received"] + loss["lost"] == sent

@@ -73,7 +73,8 @@ class Replay(TrunkNode):
 
     def partners(self) -> tuple[int, bool]:
         """Number of subscribers, and whether every topic has one."""
-        counts = [outlet.get_subscription_count() for outlet in self.outlets.values()]
+        clock = [] if self.clock is None else [self.clock]
+        counts = [outlet.get_subscription_count() for outlet in (*self.outlets.values(), *clock)]
         return sum(counts), all(counts)
 
     def publish(self, topic: str, data: bytes, at: int) -> None:
