@@ -27,8 +27,9 @@ from trunk_ros.trajectory import Trajectory
 BEGIN = 1_750_000_000 * SECOND  # ns, where simulated time begins, so that equal runs have equal stamps
 CONNECT = 5.0  # s for all partners to be connected once everybody is there; some never match
 SETTLED = 3  # looks in a row at which all partners are connected
-START = 30.0  # s for nodes to appear and to find each other
-PATIENCE = 10.0  # s for nodes to answer
+START = 120.0  # s for our nodes to appear, on the slowest machine: one that ends is noticed at once
+FIND = 30.0  # s for all to find each other, and what others publish
+PATIENCE = 30.0  # s for nodes to answer
 SLOW = 2.0  # s without progress after which the clock is said again
 LOST = 3.0  # s without progress after which messages under way are given up
 
@@ -154,7 +155,7 @@ class Pacer(Node):
         if not there:
             self.complete = time.monotonic()
         ready = self.settled >= SETTLED or (there and time.monotonic() - self.complete > CONNECT)
-        if not ready and silent < START:
+        if not ready and silent < (START if self.ledger.missing() else FIND):
             return
         if self.ledger.missing():
             missing = ", ".join(name.lstrip("/") for name in self.ledger.missing())
