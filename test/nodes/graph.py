@@ -200,9 +200,10 @@ def values(statuses: list[Any], node: str) -> dict[str, str]:
 
 
 def hears(statuses: list[Any], node: str, *topics: str) -> bool:
-    """Whether a node says on diagnostics that all of these topics come in."""
-    shown = values(statuses, node)
-    return all(float(shown.get(f"{topic} [Hz]", 0)) > 0 for topic in topics)
+    """Whether a node has said on diagnostics that each of these topics comes in."""
+    shown = [(item.key, item.value) for status in said_by(statuses, node) for item in status.values]
+    heard = {key for key, value in shown if key.endswith(" [Hz]") and float(value) > 0}
+    return all(f"{topic} [Hz]" in heard for topic in topics)
 
 
 def rests(states: list[Any], count: int = 10) -> bool:

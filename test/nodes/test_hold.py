@@ -202,8 +202,12 @@ def test_a_compensator_whose_model_is_of_another_arm_refuses_to_move_it(
 def test_an_arm_that_does_not_say_where_it_stands_is_not_moved(domain, peer, ends):
     with running("compensator", "--ros-args", "-p", "patience:=0.5", domain=domain):
         peer.meets(ends.trajectory, ends.gearbox, node="compensator")
-        ends.state(ends.gearbox, JOINTS[:4], [0.2] * 4)
-        peer.until(lambda: hears(ends.said, "compensator", "trunk/gearbox_states"))
+
+        def heard():
+            ends.state(ends.gearbox, JOINTS[:4], [0.2] * 4)
+            return hears(ends.said, "compensator", "trunk/gearbox_states")
+
+        peer.until(heard)
         ends.go(0.1, 0.5)
         peer.until(lambda: "do not say where all joints stand" in words(ends.said, "compensator"))
         assert not ends.setpoints
