@@ -175,7 +175,8 @@ def clean_shared_memory(before: set[str]) -> None:
         with suppress(OSError):
             mapped += maps.read_text()
     for path in new:
-        if path.name.removesuffix("_el") not in mapped:
+        segment = path.name.removeprefix("sem.").removesuffix("_mutex").removesuffix("_el")  # that it guards
+        if segment not in mapped:
             path.unlink(missing_ok=True)
 
 
