@@ -38,7 +38,10 @@ LARGER: dict[str, dict[str, float]] = {  # where the usual size would hardly be 
     "thermal_drift": {"time_constant": 15.0},
     "viscoelastic_creep": {"time_constant": 2.0},
     "link_resonance": {"frequency": 4.0, "damping": 0.05},
+    "unknown_slips": {f"moment_{k:02d}": 2.0 * k for k in range(1, KNOTS)},
+    "unknown_jumps": {f"moment_{k:02d}": 2.0 * k for k in range(1, KNOTS)},
 }
+RANGES = {"unknown_cycle": (0.0, 0.7), "unknown_jumps": (0.0, SECONDS), "unknown_slips": (0.0, SECONDS)}  # s
 WITH_HOLDS = ("viscoelastic_creep", "link_resonance")
 
 
@@ -67,7 +70,8 @@ BY_REGIME = {
 OVER: dict[str, Over] = {
     "transmission_ripple": GEARBOX, "cogging": GEARBOX, "friction_wear": TIME, "link_resonance": STANDING,
     "load_elasticity": LOAD, "wire_slack": LOAD, "wire_stiffening": LOAD, "load_dependent_friction": LOAD,
-    "load_droop": LOAD,
+    "load_droop": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME, "unknown_slips": TIME,
+    "unknown_dead_zone": GEARBOX,
     "joint_coupling": ("angle of joint 1 [rad]", lambda s: s.theta[:, 0]),
     "presliding_hysteresis": ("travel since the reversal [mrad]", lambda s: travel(s)),
     "link_length_error": ("direction of link 2 [rad]", lambda s: s.theta[:, 0] + s.theta[:, 1]),
@@ -132,7 +136,9 @@ def usual(kind: type[Effect], joints: int) -> dict[str, Any]:
         values[kind.texts[0]] = [f"joint_{k or joints}" for k in range(joints)]
     if "on" in kind.texts:
         bump = 1e-3 * np.sin(np.linspace(0.0, 7.0, KNOTS))
-        values |= {"on": ["position"] * joints, "low": np.full(joints, -0.4), "high": np.full(joints, 0.4)}
+        low, high = RANGES.get(kind.id, (-0.4, 0.4))
+        on = "time" if kind.id in RANGES else "position"
+        values |= {"on": [on] * joints, "low": np.full(joints, low), "high": np.full(joints, high)}
         values |= {f"value_{k:02d}": np.full(joints, bump[k]) for k in range(KNOTS)}
     return values
 

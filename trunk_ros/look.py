@@ -61,7 +61,8 @@ class Look(Now):
     def follow(self, path: Array) -> None:
         """Take another path (n, joints) for that of the joints."""
         self._path = path
-        self.__dict__.pop("speed", None)
+        for name in ("speed", "speeds"):
+            self.__dict__.pop(name, None)
         self.swing_along(path)
 
     def swing_along(self, path: Array) -> float:
@@ -107,6 +108,8 @@ class Look(Now):
         elif name == "speed":
             velocity = self._given.velocity
             value = self._slope() if velocity is None else velocity * self.ratio
+        elif name == "speeds":
+            value = self.speed
         else:
             raise AttributeError(name)
         self.__dict__[name] = value

@@ -125,6 +125,7 @@ def run_servo(
         v_max=np.full(columns, arm.v_max),
         delay=np.zeros(columns),
         pull=np.zeros((n, columns)),
+        dead_zone=np.zeros((n, columns)),
         cogging=np.zeros((3, columns)),
     )
     for e in effects:
@@ -140,6 +141,7 @@ def run_servo(
         core.v_max,
         core.delay,
         core.pull,
+        core.dead_zone,
         core.cogging,
         skip,
         state,

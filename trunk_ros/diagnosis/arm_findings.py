@@ -40,7 +40,7 @@ def arm_findings(problem: ArmProblem, done: ArmFit) -> tuple[list[Finding], dict
                 [],
                 parameters,
                 [],
-                statement_of(kind, sorted(named), parameters, ""),
+                statement_of(kind, ", ".join(sorted(named)) or "the arm", parameters),
                 {
                     "strength": float(np.sqrt(gain / (3 * problem.count))),
                     "gain": {ARM: gain},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
@@ -92,8 +92,12 @@ def _seen(at: Array, stamp: Array) -> np.ndarray:
 class ArmProblem:
     """Forward selection of arm effects by linear least squares, relinearised."""
 
-    def __init__(self, data: list[TipData]):
+    def __init__(self, data: list[TipData], lasting: Array | None = None):
+        """``lasting`` (joints,) rad: standard deviations of joint noise that lasts from sample to sample,
+        which the tip's own scatter does not show.
+        """
         self.data = data
+        self.lasting = np.zeros(data[0].theta.shape[1]) if lasting is None else lasting
         self.arm = data[0].arm
         self.count = sum(len(d.stamp) for d in data)
         self.noise: list[float] = []
@@ -104,8 +108,20 @@ class ArmProblem:
         """Size and memory of the noise from what some values leave."""
         rests = self.residual(values)
         found = [self._noise([rest[:, k] for rest in rests]) for k in range(len(SIGNALS))]
-        self.noise = [noise.std for noise in found]
+        own = np.array([noise.std for noise in found])
+        self.noise = [float(n) for n in np.sqrt(own**2 + self._from_joints() ** 2)]
         self.memory = max(noise.correlation for noise in found)
+
+    def _from_joints(self) -> Array:
+        """(3,) what lasting noise of the joints comes to at the tip."""
+        power = np.zeros(len(SIGNALS))
+        for d in self.data:
+            told = self._predict(d, {})
+            for joint in np.flatnonzero(self.lasting):
+                theta = d.theta.copy()
+                theta[:, joint] += self.lasting[joint]
+                power += np.mean((self._predict(replace(d, theta=theta), {}) - told) ** 2, axis=0)
+        return np.asarray(np.sqrt(power / len(self.data)))
 
     def _noise(self, residuals: list[Array]) -> Noise:
         step = float(np.median(np.concatenate([np.diff(d.stamp) for d in self.data])))

@@ -89,6 +89,8 @@ class Diagnoser:
         )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.effects: dict[str, Values] = {}
+        self.lasting: dict[str, float] = {}
+        """Joint noise [rad] that lasts from sample to sample."""
 
     def run(self) -> Diagnosis:
         """All stages."""
@@ -129,7 +131,10 @@ class Diagnoser:
     def wire(self) -> None:
         """Gearbox to joint."""
         self.say("wire")
-        self._stage(WireProblem(self.spans, self.model, self.recordings[0].units))
+        problem = WireProblem(self.spans, self.model, self.recordings[0].units)
+        self._stage(problem)
+        noises = zip(problem.joints, problem.noise, strict=True)
+        self.lasting = {joint: noise.std for joint, noise in noises if noise.correlation > 0.0}
 
     def _stage(self, problem: Problem) -> None:
         if not problem.columns:
@@ -236,7 +241,9 @@ class Diagnoser:
         for delay in {0.0, late}:  # a simulated tip may be as late as the joints
             data = [d for d in (tip_data(r, model, delay) for r in self.recordings) if d is not None]
             if data:
-                problem = ArmProblem(data)
+                problem = ArmProblem(
+                    data, np.array([self.lasting.get(j, 0.0) for j in self.model.arm.joints])
+                )
                 fitted.append((problem, problem.run()))
         return min(fitted, key=_left, default=None)
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from trunk_ros.diagnosis.search import Search
 
 CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
+HALF = 0.5  # of a misfit: a curve that leaves more of it is over something else than what is at work
 ALONE = 2  # joints that what acts on all must explain by itself
 MOST = 0.5  # of the joints: an effect on as many may be one of all
 REFITTED = 5  # candidates of an exchange that are refitted in full
@@ -130,10 +131,11 @@ def _with_some_back(search: Search, was: Fit, trial: Fit, name: str) -> Fit:
 
 
 def _back(search: Search, old: Term, now: Fit, column: int) -> Fit:
-    """With an effect on a joint again, as it was there or begun anew."""
+    """With an effect on a joint again, as it was there or, if it has a name, begun anew."""
+    kind, screen = effect(old.effect), Screen(search.problem, now.explanation, [column])
     trials = [
         extended(search.problem, now.explanation, candidate)
-        for candidate in Screen(search.problem, now.explanation, [column]).forms(effect(old.effect), column)
+        for candidate in (screen.forms(kind, column) if kind.named else ())
     ]
     if old.effect not in now.explanation or now.explanation[old.effect].form == old.form:
         as_it_was = now.explanation.copy()
@@ -156,6 +158,7 @@ def unname(search: Search, now: Fit) -> Fit | None:
     None if nowhere.
     """
     changed = False
+    everywhere = _unnamed_everywhere(search, now)
     for column in search.problem.columns:
         key = ("unname", column, search.problem.version, now.explanation.key(column))
         if key not in search.settled:
@@ -163,7 +166,30 @@ def unname(search: Search, now: Fit) -> Fit | None:
             trial = _unnamed(search, now, column)
             changed |= trial is not now
             now = trial
+    if everywhere is not None and search.score(everywhere) < search.score(now):
+        return everywhere
     return now if changed else None
+
+
+def _unnamed_everywhere(search: Search, now: Fit) -> Fit | None:
+    """Curves on all joints in the place of what acts on all of them, where much is left beside that."""
+    problem, bare = search.problem, now.explanation
+    for name in [n for n in bare if effect(n).everywhere and n not in problem.known]:
+        bare = bare.without(name)
+    rest = {c: now.cost[c] / problem.count(c) - 1.0 for c in problem.columns}
+    key = ("unname everywhere", problem.version, *(now.explanation.key(c) for c in problem.columns))
+    if len(bare) == len(now.explanation) or key in search.settled or bare.curved:
+        return None
+    search.settled.add(key)
+    if any(rest[c] < problem.rest(c) for c in problem.columns):
+        return None
+    cost: dict[int, float] = {}
+    for column in problem.columns:
+        trial = curve_fit(problem, bare, column)
+        if trial is None:
+            return None
+        bare, cost = trial.explanation, cost | trial.cost
+    return Fit(bare, cost)
 
 
 def _unnamed(search: Search, now: Fit, column: int) -> Fit:
@@ -187,7 +213,9 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
             best = better(search, best, Fit(trial.explanation, now.cost | trial.cost))
     gained = now.cost[column] - best.cost[column]
     simpler = len(local) >= 3
-    return best if simpler or gained > CLEARER * (nominal - now.cost[column]) else now
+    noise = search.problem.count(column)
+    tells = best.cost[column] - noise < HALF * (nominal - noise)
+    return best if tells and (simpler or gained > CLEARER * (nominal - now.cost[column])) else now
 
 
 def _local(now: Fit, column: int) -> list[str]:

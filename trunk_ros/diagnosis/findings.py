@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis import curve_words
 from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.leftover import depends_on, rests
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.result import Finding, Unexplained
-from trunk_ros.diagnosis.unnamed import knot_names
+from trunk_ros.diagnosis.units import unit_of
 from trunk_ros.effects import Effect, effect
-from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.curve import Curve, words_of
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
@@ -25,13 +26,6 @@ VARIES_WITH: dict[str, list[str]] = {
     "low_speed": ["speed"],
     "high_speed": ["speed"],
     "time": ["time"],
-}
-REGIME_OF = {
-    "position": "posture",
-    "load": "posture",
-    "speed": "high_speed",
-    "time": "time",
-    "direction": "reversal",
 }
 ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
@@ -50,46 +44,33 @@ def findings(
     """One finding per effect, with all its joints."""
     out = []
     for name in explanation:
-        for term in [explanation[name]] if effect(name).named else _by_variable(explanation[name]):
+        for term in [explanation[name]] if effect(name).named else curve_words.by_variable(explanation[name]):
             out.append(_finding(problem, term, found[name], std))
     return sorted(out, key=lambda f: -f.evidence["strength"])
-
-
-def _by_variable(term: Term) -> list[Term]:
-    """A curve over time and one over position are two findings."""
-    words: dict[str, list[int]] = {}
-    for column in term.columns:
-        words.setdefault(term.words[column]["on"], []).append(column)
-    return [
-        Term(
-            term.effect,
-            term.form,
-            {},
-            {c: term.own[c] for c in columns},
-            {c: term.words[c] for c in columns},
-            term.given,
-        )
-        for columns in words.values()
-    ]
 
 
 def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Finding:
     kind = effect(term.effect)
     joints = [problem.joints[c] for c in _touched(problem, kind, term)]
-    unnamed = not kind.named
-    variable = term.words[term.columns[0]]["on"] if unnamed else ""
-    varies = [*kind.also, variable] if issubclass(kind, Curve) else _varies_with(kind, term)
-    parameters = {} if unnamed else _parameters(problem, kind, term, std)
+    where, parameters = ", ".join(joints) if joints else "the arm", {}
+    if issubclass(kind, Curve):
+        variable = curve_words.variable_of(term, term.columns[0])
+        varies, regime = [*kind.also, *words_of(variable)], curve_words.regime_of(kind, variable)
+        statement, curve = curve_words.statement(term, where), curve_words.told(problem, term)
+    else:
+        parameters = _parameters(problem, kind, term, std)
+        varies, regime = _varies_with(kind, term), kind.regime
+        statement, curve = statement_of(kind, where, parameters), {}
     return Finding(
-        effect="unknown" if unnamed else term.effect,
+        effect=term.effect if kind.named else "unknown",
         stage=kind.stage,
         joints=joints,
-        regime=REGIME_OF.get(variable, "posture") if unnamed and kind.regime == "posture" else kind.regime,
+        regime=regime,
         confidence=round(min(found.confidence, _settled(kind, term, std)), 3),
         equivalents=found.equivalents,
         parameters=parameters,
         depends_on=varies,
-        statement=statement_of(kind, joints, parameters, variable),
+        statement=statement,
         evidence={
             "strength": found.strength,
             "gain": {problem.joints[c]: g for c, g in found.gain.items()},
@@ -97,7 +78,7 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
             "form": term.form,
             "signature": kind.signature,
         },
-        curve=_curve(problem, term, variable) if unnamed else {},
+        curve=curve,
     )
 
 
@@ -145,13 +126,6 @@ def _parameters(
     return out
 
 
-def unit_of(unit: str, joint: str) -> str:
-    """A parameter's unit on a joint whose position is in the unit ``joint``: on a slide moments are
-    forces.
-    """
-    return unit if joint == "rad" else unit.replace("rad", joint).replace("(N*m)", "N").replace("N*m", "N")
-
-
 def value_of(value: float, std: float | None, unit: str) -> dict[str, Any]:
     return {"value": value, "std": std if std is not None and np.isfinite(std) else None, "unit": unit}
 
@@ -163,15 +137,7 @@ def title(kind: type[Effect]) -> str:
     return text.strip().split("\n")[0].rstrip(".")
 
 
-def statement_of(
-    kind: type[Effect], joints: list[str], parameters: dict[str, dict[str, dict[str, Any]]], variable: str
-) -> str:
-    where = ", ".join(joints) if joints else "the arm"
-    if variable:
-        of = f"{kind.of} " if issubclass(kind, Curve) and kind.of != Curve.of else ""
-        return (
-            f"{where}: {of}depends on {variable} in a way that no name fits; a smooth curve stands in for it."
-        )
+def statement_of(kind: type[Effect], where: str, parameters: dict[str, dict[str, dict[str, Any]]]) -> str:
     values = [f"{owner} {_said(name, v)}" for owner, named in parameters.items() for name, v in named.items()]
     what = f"{title(kind)[0].lower()}{title(kind)[1:]}"
     return f"{where}: {what}" + (f" ({'; '.join(values)})." if values else ".")
@@ -184,22 +150,6 @@ def _said(name: str, value: dict[str, Any]) -> str:
     spread = "" if value["std"] is None else f" ± {value['std']:.2g}"
     unit = "" if value["unit"] == "1" else f" {value['unit']}"
     return f"{name} = {value['value']:.4g}{spread}{unit}"
-
-
-def _curve(problem: Problem, term: Term, variable: str) -> dict[str, Any]:
-    names = knot_names()
-    curves = {}
-    for c in term.columns:
-        values = term.own[c]
-        x = np.linspace(values["low"], values["high"], len(names))
-        curves[problem.joints[c]] = {"x": x, "y": np.array([values[n] for n in names])}
-    own = problem.units.get(problem.joints[term.columns[0]], "rad")
-    over = problem.units.get(variable, "rad") if variable in problem.joints else own
-    unit = {"time": "s", "speed": f"{own}/s", "load": "N*m"}.get(variable, over)
-    kind = effect(term.effect)
-    assert issubclass(kind, Curve)
-    y_unit = unit_of(kind.parameters[-1].unit, own)
-    return {"on": variable, "of": kind.of, "x_unit": unit, "y_unit": y_unit, "joints": curves}
 
 
 def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
@@ -217,7 +167,7 @@ def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
             rest.joints.append(joint)
             rest.share = max(rest.share, share)
         else:
-            regime = REGIME_OF.get(varies[0], "posture") if varies else "always"
+            regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
             out[tuple(varies)] = Unexplained(problem.stage, [joint], regime, share, varies, "")
     for rest in out.values():
         on = f", and varies with {' and '.join(rest.depends_on)}" if rest.depends_on else ""

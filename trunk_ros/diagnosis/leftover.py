@@ -7,8 +7,9 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.problem import Problem
-from trunk_ros.diagnosis.unnamed import spectrum, variables
-from trunk_ros.effects.curve import abscissa
+from trunk_ros.diagnosis.spectrum import spectrum
+from trunk_ros.diagnosis.unnamed import variables
+from trunk_ros.effects.curve import abscissa, words_of
 
 CELLS = 20
 TELLS = 0.05  # share of the rest's power that a variable must account for
@@ -42,7 +43,8 @@ def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[
     if share > 0.2:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)
-    return [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > TELLS][:3]
+    told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > TELLS][:3]
+    return list(dict.fromkeys(word for name in told for word in words_of(name)))
 
 
 def accounted(x: Array, residual: Array) -> float:

@@ -17,15 +17,19 @@ REMEMBERED = 0.16  # s that noise is compared over
 LEAST = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
 MOST = 0.985  # correlation
+ROUNDS = 12
 STRIDES = (1, 2, 3, 4, 6, 8, 12, 16)
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviation and lag-one correlation of a sensor's noise, an AR(1) process."""
+    """Standard deviation of a sensor's noise: an AR(1) process of a lag-one correlation, with a ``white``
+    part on top (a standard deviation, too), which an encoder's steps add.
+    """
 
     std: float
     correlation: float = 0.0
+    white: float = 0.0
 
     def whiten(self, residual: Array, follows: np.ndarray) -> Array:
         """Residuals (n, ...) as independent unit noise; ``follows`` (n,) where the sample before counts
@@ -33,7 +37,8 @@ class Noise:
         """
         if self.correlation == 0.0:
             return residual / self.std
-        rest = self.std * np.sqrt(1.0 - self.correlation**2)
+        coloured, square = self.std**2 - self.white**2, self.correlation**2
+        rest = np.sqrt(coloured * (1.0 - square) + self.white**2 * (1.0 + square))
         out = residual / self.std
         out[1:][follows[1:]] = ((residual[1:] - self.correlation * residual[:-1]) / rest)[follows[1:]]
         return np.asarray(out)
@@ -41,10 +46,13 @@ class Noise:
 
 @dataclass(frozen=True)
 class Differences:
-    """Standard deviations of a residual's fourth differences at growing strides (k,)."""
+    """Standard deviations of a residual's fourth differences at growing strides (k,); of ``white`` noise of a
+    known standard deviation is in them.
+    """
 
     strides: tuple[int, ...]
     spread: Array
+    white: float = 0.0
 
     @property
     def correlation(self) -> float:
@@ -52,30 +60,53 @@ class Differences:
 
         What is left of the motion grows faster still, and makes it too large.
         """
-        near = 1.0 / np.asarray(self.strides)
-        seen = 2.0 * np.log(self.spread)
 
         def off(correlation: float) -> float:
-            rest = seen - np.log([_gain(correlation, s) for s in self.strides])
-            return float(near @ (rest - np.average(rest, weights=near)) ** 2)
+            return self._fitted(correlation)[1]
 
         found = float(minimize_scalar(off, bounds=(0.0, MOST), method="bounded").x)
         return found if found > WHITE and off(found) < off(0.0) else 0.0
 
     def noise(self, correlation: float) -> Noise:
-        """Noise of that correlation, of the size seen at the shortest stride."""
-        return Noise(max(float(self.spread[0]) / np.sqrt(_gain(correlation, 1)), LEAST), correlation)
+        """Noise of that correlation, of the size seen at the shortest stride, or at all where a part is
+        white.
+        """
+        if correlation == 0.0 or self.white == 0.0:
+            return Noise(max(float(self.spread[0]) / np.sqrt(_gain(correlation, 1)), LEAST), correlation)
+        coloured = self._fitted(correlation)[0]
+        return Noise(max(float(np.hypot(coloured, self.white)), LEAST), correlation, self.white)
+
+    def _fitted(self, correlation: float) -> tuple[float, float]:
+        """Standard deviation of AR(1) noise of a correlation that is likest beside the white part, and how
+        far the logarithms of the variances are off.
+        """
+        near = 1.0 / np.asarray(self.strides)
+        gain = np.array([_gain(correlation, s) for s in self.strides])
+        steps, size = (
+            BINOMIAL @ BINOMIAL * self.white**2,
+            2.0 * float(np.log(self.spread[0])) - float(np.log(gain[0])),
+        )
+        for _ in range(ROUNDS):
+            coloured = np.exp(size) * gain
+            rest = 2.0 * np.log(self.spread) - np.log(coloured + steps)
+            share = coloured / (coloured + steps)
+            size += float(np.clip(near * share @ rest / (near * share @ share), -1.0, 1.0))
+        rest = 2.0 * np.log(self.spread) - np.log(np.exp(size) * gain + steps)
+        return float(np.exp(0.5 * size)), float(near @ rest**2)
 
 
-def differences_of(residuals: list[Array], masks: list[np.ndarray], longest: int = 1) -> Differences:
-    """Fourth differences of one signal at strides up to ``longest`` samples, by the median.
+def differences_of(
+    residuals: list[Array], masks: list[np.ndarray], longest: int = 1, white: float = 0.0
+) -> Differences:
+    """Fourth differences of one signal at strides up to ``longest`` samples, by the median; of its noise a
+    ``white`` part is known.
 
     What moves slowly against the sampling cancels in them, and rare kinks do not move a median.
     """
     strides = tuple(s for s in STRIDES if s <= longest)
     spread = np.array([_robust(residuals, masks, s) for s in strides])
     known = int(np.argmin(spread > LEAST)) if (spread <= LEAST).any() else len(strides)
-    return Differences(strides[: max(known, 1)], np.maximum(spread[: max(known, 1)], LEAST))
+    return Differences(strides[: max(known, 1)], np.maximum(spread[: max(known, 1)], LEAST), white)
 
 
 def strides_within(step: float) -> int:

@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells
 from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
 from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
+from trunk_ros.recording.encoder import count
 from trunk_ros.resistance import loads
 
 LEAST = 50  # valid samples without which a joint cannot be judged
@@ -34,6 +35,7 @@ class View:
     load: Array
     lever: Array
     wires: Array
+    speeds: Array
     follows: np.ndarray
 
     def now(self, arm: Arm, column: int, payload: float) -> Now:
@@ -54,6 +56,7 @@ class View:
             self.wires,
             self.span.joints,
             ratio,
+            speeds=self.speeds,
         )
 
 
@@ -88,6 +91,7 @@ class Problem(ABC):
         """Columns that always move alike and show a wide loop: it hides what else varies with speed or
         time.
         """
+        self._steps = [self._stepped(c) for c in range(len(self.joints))]
         self._coarse = [self._coarseness(c) for c in range(len(self.joints))]
         self._cache: dict[tuple[int, int, float, int | None], Now] = {}
         self._telling: dict[int, list[int]] = {}
@@ -135,10 +139,11 @@ class Problem(ABC):
 
     def _view(self, span: Span) -> View:
         angles = span.gearbox * self.arm.ratio
+        speeds = span.velocity * self.arm.ratio
         follows = np.zeros_like(span.valid)
         follows[1:] = span.valid[1:] & span.valid[:-1]
         dt = np.diff(span.grid, prepend=span.grid[:1])
-        return View(span, dt, angles, *loads(self.arm, angles, span.resistance), angles, follows)
+        return View(span, dt, angles, *loads(self.arm, angles, span.resistance), angles, speeds, follows)
 
     def now(self, index: int, column: int, payload: float, steps: int | None = None) -> Now:
         """The surroundings of a column in a span, or in its first ``steps``, kept between calls."""
@@ -207,7 +212,8 @@ class Problem(ABC):
         for column in range(len(self.joints)):
             residuals = [self.residual(i, explanation, column) for i in range(len(self.views))]
             masks = [view.span.valid[:, column] for view in self.views]
-            seen.append(differences_of(residuals, masks, 1 if column in self.formed else longest))
+            strides = 1 if column in self.formed else longest
+            seen.append(differences_of(residuals, masks, strides, self._steps[column]))
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.median(judged)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
@@ -275,6 +281,12 @@ class Problem(ABC):
         """Noise that the steps of the joint's own sensor are at least."""
         seen = [(view.span.target[:, column], view.span.valid[:, column]) for view in self.views]
         return max(coarseness(target, valid) for target, valid in seen)
+
+    def _stepped(self, column: int) -> float:
+        """Standard deviation of the steps of a joint's own encoder; 0 where its readings lie on no grid."""
+        seen = [view.span.target[view.span.valid[:, column], column] for view in self.views]
+        steps = max((count(readings) for readings in seen if len(readings) > 1), default=0.0)
+        return float(steps / np.sqrt(12.0))
 
     def look_again(self, explanation: Explanation) -> None:
         """Let coupling and load see the angles that an explanation predicts, where the stage has any."""

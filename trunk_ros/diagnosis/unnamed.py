@@ -2,77 +2,157 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import lombscargle
+from scipy.linalg import cho_factor, cho_solve
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import SLOW
+from trunk_ros.diagnosis.criterion import SIGNIFICANT
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
+from trunk_ros.diagnosis.jumps import jumps
 from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.spectrum import spectrum
 from trunk_ros.effects import effect
-from trunk_ros.effects.curve import KNOTS, abscissa
+from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, abscissa
+from trunk_ros.effects.wire.unknown_jumps import MOMENTS
 
-UNKNOWN = "unknown"
-FRICTION = "unknown_friction"
-GAIN = "unknown_gain"
+UNKNOWN, FRICTION, GAIN = "unknown", "unknown_friction", "unknown_gain"
+CYCLE, JUMPS, SLIPS = "unknown_cycle", "unknown_jumps", "unknown_slips"
+SERVO, DEAD_ZONE = "unknown_servo", "unknown_dead_zone"
+LINEAR = (UNKNOWN, CYCLE, JUMPS)
+"""What is added to the angle as it is."""
 BUMP = 1e-4  # rad of a dead band, for derivatives
-TURNS_OF_FRICTION = 6
-RIDGE = 1e-3  # of a knot's weight, so that knots without data stay near their neighbours
-STRETCH = 12_000  # samples of a spectrum
-TURNS = 3  # of curve and named values, each fitted while the other rests
+TURNS = dict.fromkeys(LINEAR, 3)  # of curve and named values, each fitted while the other rests
+TURNS_OF_OTHERS = 6
+SMOOTH = np.logspace(-3.0, 4.0, 15)  # weights of a curve's bends, of a knot's own
+ZONES = np.geomspace(1e-4, 0.1, 30)  # rad, tried as constants: a small zone shows nothing of a large one
+NEAR = np.linspace(0.88, 1.12, 25)  # of the best of them, likewise
+CYCLIC = 0.1  # of the residual's power: a line that is looked at
+
+
+@dataclass(frozen=True)
+class Place:
+    """A kind of curve, what it is drawn over, from where to where, and when it jumps."""
+
+    kind: str
+    variable: str
+    low: float
+    high: float
+    moments: tuple[float, ...] = ()
+
+    @property
+    def curve(self) -> type[Curve]:
+        """The effect."""
+        found = effect(self.kind)
+        assert issubclass(found, Curve)
+        return found
+
+    def basis(self, x: Array) -> Array:
+        """(n, KNOTS) the curve at ``x`` (n,) per value."""
+        if self.moments:
+            return np.eye(KNOTS)[np.searchsorted(self.moments, x, side="right")]
+        return self.curve.basis(x, self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A fitted curve; ``worth`` also counts how freely it bends (Schwarz 1978)."""
+
+    fit: Fit
+    worth: float
 
 
 def curve_fit(problem: Problem, bare: Explanation, column: int) -> Fit | None:
-    """The explanation with the curve, of the angle, the dead band or the gain, over whatever it is best drawn
-    over, that explains most of a column's rest.
+    """The explanation with the curve, of whatever it is best a curve of and over what it is best drawn over,
+    that explains most of a column's rest.
     """
-    if problem.stage != "wire":
-        return None
     bare = fit(problem, bare, [column]).explanation
+    drawn = [_best(problem, bare, column, some) for some in places(problem, bare, column) if some]
+    return min(drawn, key=lambda d: d.worth).fit if drawn else None
+
+
+def places(problem: Problem, bare: Explanation, column: int) -> list[list[Place]]:
+    """The curves that may be drawn in a stage, those of one kind together."""
     over = variables(problem, column)
-    own = [] if column in problem.wide else [v for v in over if v not in problem.joints]
-    kinds = {UNKNOWN: over, FRICTION: own, GAIN: [v for v in over if own and v != "position"]}
-    fits = [_best(problem, bare, column, kind, some) for kind, some in kinds.items() if some]
-    return min(fits, key=lambda f: f.cost[column])
+    moving = [v for v in over if v.removeprefix(SPEED_OF) not in problem.joints]
+    own = [] if column in problem.wide else moving
+    kinds = {
+        "wire": {UNKNOWN: over, FRICTION: own, GAIN: [v for v in own if v != "position"]},
+        "servo": {SERVO: over, DEAD_ZONE: [v for v in own if v == "position"]},
+    }.get(problem.stage, {})
+    found = [[Place(kind, v, *ends(problem, column, v)) for v in some] for kind, some in kinds.items()]
+    timed = problem.stage == "wire" and "time" in over
+    return [*found, *(_in_time(problem, bare, column) if timed else [])]
 
 
-def _best(problem: Problem, bare: Explanation, column: int, kind: str, over: list[str]) -> Fit:
-    """The curve over the variable that a linear look finds best, fitted."""
-    rest = problem.whitened(bare, column)
-    costs = {}
-    for variable in over:
-        design = _design(problem, bare, column, kind, variable, np.zeros(KNOTS))
-        costs[variable] = float(np.sum((rest - design @ _solve(design, rest)) ** 2))
-    return _alternate(problem, bare, column, kind, min(costs, key=costs.__getitem__))
+def _in_time(problem: Problem, bare: Explanation, column: int) -> Iterator[list[Place]]:
+    """A curve over the time within the period that stands out of a column's rest, and one of its jumps."""
+    index = problem.telling(column)[0]
+    span, noise = problem.views[index].span, problem.noise[column]
+    valid = span.valid[:, column]
+    stamp, rest = span.stamp[valid], problem.residual(index, bare, column)[valid]
+    frequency, share = spectrum(stamp, rest)
+    if share > CYCLIC:
+        yield [Place(CYCLE, "time", 0.0, 1.0 / frequency)]
+    worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
+    moments = jumps(stamp, rest / noise.std, worth, KNOTS - 1)
+    if len(moments):
+        for kind in (JUMPS, SLIPS):
+            yield [Place(kind, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
 
 
-def _alternate(problem: Problem, bare: Explanation, column: int, kind: str, variable: str) -> Fit:
+def _best(problem: Problem, bare: Explanation, column: int, some: list[Place]) -> Drawn:
+    """The curve of one kind over what a linear look finds best, fitted."""
+
+    def left(place: Place) -> float:
+        begun = _begun(problem, bare, column, place)
+        rest = problem.whitened(with_curve(bare, place, column, begun), column)
+        design = _design(problem, bare, column, place, begun)
+        values, bends = smoothed(design, rest + design @ begun, place.curve.bend())
+        off = rest - design @ (values - begun)
+        return float(off @ off) + bends * float(np.log(len(rest)))
+
+    return _alternate(problem, bare, column, min(some, key=left) if len(some) > 1 else some[0])
+
+
+def _alternate(problem: Problem, bare: Explanation, column: int, place: Place) -> Drawn:
     """Curve and named values in turn, as long as that helps."""
-    low, high = ends(problem, column, variable)
-    values = np.zeros(KNOTS)
-    done = fit(problem, with_curve(bare, kind, column, variable, low, high, values), [column])
-    for _ in range(TURNS_OF_FRICTION if kind == FRICTION else TURNS):
-        design = _design(problem, done.explanation, column, kind, variable, values)
-        moved = values + _solve(design, problem.whitened(done.explanation, column))
-        trial = fit(problem, with_curve(done.explanation, kind, column, variable, low, high, moved), [column])
+    values, bends = _begun(problem, bare, column, place), 0.0
+    done = fit(problem, with_curve(bare, place, column, values), [column])
+    for _ in range(TURNS.get(place.kind, TURNS_OF_OTHERS)):
+        design = _design(problem, done.explanation, column, place, values)
+        rest = problem.whitened(done.explanation, column)
+        moved, freedom = smoothed(design, rest + design @ values, place.curve.bend())
+        trial = fit(problem, with_curve(done.explanation, place, column, moved), [column])
         if trial.cost[column] > done.cost[column]:
             break
-        done, values = trial, moved
-    return done
+        done, values, bends = trial, moved, freedom
+    return Drawn(done, done.cost[column] + bends * float(np.log(problem.count(column))))
 
 
-def _design(
-    problem: Problem, now: Explanation, column: int, kind: str, variable: str, values: Array
-) -> Array:
+def _begun(problem: Problem, bare: Explanation, column: int, place: Place) -> Array:
+    """(knots,) where a curve begins: at nothing, or at the best constant."""
+    if place.kind != DEAD_ZONE:
+        return np.zeros(KNOTS)
+
+    def left(zone: float) -> float:
+        trial = with_curve(bare, place, column, np.full(KNOTS, zone))
+        return float(np.sum(problem.whitened(trial, column) ** 2))
+
+    return np.full(KNOTS, min(NEAR * min(ZONES, key=left), key=left))
+
+
+def _design(problem: Problem, now: Explanation, column: int, place: Place, values: Array) -> Array:
     """(rows, knots) change of the whitened prediction per curve value."""
-    if kind == UNKNOWN:
-        return design_of(problem, column, variable)
-    low, high = ends(problem, column, variable)
+    if place.kind in LINEAR:
+        return design_of(problem, column, place)
 
     def predictions(at: Array) -> list[Array]:
-        return problem.predictions(with_curve(now, kind, column, variable, low, high, at), column)
+        return problem.predictions(with_curve(now, place, column, at), column)
 
     base = predictions(values)
     steps = [predictions(values + BUMP * one) for one in np.eye(KNOTS)]
@@ -80,15 +160,14 @@ def _design(
     return np.column_stack([problem.whiten_change(change, column) for change in changes])
 
 
-def with_curve(
-    bare: Explanation, kind: str, column: int, variable: str, low: float, high: float, values: Array
-) -> Explanation:
+def with_curve(bare: Explanation, place: Place, column: int, values: Array) -> Explanation:
     """The explanation with a curve on a column."""
-    out = bare.copy()
-    names = knot_names()
+    out, kind = bare.copy(), place.kind
     term = out.setdefault(kind, Term(kind, given=frozenset(p.name for p in effect(kind).parameters)))
-    term.own[column] = {"low": low, "high": high, **dict(zip(names, values.tolist(), strict=True))}
-    term.words[column] = {"on": variable}
+    own = dict(zip((p.name for p in VALUES), values.tolist(), strict=True))
+    moments = {p.name: at for p, at in zip(MOMENTS, place.moments, strict=False)}
+    term.own[column] = {"low": place.low, "high": place.high, **own, **moments}
+    term.words[column] = {"on": place.variable}
     return out
 
 
@@ -97,14 +176,10 @@ def variables(problem: Problem, column: int) -> list[str]:
     others = [joint for k, joint in enumerate(problem.joints) if k != column]
     load = ["load"] if problem.has_load else []
     hidden = column in problem.wide
-    speed = ["speed"] if problem.step < SLOW and not hidden else []
+    told = problem.step < SLOW and not hidden
+    speeds = ["speed", *(SPEED_OF + joint for joint in others)] if told else []
     time = [] if hidden or column in problem.one_way else ["time"]
-    return ["position", *speed, *time, *load, *others]
-
-
-def knot_names() -> list[str]:
-    """The curve's values among the parameters of ``unknown``."""
-    return [p.name for p in effect(UNKNOWN).parameters if p.name.startswith("value_")]
+    return ["position", *speeds, *time, *load, *others]
 
 
 def ends(problem: Problem, column: int, variable: str) -> tuple[float, float]:
@@ -114,44 +189,30 @@ def ends(problem: Problem, column: int, variable: str) -> tuple[float, float]:
     return low, max(high, low + max(1e-6, 1e-6 * abs(low)))
 
 
-def design_of(problem: Problem, column: int, variable: str) -> Array:
-    """(rows, knots) change of the whitened prediction per curve value."""
-    low, high = ends(problem, column, variable)
-    knots = np.linspace(low, high, len(knot_names()))
-    basis = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
+def design_of(problem: Problem, column: int, place: Place) -> Array:
+    """(rows, knots) change of the whitened prediction per value of a curve that is added to the angle."""
     parts = []
     for i, view in enumerate(problem.views):
-        x = abscissa(variable, problem.now(i, column, 0.0), 0)[view.span.rows]
-        parts.append(basis(np.clip(x, low, high)))
-    return np.column_stack(
-        [problem.whiten_change([p[:, k] for p in parts], column) for k in range(len(knots))]
-    )
+        x = abscissa(place.variable, problem.now(i, column, 0.0), 0)[view.span.rows]
+        parts.append(place.basis(x))
+    return np.column_stack([problem.whiten_change([p[:, k] for p in parts], column) for k in range(KNOTS)])
 
 
-def _solve(design: Array, rest: Array) -> Array:
-    """Least squares with second differences held small where data are rare."""
-    n = design.shape[1]
-    bend = np.diff(np.eye(n), 2, axis=0)
-    normal = design.T @ design
-    weight = RIDGE * float(np.trace(normal)) / n
-    return np.asarray(
-        np.linalg.solve(normal + weight * bend.T @ bend + 1e-9 * weight * np.eye(n), design.T @ rest)
-    )
+def smoothed(design: Array, target: Array, bend: Array) -> tuple[Array, float]:
+    """Values (knots,) of the curve that a design (rows, knots) needs for a target (rows,) of unit noise, as
+    smooth as is most likely, and how many values that is worth.
 
-
-def spectrum(stamp: Array, residual: Array, longest: float = 50.0) -> tuple[float, float]:
-    """(frequency Hz, share of the power) of the strongest line in a residual (n,) at uneven stamps (n,).
-
-    The effort grows with the square of the length: of a long one the loudest stretch is looked at.
+    The weight of the second differences ``bend`` (k, knots) has the largest marginal likelihood (Wood 2011,
+    J. R. Stat. Soc. B 73(1)).
     """
-    pieces = range(0, max(len(stamp) - STRETCH, 0) + 1, STRETCH)
-    loudest = max(pieces, key=lambda k: float(np.sum(residual[k : k + STRETCH] ** 2)))
-    stamp, residual = (values[loudest : loudest + STRETCH] for values in (stamp, residual))
-    step = float(np.median(np.diff(stamp)))
-    span = float(stamp[-1] - stamp[0])
-    frequencies = np.arange(2.0 / span, min(0.45 / step, longest), 0.5 / span)
-    if len(frequencies) < 2 or not np.any(residual):
-        return 0.0, 0.0
-    power = lombscargle(stamp, residual - residual.mean(), 2 * np.pi * frequencies)
-    best = int(np.argmax(power))
-    return float(frequencies[best]), float(2 * power[best] / np.sum((residual - residual.mean()) ** 2))
+    normal, side = design.T @ design, design.T @ target
+    size = float(np.trace(normal)) / len(side)
+    least, best = -np.inf, (np.zeros_like(side), 0.0)
+    for weight in SMOOTH * size:
+        factor = cho_factor(normal + weight * bend.T @ bend + 1e-9 * size * np.eye(len(side)))
+        values = cho_solve(factor, side)
+        likely = float(side @ values) - 2.0 * float(np.log(np.diag(factor[0])).sum())
+        likely += np.linalg.matrix_rank(bend) * float(np.log(weight))
+        if likely > least:
+            least, best = likely, (values, float(np.trace(cho_solve(factor, normal))))
+    return best

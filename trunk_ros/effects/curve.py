@@ -15,6 +15,8 @@ from trunk_ros.parameter import Parameter
 
 KNOTS = 24
 VARIABLES = ("position", "speed", "time", "load")
+SPEED_OF = "speed of "
+REACH = 0.5  # of its range that a curve goes on straight beyond its ends
 RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),
     Parameter("high", "1", (-1e9, 1e9), "where the curve ends", typical=1.0),
@@ -26,8 +28,8 @@ VALUES = tuple(
 
 
 class Curve(Effect):
-    """+= curve(x), x being position (ratio phi), speed, time, load or another joint's angle, held beyond
-    its ends.
+    """+= curve(x), x being position (ratio phi), speed, time, load, another joint's angle or its speed.
+    Beyond its ends a curve goes on straight for half of its range, one over time is held.
     """
 
     signature = "The residual depends on something in a way that no named effect has."
@@ -50,9 +52,10 @@ class Curve(Effect):
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
         for column, variable in enumerate(self.words.get("on", ())):
-            if variable and variable not in (*VARIABLES, *joints):
+            if variable and variable.removeprefix(SPEED_OF) not in (*VARIABLES, *joints):
                 raise ModelError(
                     f"effects.{self.id}.on = {variable!r}: choose from {', '.join((*VARIABLES, *joints))}"
+                    f" or {SPEED_OF}{joints[0]} …"
                 )
             if variable and not self["low"][column] < self["high"][column]:
                 raise ModelError(f"effects.{self.id} of {joints[column]}: low must be below high")
@@ -63,8 +66,35 @@ class Curve(Effect):
         for variable, here in others:
             x = np.where(here, abscissae(variable, now), x)
         out = np.zeros(x.shape)
-        curves(x, self["low"], self["high"], self._pieces, out)
+        low, high = self["low"], self["high"]
+        curves(self.onto(x, low, high), low, high, self._reach, self._pieces, out)
         return out
+
+    @classmethod
+    def onto(cls, x: Array, low: Array, high: Array) -> Array:
+        """Where on a curve from ``low`` to ``high`` each ``x`` lies."""
+        return x
+
+    @classmethod
+    def spline(cls, knots: Array, values: Array) -> CubicSpline:
+        """The curve through ``values`` (KNOTS, ...) at ``knots`` (KNOTS,)."""
+        return CubicSpline(knots, values, bc_type="natural")
+
+    @classmethod
+    def bend(cls) -> Array:
+        """(k, KNOTS) second differences of the values."""
+        return np.diff(np.eye(KNOTS), 2, axis=0)
+
+    @classmethod
+    def basis(cls, x: Array, low: float, high: float) -> Array:
+        """(n, KNOTS) the curve at ``x`` (n,) per value."""
+        spline = cls.spline(np.linspace(low, high, KNOTS), np.eye(KNOTS))
+        return np.asarray(spline(cls.onto(x, np.asarray(low), np.asarray(high))))
+
+    @cached_property
+    def _reach(self) -> Array:
+        """(columns,) of its range that each curve goes on beyond its ends."""
+        return np.array([0.0 if word == "time" else REACH for word in self.words.get("on", ())] or [0.0])
 
     @cached_property
     def _columns(self) -> list[tuple[str, np.ndarray]]:
@@ -82,24 +112,36 @@ class Curve(Effect):
         for column, variable in enumerate(words):
             if variable:
                 knots = np.linspace(self["low"][column], self["high"][column], KNOTS)
-                pieces[column] = CubicSpline(
-                    knots, [self[p.name][column] for p in VALUES], bc_type="natural"
-                ).c
+                values = np.array([self[p.name][column] for p in VALUES])
+                pieces[column] = self.spline(knots, values).c
         return pieces
 
 
 @compiled
-def curves(x: Array, low: Array, high: Array, pieces: Array, out: Array) -> None:
-    """Natural cubic splines over ``x`` (n, columns), held beyond their ends."""
+def curves(x: Array, low: Array, high: Array, reach: Array, pieces: Array, out: Array) -> None:
+    """Cubic splines over ``x`` (n, columns); straight beyond their ends for ``reach`` (columns,) of their
+    range, then held.
+    """
+    last = pieces.shape[2] - 1
     for j in range(x.shape[1]):
-        width = (high[j] - low[j]) / pieces.shape[2]
+        width = (high[j] - low[j]) / (last + 1)
         if width <= 0.0:
             continue
+        beyond = reach[j] * (high[j] - low[j])
         for k in range(x.shape[0]):
-            along = min(max(x[k, j], low[j]), high[j]) - low[j]
-            i = min(int(along / width), pieces.shape[2] - 1)
+            there = min(max(x[k, j], low[j] - beyond), high[j] + beyond)
+            along = min(max(there, low[j]), high[j]) - low[j]
+            i = min(int(along / width), last)
             t = along - i * width
-            out[k, j] = ((pieces[j, 0, i] * t + pieces[j, 1, i]) * t + pieces[j, 2, i]) * t + pieces[j, 3, i]
+            a, b, c, d = pieces[j, 0, i], pieces[j, 1, i], pieces[j, 2, i], pieces[j, 3, i]
+            slope = (3.0 * a * t + 2.0 * b) * t + c
+            out[k, j] = ((a * t + b) * t + c) * t + d + slope * (there - low[j] - along)
+
+
+def words_of(variable: str) -> list[str]:
+    """What a variable is made of, such as a joint and its speed."""
+    joint = variable.removeprefix(SPEED_OF)
+    return [variable] if joint == variable else [joint, "speed"]
 
 
 def abscissae(variable: str, now: Now) -> Array:
@@ -110,7 +152,10 @@ def abscissae(variable: str, now: Now) -> Array:
         return now.speed
     if variable == "load":
         return now.load
-    one = now.stamp if variable == "time" else now.angles[:, now.joints.index(variable)]
+    if variable.startswith(SPEED_OF):
+        one = now.speeds[:, now.joints.index(variable.removeprefix(SPEED_OF))]
+    else:
+        one = now.stamp if variable == "time" else now.angles[:, now.joints.index(variable)]
     return np.broadcast_to(one[:, None], (len(one), len(now.ratio)))
 
 

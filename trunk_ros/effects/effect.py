@@ -44,6 +44,8 @@ class Now:
     """(columns,) joint angle per gearbox angle."""
     held: bool = False
     """Whether time stands at the end of the recording that the model was fitted on."""
+    speeds: Array = field(default_factory=lambda: np.empty((0, 0)))
+    """(n, all joints) rad/s, like ``speed``."""
 
 
 @dataclass
@@ -69,6 +71,8 @@ class Core:
     delay: Array = field(default_factory=lambda: np.empty(0))
     pull: Array = field(default_factory=lambda: np.empty(0))
     """(n, columns) rad added to the setpoint."""
+    dead_zone: Array = field(default_factory=lambda: np.empty(0))
+    """(n, columns) rad of error that the loop does not answer to."""
     cogging: Array = field(default_factory=lambda: np.empty(0))
     """(3, columns): amplitude rad, cycles per revolution, phase rad."""
     link_length: Array = field(default_factory=lambda: np.empty(0))

@@ -11,10 +11,13 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.report.signals import Signal, joint_angle, load, reversals, signals
 from trunk_ros.diagnosis.report.units import multiple
 from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.effects.curve import SPEED_OF
+from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 
 POINTS = 1500
 CELLS = 60
 CELLS_OVER = {"time": 240, "travel": 30}
+PERIODS = 4.0  # of what comes back in time
 SLID = 0.02  # of the joint's range after a reversal, from where the dead band is crossed
 
 
@@ -43,8 +46,10 @@ def view_of(finding: Finding, joint: str) -> View:
     if finding.effect in BY_EFFECT:
         return BY_EFFECT[finding.effect]
     view = View("time") if finding.stage == "arm" else BY_REGIME.get(finding.regime, View("time"))
-    source = finding.parameters.get(joint, {}).get("source", {}).get("value")
+    source = finding.parameters.get(joint, {}).get("source", {}).get("value") or finding.curve.get("on")
     first = str(source or (finding.depends_on[0] if finding.depends_on else ""))
+    if finding.curve.get("of") == UnknownCycle.of:
+        return View("time", window=PERIODS * float(np.ptp(finding.curve["joints"][joint]["x"])))
     if view.over == "position" or finding.effect == "unknown":
         return View(first or view.over, along=finding.regime == "reversal")
     return view
@@ -79,7 +84,7 @@ def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
     x, y, drawn = x[keep], y[keep], (part * sign)[keep]
     factor, unit = multiple(float(np.quantile(np.abs(y), 0.99)) if len(y) else 1.0, signal.unit)
     units = {s.name: s.unit for s in signals(result) if s.stage == signal.stage}
-    scale, x_label = _scaled(view, signal, units.get(view.over, signal.unit), x)
+    scale, x_label = _scaled(view, signal, units.get(view.over.removeprefix(SPEED_OF), signal.unit), x)
     curve = (x, drawn) if view.window else _means(x, drawn, log, CELLS_OVER.get(view.over, CELLS))
     few = np.linspace(0, len(x) - 1, min(len(x), POINTS)).astype(int)
     side = " along the motion" if view.along else ""
@@ -109,10 +114,21 @@ def abscissa(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.n
     elif view.over == "travel" and angle is not None:
         x = reversals(angle)[1]
     elif view.over != "time":
-        others = [s for s in signals(result) if (s.stage, s.name) == (signal.stage, view.over)]
-        x = joint_angle(result, others[0]) if others else signal.stamp
+        x = _of_another(result, signal, view.over)
     x = signal.stamp if x is None else np.asarray(x, dtype=float)
     return (np.abs(x) if view.along and view.over in ("load", "speed") else x), keep
+
+
+def _of_another(result: Diagnosis, signal: Signal, over: str) -> Array:
+    """(n,) another joint's angle or speed, time where it is not known."""
+    joint = over.removeprefix(SPEED_OF)
+    others = [s for s in signals(result) if (s.stage, s.name) == (signal.stage, joint)]
+    if not others:
+        return signal.stamp
+    if over == joint or others[0].velocity is None:
+        angle = joint_angle(result, others[0])
+        return signal.stamp if angle is None else angle
+    return np.asarray(others[0].velocity * result.model.arm.ratio[result.model.arm.index(joint)])
 
 
 def _motion(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
@@ -152,6 +168,8 @@ def _means(x: Array, y: Array, log: bool, cells: int) -> tuple[Array, Array]:
 
 def _scaled(view: View, signal: Signal, unit: str, x: Array) -> tuple[float, str]:
     """Factor and label of the abscissa; ``unit`` of the joint that it is an angle of."""
+    if view.over.startswith(SPEED_OF):
+        return 1.0, f"{view.over} / {unit}/s"
     if view.over in LABELS:
         return 1.0, LABELS[view.over].replace("rad", unit)
     size = 0.01 if view.over == "travel" else float(np.max(np.abs(x), initial=0.0))

@@ -45,6 +45,7 @@ class Cogging(Effect):
     compensable = False
     confused_with = (
         ("load_droop", "turn one joint alone over its whole range: a cogging comes back many times"),
+        ("unknown_dead_zone", "approach one setpoint from both sides: a dead zone changes its sign"),
     )
 
     def grid(

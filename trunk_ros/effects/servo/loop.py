@@ -20,6 +20,7 @@ def servo_loop(
     v_max: Array,
     delay: Array,
     pull: Array,
+    dead_zone: Array,
     cogging: Array,
     skip: int,
     state: Array,
@@ -28,7 +29,8 @@ def servo_loop(
     """Gearbox angle at each stamp, before the setpoint of that stamp acts.
 
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need;
-    ``pull`` and ``out`` (m - skip, columns); ``state`` (2, columns) is angle and speed at row ``skip - 1``.
+    ``pull``, ``dead_zone`` and ``out`` (m - skip, columns); ``state`` (2, columns) is angle and speed at row
+    ``skip - 1``.
     Within a step that a late setpoint falls into, its time-weighted mean acts: the result is smooth in the
     delay.
     """
@@ -54,7 +56,10 @@ def servo_loop(
                     target += pull[k - skip, j]
                     if cogging[0, j] != 0.0:
                         target += cogging[0, j] * sine(cogging[1, j] * phi + cogging[2, j])
-                    v_ref = min(max(kp[j] * (target - phi), -v_max[j]), v_max[j])
+                    error = target - phi
+                    if abs(error) < dead_zone[k - skip, j]:
+                        error = 0.0
+                    v_ref = min(max(kp[j] * error, -v_max[j]), v_max[j])
                     v += smooth * (v_ref - v)
                     phi += h * v
             out[k - skip, j] = phi

@@ -1,15 +1,20 @@
 """Physics of the servo that no name fits."""
 
 from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.effect import Core, Now
 
 
 class UnknownServo(Curve):
-    """phi += curve(x), x being position (ratio phi), speed, time, load or another joint's angle, held
-    beyond its ends.
+    """setpoint += curve(x), x being position (ratio phi), speed, time, load, another joint's angle or its
+    speed.
     """
 
     id = "unknown_servo"
     stage = "servo"
-    place = 250
+    place = 100
     compensable = False
+    of = "what the servo makes of its setpoint"
     confused_with = (("cogging", "move over a wider range: a cogging goes on with its period"),)
+
+    def adjust(self, core: Core, now: Now) -> None:
+        core.pull = core.pull + self._curve(now)

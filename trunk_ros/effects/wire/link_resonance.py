@@ -62,7 +62,10 @@ class LinkResonance(Effect):
         ),
     )
     forms = ("absolute", "relative", "beam")
-    confused_with = (("viscous_lag", "stop abruptly: a lag does not ring"),)
+    confused_with = (
+        ("viscous_lag", "stop abruptly: a lag does not ring"),
+        ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
+    )
 
     def credible(self, now: Now) -> bool:
         """It rings, and the samples are close enough to show it."""

@@ -4,8 +4,8 @@ from trunk_ros.effects.curve import Curve
 
 
 class Unknown(Curve):
-    """theta += curve(x), x being position (ratio phi), speed, time, load or another joint's angle, held
-    beyond its ends.
+    """theta += curve(x), x being position (ratio phi), speed, time, load, another joint's angle or its
+    speed; straight beyond its ends, over time held.
     """
 
     id = "unknown"

@@ -13,8 +13,8 @@ TYPICAL = 2e-4  # rad, less than the dead bands that it adds to or takes from
 
 
 class UnknownFriction(Curve):
-    """w += curve(x), x being position (ratio phi), speed, time, load or another joint's angle, held
-    beyond its ends; w is never less than nothing.
+    """w += curve(x), x being position (ratio phi), speed, time, load or another joint's angle;
+    straight beyond its ends, over time held; w is never less than nothing.
     """
 
     id = "unknown_friction"

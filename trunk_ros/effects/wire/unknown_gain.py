@@ -9,8 +9,8 @@ from trunk_ros.effects.effect import Now
 
 
 class UnknownGain(Curve):
-    """theta += ratio phi curve(x), x being speed, time, load or another joint's angle, held beyond
-    its ends.
+    """theta += ratio phi curve(x), x being speed, time, load or another joint's angle; straight beyond
+    its ends, over time held.
     """
 
     id = "unknown_gain"

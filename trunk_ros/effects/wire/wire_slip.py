@@ -24,7 +24,10 @@ class WireSlip(Effect):
         Parameter("step", "rad", (-0.5, 0.5), "jump of the zero", typical=1e-3),
         Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0),
     )
-    confused_with = (("thermal_drift", "record longer: a drift goes on"),)
+    confused_with = (
+        ("thermal_drift", "record longer: a drift goes on"),
+        ("unknown_jumps", "record longer: a slipped wire does not come back"),
+    )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._jump(now), None

@@ -1,0 +1,128 @@
+"""Physics without a name: what it depends on is told, and a curve stands in for it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import recorded, reshaped
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis.jumps import jumps
+from trunk_ros.diagnosis.report import render
+from trunk_ros.diagnosis.spectrum import spectrum
+from trunk_ros.diagnosis.unnamed import smoothed
+from trunk_ros.effects.curve import KNOTS, VALUES
+from trunk_ros.effects.effect import Now
+from trunk_ros.effects.wire.unknown import Unknown
+from trunk_ros.model import load_model
+
+NOISE = np.random.default_rng(5)
+
+
+def with_added(column: int, of: Any) -> Diagnosis:
+    """The diagnosis of a good arm to one of whose joints something (stamp, speeds) -> (n,) is added."""
+    recording = recorded()
+    joints = recording.series["joint_states"]
+    speeds = np.gradient(joints.position, joints.stamp, axis=0)
+    smooth = np.apply_along_axis(lambda v: np.convolve(v, np.ones(15) / 15, "same"), 0, speeds)
+    position = joints.position.copy()
+    position[:, column] += of(joints.stamp, smooth)
+    return diagnose([reshaped(recording, "joint_states", position=position)])
+
+
+def left(result: Diagnosis, joint: str) -> float:
+    """Held-out error over the noise floor."""
+    said = result.stages["wire"]["joints"][joint]
+    return float(said["rmse_after"] / said["noise_floor"])
+
+
+def test_what_follows_the_speed_of_another_joint_names_that_joint() -> None:
+    result = with_added(3, lambda _, speed: 4e-3 * speed[:, 0])
+    (found,) = result.findings
+    assert (found.effect, found.joints) == ("unknown", ["joint_4"])
+    assert found.depends_on == ["joint_1", "speed"]
+    assert found.regime == "high_speed"
+    assert found.curve["x_unit"] == "rad/s"
+    assert left(result, "joint_4") < 1.3
+
+
+def test_what_shakes_the_arm_is_told_with_its_frequency_and_drawn_over_its_period() -> None:
+    result = with_added(1, lambda t, _: 5e-4 * np.sin(2 * np.pi * 5.3 * t + 1.0))
+    (found,) = result.findings
+    assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_2"], ["time"])
+    assert "5.3 Hz" in found.statement
+    (curve,) = found.curve["joints"].values()
+    assert np.ptp(curve["x"]) == pytest.approx(1 / 5.3, rel=1e-3)
+    assert np.ptp(curve["y"]) == pytest.approx(1e-3, rel=0.05)
+    assert left(result, "joint_2") < 1.2
+    assert "5.3 Hz" in render(result)
+
+
+def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
+    moments = (6.0, 11.0, 19.0, 22.5)
+    result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2))
+    (found,) = result.findings
+    assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_3"], ["time"])
+    assert "jumps 4 times" in found.statement
+    np.testing.assert_allclose(found.curve["joints"]["joint_3"]["x"][1:], moments, atol=0.05)
+    assert left(result, "joint_3") < 1.2
+
+
+def test_errors_that_a_servo_does_not_answer_to_have_no_other_name() -> None:
+    zone = {p.name: np.full(5, 3e-3) for p in VALUES}
+    ends = {"on": ["position"] * 5, "low": np.full(5, -1.0), "high": np.full(5, 1.0)}
+    result = diagnose([recorded({"unknown_dead_zone": ends | zone})])
+    assert {(f.effect, f.stage) for f in result.findings} == {("unknown", "servo")}
+    assert {joint for f in result.findings for joint in f.joints} == set(load_model("trunk").arm.joints)
+    seen = result.model.effects["unknown_dead_zone"]
+    middle = np.array([seen[p.name] for p in VALUES[8:16]])
+    assert np.median(middle) == pytest.approx(3e-3, rel=0.1)
+
+
+def test_beyond_its_ends_a_curve_goes_on_straight_but_not_for_ever() -> None:
+    x = np.linspace(0.0, 1.0, KNOTS)
+    values = {p.name: np.array([v]) for p, v in zip(VALUES, 1e-3 * x, strict=True)}
+    curve = Unknown({"low": np.zeros(1), "high": np.ones(1), **values}, {"on": ("position",)})
+
+    def at(place: float) -> float:
+        one = np.array([[place]])
+        now = Now(*[np.zeros(1)] * 2, one, one, one, one, one, ("joint_1",), np.ones(1))
+        return float(curve.run(np.zeros((1, 1)), now, None)[0][0, 0])
+
+    assert at(1.3) == pytest.approx(1.3e-3)
+    assert at(-0.4) == pytest.approx(-0.4e-3)
+    assert at(9.0) == pytest.approx(1.5e-3)
+
+
+def test_a_curve_bends_as_much_as_its_data_ask_for() -> None:
+    x = np.linspace(0.0, 1.0, 4000)
+    design = Unknown.basis(x, 0.0, 1.0)
+
+    def error(wave: Array) -> tuple[float, float]:
+        values, bends = smoothed(design, wave + NOISE.normal(size=len(x)), Unknown.bend())
+        return float(np.sqrt(np.mean((design @ values - wave) ** 2))), bends
+
+    straight, few = error(x)
+    waved, many = error(3.0 * np.sin(20.0 * x))
+    assert straight < 0.05
+    assert few < 4.0 < many
+    assert waved < 0.1
+
+
+@pytest.mark.parametrize("frequency", [0.11, 3.21, 17.7])
+def test_a_line_is_found_between_the_steps_of_its_spectrum(frequency: float) -> None:
+    stamp = np.sort(np.linspace(0.0, 40.0, 4000) + NOISE.uniform(-2e-3, 2e-3, 4000))
+    found, share = spectrum(stamp, np.sin(2 * np.pi * frequency * stamp) + NOISE.normal(size=4000))
+    assert found == pytest.approx(frequency, abs=2e-3)
+    assert share == pytest.approx(1 / 3, abs=0.05)
+
+
+def test_noise_does_not_jump_and_steps_do_when_they_do() -> None:
+    stamp = np.arange(4000) * 0.01
+    noise = NOISE.normal(size=4000)
+    assert len(jumps(stamp, noise, 60.0, KNOTS)) == 0
+    found = jumps(stamp, noise + 2.0 * ((stamp > 10.0) & (stamp < 12.0)), 60.0, KNOTS)
+    np.testing.assert_allclose(found, [10.0, 12.0], atol=0.03)

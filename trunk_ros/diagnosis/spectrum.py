@@ -1,0 +1,42 @@
+"""The strongest line in a residual over time."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.fft import next_fast_len, rfft
+from scipy.optimize import minimize_scalar
+
+from trunk_ros.compiled import Array
+
+FINER = 4  # steps of the first look to each line's width
+FASTEST = 0.45  # of the sampling rate
+TURNS = 2.0  # that a line must make in the recording
+LONGEST = 50.0  # Hz
+
+
+def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
+    """(frequency Hz, share of the power) of the strongest line in a residual (n,) at uneven stamps (n,)."""
+    off = residual - residual.mean()
+    step, span = float(np.median(np.diff(stamp))), float(stamp[-1] - stamp[0])
+    low, high = TURNS / span, min(FASTEST / step, LONGEST)
+    if high <= low or not np.any(off):
+        return 0.0, 0.0
+    cell = np.round((stamp - stamp[0]) / step).astype(int)
+    even = np.bincount(cell, weights=off) / np.maximum(np.bincount(cell), 1)
+    size = next_fast_len(FINER * len(even))
+    power = np.abs(rfft(even, size)) ** 2
+    frequencies = np.arange(len(power)) / (size * step)
+    allowed = (frequencies >= low) & (frequencies <= high)
+    first = float(frequencies[allowed][int(np.argmax(power[allowed]))])
+    near = (max(first - 0.5 / span, low), min(first + 0.5 / span, high))
+    best = minimize_scalar(lambda f: -_explained(f, stamp, off), bounds=near, method="bounded",
+                           options={"xatol": 1e-4 / span})  # fmt: skip
+    return float(best.x), float(-best.fun)
+
+
+def _explained(frequency: float, stamp: Array, off: Array) -> float:
+    """Share of the power of ``off`` (n,) that a sine of a frequency takes up."""
+    turn = 2 * np.pi * frequency * stamp
+    waves = np.stack([np.cos(turn), np.sin(turn)])
+    both = waves @ off
+    return float(both @ np.linalg.solve(waves @ waves.T, both) / (off @ off))

@@ -1,0 +1,34 @@
+"""Something that comes back in time, whatever the arm does, and that no name fits."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.curve import Curve
+
+
+class UnknownCycle(Curve):
+    """theta += curve(t mod period), period = high - low, t since the start of the recording."""
+
+    id = "unknown_cycle"
+    stage = "wire"
+    place = 255
+    signature = "The residual swings in time with one period, whether the joint moves or not."
+    of = "the angle, again and again,"
+    # A live run does not begin at the phase of the recording: with another phase it would get worse.
+    compensable = False
+    confused_with = (("link_resonance", "stand still: a resonance dies out, what shakes the arm goes on"),)
+
+    @classmethod
+    def onto(cls, x: Array, low: Array, high: Array) -> Array:
+        return np.asarray(low + np.mod(x - low, np.where(high > low, high - low, 1.0)))
+
+    @classmethod
+    def spline(cls, knots: Array, values: Array) -> CubicSpline:
+        return CubicSpline(knots, np.concatenate([values[:-1], values[:1]]), bc_type="periodic")
+
+    @classmethod
+    def bend(cls) -> Array:
+        turn = np.eye(len(cls.parameters) - 3)
+        second = np.roll(turn, 1, 1) + np.roll(turn, -1, 1) - 2 * turn
+        return np.pad(second, ((0, 0), (0, 1)))
