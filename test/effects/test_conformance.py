@@ -32,7 +32,7 @@ from trunk_ros.model import Model
 NOISE_FLOOR = 1e-5  # rad
 AGREED = 1e-6  # rad: what blocks may differ by, where joints see each other
 REGIMES = {"always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"}
-OF_TIME = {"thermal_drift", "wire_slip", "friction_wear"}
+OF_TIME = {"thermal_drift", "wire_slip", "friction_wear", "unknown_jumps", "unknown_slips"}
 every_effect = pytest.mark.parametrize(("name", "form"), CASES)
 
 
