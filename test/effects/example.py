@@ -77,6 +77,8 @@ def usual(parameter: Parameter, joint: int) -> float:
         return special[parameter.name]
     if parameter.name.startswith("value_"):
         return parameter.typical * float(np.sin(0.3 * int(parameter.name[-2:])))
+    if parameter.name.startswith("moment_"):
+        return 0.8 * int(parameter.name[-2:]) + 0.003
     return float(np.clip(parameter.typical * (1.0 + 0.05 * joint), *parameter.bounds))
 
 

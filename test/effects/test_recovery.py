@@ -23,6 +23,10 @@ JOINTS = 2
 NOISE = 2e-5  # rad, or m at the tip
 OFF = 0.05  # share of its size by which each parameter is wrong at the start
 KNOWN = {"low", "high", "friction"}
+TIED = {("unknown_cycle", "value_23")}  # the end of a period is its beginning
+
+# Sizes of a zone are tried, as the motion hardly changes smoothly with it; levels hide within the dead band.
+TRIED = {"unknown_dead_zone", "unknown_slips"}
 
 
 @dataclass(frozen=True)
@@ -68,13 +72,14 @@ def free(name: str, form: str, values: dict[str, Any]) -> list[Fitted]:
     """All numbers of an effect that its own signal determines."""
     found: list[Fitted] = []
     for parameter in registry()[name].own_parameters(form):
-        if parameter.name in values and parameter.name not in KNOWN and not parameter.measured:
+        told = parameter.name in KNOWN or (name, parameter.name) in TIED or parameter.measured
+        if parameter.name in values and not told:
             joints = [None] if parameter.shared else range(JOINTS)
             found += [Fitted(parameter, joint) for joint in joints]
     return found
 
 
-@pytest.mark.parametrize(("name", "form"), CASES)
+@pytest.mark.parametrize(("name", "form"), [case for case in CASES if case[0] not in TRIED])
 def test_its_parameters_come_back_within_four_standard_deviations(name: str, form: str) -> None:
     kind = registry()[name]
     stamp, x = excitation(kind.stage)

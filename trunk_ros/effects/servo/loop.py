@@ -8,6 +8,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.moment import sine
 
 STEP = 0.002  # s
+EDGE = 0.01  # of a dead zone, over which the loop's answer rises: with a jump no two runs would agree
 LONGEST = 30.0  # s without a new setpoint, after which a servo stands
 
 
@@ -57,8 +58,9 @@ def servo_loop(
                     if cogging[0, j] != 0.0:
                         target += cogging[0, j] * sine(cogging[1, j] * phi + cogging[2, j])
                     error = target - phi
-                    if abs(error) < dead_zone[k - skip, j]:
-                        error = 0.0
+                    zone = dead_zone[k - skip, j]
+                    if zone > 0.0:
+                        error *= min(max((abs(error) / zone - 1.0) / EDGE + 0.5, 0.0), 1.0)
                     v_ref = min(max(kp[j] * error, -v_max[j]), v_max[j])
                     v += smooth * (v_ref - v)
                     phi += h * v

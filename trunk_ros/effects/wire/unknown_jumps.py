@@ -17,6 +17,7 @@ MOMENTS = tuple(
         (0.0, NEVER),
         "when the level before gives way to this one",
         typical=1.0,
+        measured=True,
         null=NEVER,
     )
     for k in range(1, KNOTS)
