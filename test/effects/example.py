@@ -108,10 +108,12 @@ def model_of(name: str, form: str = "", joints: int = 5, dead_band: float = 3e-4
 
 
 def everything(joints: int = 5) -> Model:
-    """An arm with every effect of the wire that can be compensated, save those that include another."""
+    """An arm with every effect of the wire that can be compensated, save those that include another; one
+    curve of jumps is enough.
+    """
     effects: dict[str, Any] = {}
     for name, form in COMPENSABLE:
-        if not registry()[name].replaces and name not in effects:
+        if not registry()[name].replaces and name not in (*effects, "unknown_slips"):
             effects |= model_of(name, form, joints).effects
     return Model(arm_of(joints), effects, duration=16.0)
 
