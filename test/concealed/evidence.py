@@ -13,6 +13,7 @@ from test.concealed.intervals import NOTHING, ROUNDS, Estimate, bootstrap, wilso
 
 Marks: TypeAlias = dict[str, Any]
 STRENGTHS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, float("inf"))
+ERRORS = (REMOVABLE, 1.0, 4.0, float("inf"))
 CONFIDENCES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.97, 1.01)
 
 
@@ -124,6 +125,15 @@ def _removed(cases: list[Marks]) -> dict[str, Estimate]:
     }
 
 
+def removed_over_error(cases: list[Marks]) -> list[tuple[float, float, dict[str, Estimate]]]:
+    """The same in classes of the nominal arm's error over the noise: (from, to, shares)."""
+    out = []
+    for low, high in pairwise(ERRORS):
+        some = [c for c in cases if low * c["noise"] <= (c.get("before") or 0.0) < high * c["noise"]]
+        out.append((low, high, _removed(some)))
+    return out
+
+
 def evidence(cases: list[Marks]) -> dict[str, Any]:
     """All numbers as Estimates, or lists and tables of them. ``cases``: marks as `judged` keeps them."""
     done = [c for c in cases if "not_drawn" not in c]
@@ -141,6 +151,8 @@ def evidence(cases: list[Marks]) -> dict[str, Any]:
         "effects": {name: rates(known, name) for name in names},
         "details": _details([h for c in known for h in c["hits"]]),
         "removed": _removed(done),
+        "removed_over_error": removed_over_error(done),
+        "removed_over_error_known": removed_over_error([c for c in done if c["known"]]),
         "removed_worst": min(shares_removed(done), default=None),
         "removed_from": {k: _removed(of[k])["removed, median"] for k in kinds if not k.startswith("clean")},
         "others": compared(done),

@@ -66,6 +66,16 @@ def _others(found: dict[str, Any]) -> str:
     return f"{found['others']['diagnosis']['other'].n} cases.\n\n" + _rows(title, rows)
 
 
+def _over_error(found: dict[str, Any]) -> str:
+    keys = ("removed, median", "removed, tenth percentile", "at least 80 % removed")
+    rows = [
+        (f"{low:g} … {high:g}, {what}", *(shares[k].text() for k in keys), shares[keys[0]].n)
+        for what, key in (("all", "removed_over_error"), ("with a name", "removed_over_error_known"))
+        for low, high, shares in found[key]
+    ]
+    return _rows(("error of the nominal arm / noise", *keys, "n"), rows)
+
+
 def _live(arms: list[dict[str, Any]]) -> str:
     if not arms:
         return "Not run."
@@ -126,6 +136,7 @@ def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str, 
         _named(("what", "share"), found["removed"]),
         f"Worst case: {'–' if worst is None else f'{worst:.2f}'} (of {n}).",
         _named(("kind", "removed, median"), found["removed_from"]),
+        _over_error(found),
         "![Share of the removable error removed, over the cases](figures/proof-removed.png)",
         "### Against what people would use instead",
         _others(found),

@@ -102,6 +102,11 @@ class FollowAction:
         if self.handle is not None:
             self._end("abort", Outcome(Code.INVALID_GOAL, reason))
 
+    @property
+    def busy(self) -> bool:
+        """Whether a goal is under way."""
+        return self.handle is not None
+
     def tick(self, now: int, wanted: State, actual: State) -> None:
         """Judge the goal under way at ``now`` ns, and tell the client how it goes."""
         if self.handle is None or self.goal is None:

@@ -153,6 +153,16 @@ class Compensator(TrunkNode):
             held_back = self.joints[int(np.argmax(self.compensation.limited))]
             self.health.note(f"held back at a limit: {held_back}", level=0)
         self.publish_setpoints(now, out)
+        self.tell(now, out)
+
+    def tell(self, now: int, out: Array) -> None:
+        """Say what came of what was wanted to those who want to know at ``now`` ns; a model in the place of
+        joint_states has to see every step.
+        """
+        measured = self.joints_stream.last is not None and not self.joints_stream.stale(now)
+        busy = self.action is not None and self.action.busy
+        if measured and not busy and not self.shown.due(now):
+            return
         stamp, wanted, actual = self.observation.compared(now, not self.joints_stream.stale(now))
         self.shown.tick(stamp, wanted, actual, out)
         if self.action is not None:

@@ -29,9 +29,13 @@ class ControllerState:
         else:
             self.parts = [node.publish_on(JointState, f"{NAME}/{part}") for part in PARTS]
 
+    def due(self, now: int) -> bool:
+        """Whether it is time to publish."""
+        return self.last is None or not 0 <= now - self.last < self.least
+
     def tick(self, now: int, wanted: State, actual: State, output: Any) -> None:
         """Publish what holds at ``now`` ns if it is time to."""
-        if self.last is not None and 0 <= now - self.last < self.least:
+        if not self.due(now):
             return
         self.last = now
         states = (wanted, actual, wanted.minus(actual))

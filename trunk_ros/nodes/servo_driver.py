@@ -40,6 +40,7 @@ class ServoDriver(TrunkNode):
         self.matcher = JointMatcher(arm.joints)
         self.lower, self.upper = gearbox_limits(arm)
         self.bus: Bus = bus_of(self.value("bus"), self.model)
+        self.everyone = np.ones(len(arm.joints), dtype=bool)
         self.asked: Array | None = None
         self.shaft: Array | None = None
         self.elapsed = Elapsed()
@@ -67,6 +68,8 @@ class ServoDriver(TrunkNode):
 
     def _given(self, given: Array, message: Any) -> Any:
         """Which joints the message speaks of. Raises MessageError for a value that is no number."""
+        if not self.matcher.missing and np.isfinite(given).all():
+            return self.everyone
         named = np.array([joint not in self.matcher.missing for joint in self.joints]) & (
             len(message.position) > 0
         )

@@ -73,8 +73,9 @@ class WireElasticity(TrunkNode):
         phi = self.matcher.gather(message.name, message.position)
         for oddity in self.matcher.oddities():
             self.health.note(oddity)
-        phi = np.where(np.isfinite(phi), phi, self.phi)
-        if not np.isfinite(phi).all():
+        known = np.isfinite(phi)
+        phi = phi if known.all() else np.where(known, phi, self.phi)
+        if not known.all() and not np.isfinite(phi).all():
             raise MessageError(f"no angle yet of {self.joints[int(np.argmin(np.isfinite(phi)))]}")
         self.phi = phi
         return phi
