@@ -53,17 +53,29 @@ def arm_findings(problem: ArmProblem, done: ArmFit) -> tuple[list[Finding], dict
     return out, values
 
 
+def _link(problem: ArmProblem) -> int:
+    """The joint (column) with whose link's direction the tip's error varies most."""
+    off = np.concatenate(problem.residual({})) / problem.noise
+    headings = np.concatenate([d.theta for d in problem.data]).cumsum(axis=1)
+    told = [sum(accounted(heading, signal) * signal.var() for signal in off.T) for heading in headings.T]
+    return int(np.argmax(told))
+
+
 def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
-    """The tip is off in a way that neither lengths nor tilt explain: on which joints' angles it depends."""
+    """The tip is off in a way that neither lengths nor tilt explain: where, and on which joints' angles it
+    depends.
+    """
     residual = np.concatenate([r[:, 0] for r in problem.residual({})])
     theta = np.concatenate([d.theta for d in problem.data])
     told = {joint: accounted(theta[:, c], residual) for c, joint in enumerate(problem.arm.joints)}
     varies = sorted(told, key=lambda joint: -told[joint])[:2]
-    said = f"the tip is off in a way that no name fits, most with the angle of {' and '.join(varies)}"
+    bent = problem.arm.joints[_link(problem)]
+    said = f"the tip is off in a way that no name fits, most with the direction of the link of {bent}"
+    said += f" and the angle of {' and '.join(varies)}"
     return Finding(
         effect="unknown",
         stage="arm",
-        joints=varies[:1],
+        joints=[bent],
         regime="posture",
         confidence=0.9,
         equivalents=[],

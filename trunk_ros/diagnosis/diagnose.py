@@ -11,8 +11,6 @@ import numpy as np
 
 from trunk_ros.diagnosis.against import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.align import Span, servo_span, wire_span
-from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
-from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmFit, ArmProblem, tip_data
 from trunk_ros.diagnosis.evidence import Evidence, spreads
 from trunk_ros.diagnosis.experiment import experiment, proposals
 from trunk_ros.diagnosis.explanation import Explanation
@@ -31,15 +29,13 @@ from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import STAGES, Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.tip import fitted_tip, judged_tip
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
-
-ARM_REST = 1.0  # of the noise power that lengths and tilt may leave at the tip
-ARM_SHARE = 0.02  # of the misfit, likewise
 
 Progress = Callable[[str], None]
 
@@ -202,57 +198,16 @@ class Diagnoser:
 
     def tip(self) -> None:
         """Joint to tip."""
-        best = self._fitted_tip() if self.against is None else None
+        late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
+        model = replace(self.model, effects={**self.model.effects, **self.effects})
+        best = fitted_tip(self.recordings, model, late, self.lasting) if self.against is None else None
         if best is None:
             self.result.stages["arm"] = {"compared": False, "tip": {}}
             return
         self.say("arm")
-        problem, done = best
-        before, after = np.concatenate(problem.residual({})), problem.held_out(list(done.values))
-        self.result.stages["arm"] = {
-            "compared": True,
-            "tip": {
-                s: {
-                    "unit": UNITS[s],
-                    "rmse_before": _rms(before[:, k]),
-                    "rmse_after": _rms(after[:, k]),
-                    "noise_floor": problem.noise[k],
-                }
-                for k, s in enumerate(SIGNALS)
-            },
-        }
-        power = (after / problem.noise) ** 2
-        misfit = float(np.mean((before / problem.noise) ** 2)) - 1.0
-        rest = float(power.mean()) - 1.0
-        if rest > ARM_REST and rest > ARM_SHARE * misfit:
-            self.result.findings.append(unknown_arm_finding(problem, rest / max(misfit, rest)))
-            return
-        found, values = arm_findings(problem, done)
+        self.result.stages["arm"], found, values = judged_tip(*best)
         self.result.findings += found
         self.effects |= values
-
-    def _fitted_tip(self) -> tuple[ArmProblem, ArmFit] | None:
-        """Joint angles and tip at the same moments, and the fit to them: a late joint sensor is not blamed
-        on the arm.
-        """
-        late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
-        fitted = []
-        model = replace(self.model, effects={**self.model.effects, **self.effects})
-        for delay in {0.0, late}:  # a simulated tip may be as late as the joints
-            data = [d for d in (tip_data(r, model, delay) for r in self.recordings) if d is not None]
-            if data:
-                problem = ArmProblem(
-                    data, np.array([self.lasting.get(j, 0.0) for j in self.model.arm.joints])
-                )
-                fitted.append((problem, problem.run()))
-        return min(fitted, key=_left, default=None)
-
-
-def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
-    """How much a fit leaves, whatever the signals' units."""
-    problem, done = fitted
-    rest = np.concatenate(problem.residual(done.values))
-    return float(np.log(np.mean(rest**2, axis=0)).sum())
 
 
 def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
@@ -286,10 +241,6 @@ def _by_name(recordings: list[Recording], model: Model) -> dict[str, Any]:
         name = recording.name if recording.name not in out else f"{recording.name} ({number})"
         out[name] = quality_of_recording(recording, model)
     return out
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 __all__ = ["Diagnosis", "Finding", "diagnose"]

@@ -5,17 +5,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 
-from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import SLOW, Span
 from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload_of
 from trunk_ros.diagnosis.held import coarseness
 from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells
 from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
+from trunk_ros.diagnosis.surroundings import View, first
 from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
 from trunk_ros.recording.encoder import count
@@ -23,47 +23,6 @@ from trunk_ros.resistance import loads
 
 LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
-
-
-@dataclass
-class View:
-    """A span as the effects see it: what is known of the whole arm at each step of its grid."""
-
-    span: Span
-    dt: Array
-    angles: Array
-    load: Array
-    lever: Array
-    wires: Array
-    speeds: Array
-    follows: np.ndarray
-
-    def now(self, arm: Arm, column: int, payload: float) -> Now:
-        """The surroundings of one joint, (m, 1) each."""
-
-        def cut(values: Array) -> Array:
-            return np.ascontiguousarray(values[:, column : column + 1])
-
-        ratio = arm.ratio[column : column + 1]
-        load = cut(self.load) + payload * cut(self.lever) if payload else cut(self.load)
-        return Now(
-            self.span.grid,
-            self.dt,
-            cut(self.span.gearbox),
-            cut(self.span.velocity) * ratio,
-            load,
-            self.angles,
-            self.wires,
-            self.span.joints,
-            ratio,
-            speeds=self.speeds,
-        )
-
-
-def first(now: Now, steps: int) -> Now:
-    """The surroundings of the first steps."""
-    whole = ("joints", "ratio", "held")
-    return replace(now, **{f.name: getattr(now, f.name)[:steps] for f in fields(now) if f.name not in whole})
 
 
 class Problem(ABC):

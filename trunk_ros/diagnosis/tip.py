@@ -1,0 +1,68 @@
+"""The arm stage of a diagnosis: which fit to the tip holds, and what it says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
+from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmFit, ArmProblem, tip_data
+from trunk_ros.diagnosis.result import Finding
+from trunk_ros.model import Model, Values
+from trunk_ros.recording.recording import Recording
+
+REST = 1.0  # of the noise power that lengths and tilt may leave at the tip
+SHARE = 0.02  # of the misfit, likewise
+
+Told = tuple[dict[str, Any], list[Finding], dict[str, Values]]
+
+
+def fitted_tip(
+    recordings: list[Recording], model: Model, late: float, lasting: dict[str, float]
+) -> tuple[ArmProblem, ArmFit] | None:
+    """Joint angles and tip at the same moments, and the fit to them: a joint sensor that is ``late`` s is not
+    blamed on the arm. None where no tip was recorded.
+
+    ``model``: with what was found of the wires; ``lasting``: joint noise [rad] that lasts from sample to
+    sample.
+    """
+    noise = np.array([lasting.get(joint, 0.0) for joint in model.arm.joints])
+    fitted = []
+    for delay in {0.0, late}:  # a simulated tip may be as late as the joints
+        data = [d for d in (tip_data(r, model, delay) for r in recordings) if d is not None]
+        if data:
+            problem = ArmProblem(data, noise)
+            fitted.append((problem, problem.run()))
+    return min(fitted, key=_left, default=None)
+
+
+def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
+    """What the stage comes to, its findings, and their values for the model."""
+    before, after = np.concatenate(problem.residual({})), problem.held_out(list(done.values))
+    tip = {
+        signal: {
+            "unit": UNITS[signal],
+            "rmse_before": _rms(before[:, k]),
+            "rmse_after": _rms(after[:, k]),
+            "noise_floor": problem.noise[k],
+        }
+        for k, signal in enumerate(SIGNALS)
+    }
+    misfit, rest = (float(np.mean((off / problem.noise) ** 2)) - 1.0 for off in (before, after))
+    stage = {"compared": True, "tip": tip}
+    if rest > REST and rest > SHARE * misfit:
+        return stage, [unknown_arm_finding(problem, rest / max(misfit, rest))], {}
+    return stage, *arm_findings(problem, done)
+
+
+def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
+    """How much a fit leaves, whatever the signals' units."""
+    problem, done = fitted
+    rest = np.concatenate(problem.residual(done.values))
+    return float(np.log(np.mean(rest**2, axis=0)).sum())
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
