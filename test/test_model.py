@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from test.effects.example import CASES, arm_of, everything, model_of
+from trunk_ros.effects import effect
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, declared_parameters, load_model, save_model
 
@@ -225,6 +226,16 @@ def test_bytes_that_are_no_text_are_no_model(tmp_path: Path) -> None:
     (tmp_path / "model.yaml").write_bytes(b"\xff\xfe\x00\xd8")
     with pytest.raises(ModelError):
         load_model(tmp_path / "model.yaml")
+
+
+def test_a_wire_may_go_slack_on_one_joint_and_be_elastic_on_the_others(tmp_path: Path) -> None:
+    flat = {
+        "effects.wire_slack.compliance": [0.1, 0.0],
+        "effects.wire_slack.threshold": [0.2, effect("wire_slack").parameter("threshold").null],
+        "effects.load_elasticity.compliance": [0.0, 0.1],
+    }
+    model = load_model(write(tmp_path / "model.yaml", flat))
+    assert {"wire_slack", "load_elasticity"} <= set(model.effects)
 
 
 def test_simulated_time_beside_the_model_is_no_error(tmp_path: Path) -> None:

@@ -182,11 +182,17 @@ def _effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[s
 
 
 def _check_rivals(effects: Mapping[str, Values]) -> None:
-    """Raise ModelError where one effect includes another that the model has as well."""
+    """Raise ModelError where one effect includes another that a joint has as well."""
     for name in effects:
         for other in effect(name).replaces:
-            if other in effects:
+            if other in effects and np.any(_acts(name, effects) & _acts(other, effects)):
                 raise ModelError(f"effects.{name} includes effects.{other}: leave one of them out")
+
+
+def _acts(name: str, effects: Mapping[str, Values]) -> Any:
+    """(joints,) where an effect has values of its own that are not null; everywhere if all are shared."""
+    own = [p for p in effect(name).parameters if not p.shared and p.name in effects[name]]
+    return np.any([effects[name][p.name] != p.null for p in own], axis=0) if own else np.True_
 
 
 def _per_joint(values: Any, joints: int) -> Any:
