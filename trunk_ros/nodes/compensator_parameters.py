@@ -12,7 +12,7 @@ STREAMS = (
     ),
     Declaration(
         "patience",
-        5.0,
+        2.0,
         "s",
         (0.0, 60.0),
         "wait for gearbox_states before a trajectory is refused, or begins at 0 where nobody publishes them",
