@@ -144,7 +144,7 @@ def _back(search: Search, old: Term, now: Fit, column: int) -> Fit:
         if column in old.words:
             term.words[column] = dict(old.words[column])
         trials.append(as_it_was)
-    return min(map(search.refit, trials), key=search.score)
+    return min(map(search.refit, trials), key=search.score, default=now)
 
 
 def _on_most(search: Search, explanation: Explanation, name: str) -> bool:
