@@ -31,6 +31,9 @@ def bag(tmp_path_factory):
     return path
 
 
+PATIENT = ("--wait", 60)  # s until the test's ends are found, on the slowest machine
+
+
 def raw(peer: Peer, topic: str) -> list[bytes]:
     from trunk_ros.nodes.ros import JointState
 
@@ -42,7 +45,7 @@ def raw(peer: Peer, topic: str) -> list[bytes]:
 def test_every_message_comes_again_byte_for_byte(domain, peer, bag):
     gearbox, joints = raw(peer, "/trunk/gearbox_states"), raw(peer, "/elsewhere")
     with running(
-        "replay", bag, "--rate", 4, "--remap", "/joint_states:=/elsewhere", domain=domain
+        "replay", bag, *PATIENT, "--rate", 4, "--remap", "/joint_states:=/elsewhere", domain=domain
     ) as process:
         peer.until(lambda: len(gearbox) == COUNT and len(joints) == COUNT)
         out, _ = process.communicate(timeout=60)
@@ -84,7 +87,7 @@ def test_it_is_not_faster_than_the_recording(domain, peer, bag):
     peer.node.create_subscription(
         JointState, "/trunk/gearbox_states", lambda _: heard.append(time.monotonic()), 1000
     )
-    part = ("--rate", 0.25, "--topics", "trunk/gearbox_states")
+    part = (*PATIENT, "--rate", 0.25, "--topics", "trunk/gearbox_states")
     with running("replay", bag, *part, domain=domain):
         peer.until(lambda: len(heard) == COUNT)
     assert heard[-1] - heard[0] > 1.5  # of 4 s: the first may be late, the last cannot be early
@@ -94,7 +97,17 @@ def test_it_plays_a_part_and_tells_the_time(domain, peer, bag):
     from trunk_ros.nodes.ros import Clock
 
     gearbox, clock = raw(peer, "/trunk/gearbox_states"), peer.listen(Clock, "/clock")
-    part = ("--from-time", "50%", "--until", "0.7", "--topics", "/trunk/gearbox_states", "--clock", "100")
+    part = (
+        "--from-time",
+        "50%",
+        "--until",
+        "0.7",
+        "--topics",
+        "/trunk/gearbox_states",
+        "--clock",
+        "100",
+        *PATIENT,
+    )
     with running("replay", bag, *part, domain=domain) as process:
         peer.until(lambda: len(gearbox) >= 20 and len(clock) >= 20)
         peer.until(lambda: process.poll() is not None)
