@@ -97,8 +97,8 @@ class ArmProblem:
         which the tip's own scatter does not show.
         """
         self.data = data
-        self.lasting = np.zeros(data[0].theta.shape[1]) if lasting is None else lasting
         self.arm = data[0].arm
+        self.from_joints = np.zeros(len(SIGNALS)) if lasting is None else self._at_the_tip(lasting)
         self.count = sum(len(d.stamp) for d in data)
         self.noise: list[float] = []
         self.memory = 0.0
@@ -109,17 +109,17 @@ class ArmProblem:
         rests = self.residual(values)
         found = [self._noise([rest[:, k] for rest in rests]) for k in range(len(SIGNALS))]
         own = np.array([noise.std for noise in found])
-        self.noise = [float(n) for n in np.sqrt(own**2 + self._from_joints() ** 2)]
+        self.noise = [float(n) for n in np.sqrt(own**2 + self.from_joints**2)]
         self.memory = max(noise.correlation for noise in found)
 
-    def _from_joints(self) -> Array:
+    def _at_the_tip(self, lasting: Array) -> Array:
         """(3,) what lasting noise of the joints comes to at the tip."""
         power = np.zeros(len(SIGNALS))
         for d in self.data:
             told = self._predict(d, {})
-            for joint in np.flatnonzero(self.lasting):
+            for joint in np.flatnonzero(lasting):
                 theta = d.theta.copy()
-                theta[:, joint] += self.lasting[joint]
+                theta[:, joint] += lasting[joint]
                 power += np.mean((self._predict(replace(d, theta=theta), {}) - told) ** 2, axis=0)
         return np.asarray(np.sqrt(power / len(self.data)))
 

@@ -51,12 +51,12 @@ def regime_of(kind: type[Curve], variable: str) -> str:
     """When a curve matters."""
     if kind.regime != "posture":
         return kind.regime
-    return "high_speed" if variable.startswith(SPEED_OF) else REGIME_OF.get(variable, "posture")
+    return REGIME_OF.get(words_of(variable)[-1], "posture")
 
 
 def statement(term: Term, where: str) -> str:
     """One sentence."""
-    kind, first = kind_of(term), term.columns[0]
+    kind = kind_of(term)
     if kind is UnknownCycle:
         rates = {f"{1.0 / term.own[c]['high']:.3g} Hz" for c in term.columns}
         return (
@@ -68,7 +68,7 @@ def statement(term: Term, where: str) -> str:
         times = "once" if count == 1 else f"{count} times"
         return f"{where}: the zero jumps {times}, for no reason that has a name; levels stand in for it."
     of = f"{kind.of} " if kind.of != Curve.of else ""
-    on = variable_of(term, first)
+    on = variable_of(term, term.columns[0])
     return f"{where}: {of}depends on {on} in a way that no name fits; a smooth curve stands in for it."
 
 

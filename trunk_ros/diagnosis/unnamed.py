@@ -107,13 +107,12 @@ def _in_time(problem: Problem, bare: Explanation, column: int) -> Iterator[list[
 
 def _best(problem: Problem, bare: Explanation, column: int, some: list[Place]) -> Drawn:
     """The curve of one kind over what a linear look finds best, fitted."""
+    rest = problem.whitened(bare, column)
 
     def left(place: Place) -> float:
-        begun = _begun(problem, bare, column, place)
-        rest = problem.whitened(with_curve(bare, place, column, begun), column)
-        design = _design(problem, bare, column, place, begun)
-        values, bends = smoothed(design, rest + design @ begun, place.curve.bend())
-        off = rest - design @ (values - begun)
+        design = _design(problem, bare, column, place, np.zeros(KNOTS))
+        values, bends = smoothed(design, rest, place.curve.bend())
+        off = rest - design @ values
         return float(off @ off) + bends * float(np.log(len(rest)))
 
     return _alternate(problem, bare, column, min(some, key=left) if len(some) > 1 else some[0])
@@ -206,13 +205,14 @@ def smoothed(design: Array, target: Array, bend: Array) -> tuple[Array, float]:
     J. R. Stat. Soc. B 73(1)).
     """
     normal, side = design.T @ design, design.T @ target
+    bent, rank = bend.T @ bend, np.linalg.matrix_rank(bend)
     size = float(np.trace(normal)) / len(side)
     least, best = -np.inf, (np.zeros_like(side), 0.0)
     for weight in SMOOTH * size:
-        factor = cho_factor(normal + weight * bend.T @ bend + 1e-9 * size * np.eye(len(side)))
+        factor = cho_factor(normal + weight * bent + 1e-9 * size * np.eye(len(side)))
         values = cho_solve(factor, side)
         likely = float(side @ values) - 2.0 * float(np.log(np.diag(factor[0])).sum())
-        likely += np.linalg.matrix_rank(bend) * float(np.log(weight))
+        likely += rank * float(np.log(weight))
         if likely > least:
             least, best = likely, (values, float(np.trace(cho_solve(factor, normal))))
     return best

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.curve import KNOTS, Curve
 
 
 class UnknownCycle(Curve):
@@ -29,6 +29,6 @@ class UnknownCycle(Curve):
 
     @classmethod
     def bend(cls) -> Array:
-        turn = np.eye(len(cls.parameters) - 3)
+        turn = np.eye(KNOTS - 1)
         second = np.roll(turn, 1, 1) + np.roll(turn, -1, 1) - 2 * turn
         return np.pad(second, ((0, 0), (0, 1)))
