@@ -67,6 +67,7 @@ def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
     (found,) = result.findings
     assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_3"], ["time"])
     assert "jumps 4 times" in found.statement
+    assert (found.curve["x_unit"], found.curve["y_unit"]) == ("s", "rad")
     np.testing.assert_allclose(found.curve["joints"]["joint_3"]["x"][1:], moments, atol=0.05)
     assert left(result, "joint_3") < 1.2
 

@@ -83,7 +83,7 @@ def told(problem: Problem, term: Term) -> dict[str, Any]:
         "on": variable,
         "of": kind.of,
         "x_unit": {"time": "s", "load": "N*m"}.get(variable, over + slope),
-        "y_unit": unit_of(kind.parameters[-1].unit, own),
+        "y_unit": unit_of(kind.parameter(VALUES[0].name).unit, own),
         "joints": {problem.joints[c]: _points(kind, term.own[c]) for c in term.columns},
     }
 
