@@ -116,6 +116,16 @@ class Peer:
             assert time.monotonic() < end, f"waited in vain: {inspect.getsource(condition).strip()}"
             self.spin_once()
 
+    def answered(self, say: Callable[[], Any], answer: Callable[[], Any]) -> None:
+        """Say something, again each second, until it is answered: a message on /clock may be lost."""
+        end = time.monotonic() + PATIENCE
+        while not answer():
+            assert time.monotonic() < end, f"no answer: {inspect.getsource(answer).strip()}"
+            say()
+            again = time.monotonic() + 1.0
+            while not answer() and time.monotonic() < again:
+                self.spin_once()
+
     def spin_once(self) -> None:
         """Serve what has come, or wait a moment for it."""
         self.executor.spin_once(timeout_sec=0.02)

@@ -155,10 +155,10 @@ def test_the_controllers_state_shows_reference_feedback_error_and_output(arm):
     arm.result(arm.send([0.0] * 5, 0.5))
     arm.result(arm.send([0.1] * 5, 0.5))
 
+    arm.peer.until(lambda: np.allclose(arm.states[-1].reference.positions, 0.1, rtol=0, atol=1e-12))
     arm.peer.until(lambda: np.allclose(arm.states[-1].feedback.positions, 0.1, rtol=0, atol=2e-3))
     arm.peer.until(lambda: np.allclose(arm.states[-1].output.positions, 0.16, rtol=0, atol=5e-3))
     state = arm.states[-1]
-    np.testing.assert_allclose(state.reference.positions, 0.1)
     np.testing.assert_allclose(
         state.error.positions, np.subtract(state.reference.positions, state.feedback.positions), atol=1e-12
     )
