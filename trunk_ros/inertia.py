@@ -42,3 +42,30 @@ def inertial_moments(
             fy += force[j, 0]
             fz += force[j, 1]
             out[k, j] = moment
+
+
+@compiled
+def mass_row(theta: Array, j: int, length: Array, mass: Array, tip: float, out: Array) -> None:
+    """Row ``j`` of the mass matrix of a planar chain at joint angles ``theta`` (joints,), into ``out``
+    (joints,) [kg m^2]; masses as in ``inertial_moments``.
+    """
+    joints = len(theta)
+    place = np.zeros((joints + 1, 2))
+    heading = 0.0
+    for k in range(joints):
+        heading += theta[k]
+        place[k + 1, 0] = place[k, 0] - length[k] * np.sin(heading)
+        place[k + 1, 1] = place[k, 1] + length[k] * np.cos(heading)
+    y, z = place[j, 0], place[j, 1]
+    ey, ez = place[joints, 0], place[joints, 1]
+    # of all masses beyond a joint: m, m r and m r (r - r_j), with r from the base
+    total, my, mz = tip, tip * ey, tip * ez
+    swung = tip * (ey * (ey - y) + ez * (ez - z))
+    for k in range(joints - 1, -1, -1):
+        cy, cz = (place[k, 0] + place[k + 1, 0]) / 2, (place[k, 1] + place[k + 1, 1]) / 2
+        if k >= j:
+            total += mass[k]
+            my += mass[k] * cy
+            mz += mass[k] * cz
+            swung += mass[k] * (cy * (cy - y) + cz * (cz - z))
+        out[k] = swung - place[k, 0] * (my - total * y) - place[k, 1] * (mz - total * z)

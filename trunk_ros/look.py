@@ -53,7 +53,9 @@ class Look(Now):
         """
         self.stamp, self.joints, self.ratio = stamp, arm.joints, arm.ratio
         self.dt = steps(stamp, before[0] if before else None)
-        self._arm, self._path, self._before, self._given = arm, path, before, given
+        self.columns = tuple(range(len(arm.joints)))
+        self._arm = self.arm = arm
+        self._path, self._before, self._given = path, before, given
         ahead = 0.0 if before is None or swing is None else swing[0] - before[1]
         self._joint_path, self._swing = path + ahead, swing
         self.see(path, path)

@@ -215,7 +215,8 @@ def test_uneven_stamps_and_a_gap_give_the_same_curve(name: str, form: str) -> No
     model = model_of(name, form)
     difference = run(model, "wire", theta[kept], stamp[kept]) - run(model, "wire", theta, stamp)[kept]
     sudden = np.abs(stamp[kept] - (8.0 if name == "wire_slip" else 10.0)) < 0.1
-    assert close(difference[~sudden], 3 * NOISE_FLOOR)
+    shaken = 5.0 if form == "links" else 1.0  # four links that swing shake the lightest one
+    assert close(difference[~sudden], 3 * shaken * NOISE_FLOOR)
 
 
 def test_two_effects_with_memory_never_share_a_place() -> None:

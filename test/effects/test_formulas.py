@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
@@ -166,6 +169,52 @@ def test_a_link_swings_as_a_damped_oscillator() -> None:
     expected = euler(rate, np.array([THETA[0], np.zeros(3)]))[:, 0]
     got = wire("link_resonance", frequency=3.0, damping=0.1)
     assert got == pytest.approx(expected, abs=2e-3 * np.abs(got - THETA).max() + 1e-4)
+
+
+@pytest.mark.parametrize("swinging", [[1], [2], [0, 2], [0, 1, 2]])
+def test_links_swing_as_their_masses_shake_each_other(swinging: list[int]) -> None:
+    """Against Lagrange's equations with Coriolis' forces, which the effect leaves out."""
+    damping, still = 0.15, np.zeros((1, 3))
+    frequency = np.array([3.0, 3.5, 4.0])
+    straight = [-ARM.inertia(still, still, row[None])[0, j] for j, row in enumerate(np.eye(3))]
+    omega = 2 * np.pi * frequency[swinging]
+    hold = np.array(straight)[swinging] * omega**2
+    damp = 2 * damping * hold / omega
+    wires = CubicSpline(STAMP, THETA)
+
+    def rate(t: float, state: Array) -> Array:
+        q, speed, acceleration = wires(t), wires(t, 1), wires(t, 2)
+        x, ramp = q[swinging], speed[swinging]
+        q[swinging], speed[swinging] = np.split(state, 2)
+        acceleration[swinging] = 0.0
+        moment = ARM.inertia(q[None], speed[None], acceleration[None])[0, swinging]
+        mass = np.array([-ARM.inertia(q[None], still, row[None])[0] for row in np.eye(3)])
+        pull = moment - hold * (q[swinging] - x) - damp * (speed[swinging] - ramp)
+        return np.concatenate([speed[swinging], np.linalg.solve(mass[np.ix_(swinging, swinging)], pull)])
+
+    start = np.concatenate([THETA[0, swinging], np.zeros(len(swinging))])
+    expected = THETA.copy()
+    expected[:, swinging] = (
+        solve_ivp(rate, STAMP[[0, -1]], start, t_eval=STAMP, rtol=1e-7, atol=1e-9).y[: len(swinging)].T
+    )
+    values = {
+        "frequency": np.where(np.isin(range(3), swinging), frequency, 1e6),
+        "damping": np.full(3, damping),
+    }
+    model = Model(ARM, {"link_resonance": {"form": "links", **values}})
+    got = Chain(model, "wire").run(PHI, STAMP)[0]
+    assert np.ptp(expected - THETA, axis=0)[swinging].min() > 2e-3
+    assert got == pytest.approx(expected, abs=0.05 * np.abs(expected - THETA).max())
+
+
+def test_without_masses_only_the_joint_itself_swings() -> None:
+    bare = replace(ARM, link_mass=np.empty(0))
+    one = {"frequency": np.full(3, 3.0), "damping": np.full(3, 0.1)}
+    links, relative = (
+        Chain(Model(bare, {"link_resonance": {"form": form, **one}}), "wire").run(PHI, STAMP)[0]
+        for form in ("links", "relative")
+    )
+    np.testing.assert_array_equal(links, relative)
 
 
 def test_a_late_sensor_shows_the_past() -> None:

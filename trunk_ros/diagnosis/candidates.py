@@ -57,7 +57,9 @@ def usable(problem: Problem) -> list[type[Effect]]:
 
 def seen_forms(problem: Problem, kind: type[Effect], column: int) -> tuple[str, ...]:
     """The forms of an effect that a joint's motion can show: in a wide loop what is flat is a dead band."""
-    return (kind.rising or kind.forms) if column in problem.wide else kind.forms
+    forms = (kind.rising or kind.forms) if column in problem.wide else kind.forms
+    chain = problem.arm.has_load and len(problem.joints) > 1
+    return forms if chain else tuple(form for form in forms if form not in kind.weighed)
 
 
 def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -> Explanation:

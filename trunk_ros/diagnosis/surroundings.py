@@ -44,10 +44,12 @@ class View:
             self.span.joints,
             ratio,
             speeds=self.speeds,
+            columns=(column,),
+            arm=replace(arm, payload=arm.payload + payload) if payload else arm,
         )
 
 
 def first(now: Now, steps: int) -> Now:
     """The surroundings of the first steps."""
-    whole = ("joints", "ratio", "held")
+    whole = ("joints", "ratio", "held", "columns", "arm")
     return replace(now, **{f.name: getattr(now, f.name)[:steps] for f in fields(now) if f.name not in whole})

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from trunk_ros.arm import Wire
+from trunk_ros.arm import Arm, Wire
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
@@ -46,6 +46,10 @@ class Now:
     """Whether time stands at the end of the recording that the model was fitted on."""
     speeds: Array = field(default_factory=lambda: np.empty((0, 0)))
     """(n, all joints) rad/s, like ``speed``."""
+    columns: tuple[int, ...] = ()
+    """Places of the joints being computed among all ``joints``."""
+    arm: Arm | None = None
+    """With the payload that it carries; None where its links' masses are of no account."""
 
 
 @dataclass
@@ -95,6 +99,8 @@ class Effect(ABC):
     texts: ClassVar[tuple[str, ...]] = ()
     """Names of parameters that are words, one per joint."""
     forms: ClassVar[tuple[str, ...]] = ("",)
+    weighed: ClassVar[tuple[str, ...]] = ()
+    """Forms that ask for the masses of several links."""
     refined: ClassVar[tuple[str, ...]] = ()
     """Forms with more to them, which are looked at once another form has been found."""
     rising: ClassVar[tuple[str, ...]] = ()

@@ -1,5 +1,7 @@
 """The link swings on the wire's elasticity."""
 
+from __future__ import annotations
+
 from functools import cached_property
 from typing import Any
 
@@ -7,9 +9,10 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.filters import oscillator, rate
+from trunk_ros.effects.filters import lowpass, oscillator, rate
 from trunk_ros.effects.periods import periods
 from trunk_ros.effects.wire.swing import free_swings, stops
+from trunk_ros.effects.wire.swinging_links import Masses, pushed_back, swing_link, swing_links
 from trunk_ros.parameter import Parameter
 
 LEAST_SWINGS, FASTEST = 4.0, 25.0  # in a recording; Hz: of a beam
@@ -20,7 +23,10 @@ class LinkResonance(Effect):
     """theta'' + 2 zeta omega (theta' - b p') + omega^2 (theta - p) = 0.
 
     absolute: b = 0, the joint is damped against the arm; relative: b = 1, the wire itself damps;
-    beam: b = 0, and the sensor shows p + share (theta - p).
+    beam: b = 0, and the sensor shows p + share (theta - p);
+    links: b = 1, with the mass matrix M(q) of the chain: M_jj theta'' + sum M_jk theta_k'' in the place of
+    M_jj theta'', so that the other joints' motion shakes the link too. ``frequency`` is that of the
+    straight arm.
     """
 
     id = "link_resonance"
@@ -28,7 +34,8 @@ class LinkResonance(Effect):
     scalable = False
     signature = "After fast moves and stops the residual rings at a frequency of its own."
     source = (
-        "Spong (1987), J. Dyn. Syst. 109(4): flexible joint, link inertia on the transmission's stiffness."
+        "Spong (1987), J. Dyn. Syst. 109(4): flexible joint, link inertia on the transmission's stiffness; "
+        "links: M(q) of the whole chain, as there in eq. (5)."
     )
     parameters = (
         Parameter(
@@ -61,7 +68,8 @@ class LinkResonance(Effect):
             scan=(0.9, 0.5, -0.5, -1.0),
         ),
     )
-    forms = ("absolute", "relative", "beam")
+    forms = ("absolute", "relative", "beam", "links")
+    weighed = ("links",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
@@ -73,9 +81,11 @@ class LinkResonance(Effect):
         return bool(np.all((self["damping"] < 0.4) & (self["frequency"] * step < 1.0)))
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        if self.form == "links" and (masses := masses_of(now)):
+            return self._shaken(x, now, masses, state)
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
-        oscillator(x, now.dt, self._omega, self["damping"], self.form == "relative", state, out)
+        oscillator(x, now.dt, self._omega, self["damping"], self.form in ("relative", "links"), state, out)
         return x + self["share"] * (out - x) if self.form == "beam" else out, state
 
     def transients(self, now: Now) -> Array | None:
@@ -113,12 +123,51 @@ class LinkResonance(Effect):
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         if self.form == "beam":
             return self._straightened(y, now, state)
+        if self.form == "links" and (masses := masses_of(now)):
+            return self._ahead(y, now, masses, state)
         first, second = (None, None) if state is None else state
         speed, first = rate(y, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
         omega = 2 * np.pi * self["frequency"]
-        damped = 0.0 if self.form == "relative" else 2 * self["damping"] / omega * speed
+        damped = 2 * self["damping"] / omega * speed if self.form == "absolute" else 0.0
         return y + damped + acceleration / omega**2, (first, second)
+
+    def _shaken(self, x: Array, now: Now, masses: Masses, state: Any) -> tuple[Array, Any]:
+        """Joint angles under what all joints' acceleration asks of the wires."""
+        swings = self._omega > 0.0
+        places, angles = np.array(now.columns)[swings], np.ascontiguousarray(now.angles)
+        if state is None:
+            state = np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]])
+        out, own, motion = x.copy(), state[0].copy(), state[1].copy()
+        before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
+        shown = np.empty_like(moved)
+        omega, zeta = self._omega[swings], self["damping"][swings]
+        if len(places) == 1:
+            one = np.ascontiguousarray(moved[:, 0])
+            swing_link(
+                one, now.dt, angles, places[0], masses, omega[0], zeta[0], before[:, 0], motion, shown[:, 0]
+            )
+        elif len(places):
+            swing_links(moved, now.dt, angles, places, masses, omega, zeta, before, motion, shown)
+        own[:, swings], out[:, swings] = before, shown
+        return out, (own, motion)
+
+    def _ahead(self, y: Array, now: Now, masses: Masses, state: Any) -> tuple[Array, Any]:
+        """The wires' angle for joints at ``y``: ahead by what moves the masses, damped as the wires are."""
+        swings = self._omega > 0.0
+        places, angles = np.array(now.columns)[swings], np.array(now.angles)
+        angles[:, list(now.columns)] = y
+        first, second, lag = (None, None, np.zeros((2, len(places)))) if state is None else state
+        speed, first = rate(angles, now.dt, first)
+        acceleration, second = rate(speed, now.dt, second)
+        omega, lag = self._omega[swings], lag.copy()
+        push = np.empty((len(y), len(places)))
+        pushed_back(np.ascontiguousarray(acceleration), angles, places, masses, omega, push)
+        ahead = np.empty_like(push)
+        lowpass(push, now.dt, 2 * self["damping"][swings] / omega, lag, ahead)
+        out = y.copy()
+        out[:, swings] += ahead
+        return out, (first, second, lag)
 
     def _straightened(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         """p = (y - share swing(y))/(1 - share), a swing that is faster by the root of 1 - share."""
@@ -128,3 +177,9 @@ class LinkResonance(Effect):
         oscillator(y, now.dt, self._omega / np.sqrt(rest), self["damping"] * np.sqrt(rest), False, state, out)
         rigid = self._omega == 0.0
         return np.where(rigid, y, (y - self["share"] * out) / rest), state
+
+
+def masses_of(now: Now) -> Masses | None:
+    """The links of the arm that an effect looks at, if their masses are known."""
+    arm = now.arm
+    return Masses(arm.link_length, arm.link_mass, arm.payload) if arm is not None and arm.has_load else None

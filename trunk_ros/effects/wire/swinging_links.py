@@ -1,0 +1,173 @@
+"""Links with masses that swing on their joints' wires, shaken by all other joints."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.filters import swing_step
+from trunk_ros.inertia import mass_row
+
+TURN = 0.1  # rad that the fastest joint's swing may go on in a step of the integration
+MOST = 64  # steps of one posture
+STANDS = 0.02  # s for which a posture lasts
+
+
+class Masses(NamedTuple):
+    """Links of a planar chain: length m, mass kg (joints,) each at the middle of its link, tip kg."""
+
+    length: Array
+    mass: Array
+    tip: float
+
+
+@compiled
+def swing_links(
+    x: Array, dt: Array, angles: Array, places: np.ndarray, masses: Masses, omega: Array, zeta: Array,
+    before: Array, motion: Array, out: Array,
+) -> None:  # fmt: skip
+    """M(q) theta'' + d (theta' - x') + k (theta - x) = 0 for joints that swing behind wires at ``x`` (n,
+    swinging), with k = M_jj(0) omega^2 and d = 2 zeta omega M_jj(0).
+
+    ``angles`` (n, joints) of all joints move straight between samples, so that those that do not swing push
+    by the changes of their slopes; ``places`` (swinging,): which joints swing. ``before`` (3, swinging): x,
+    theta and theta' of the sample before; ``motion`` (2, joints): angles and slopes of it. Coriolis' forces
+    are left out. Trapezoidal rule (Newmark 1959, beta = 1/4): stable whatever the masses.
+    """
+    joints, m = angles.shape[1], len(places)
+    row, straight, fixed = np.empty(joints), np.empty(m), np.ones(joints, dtype=np.bool_)
+    fixed[places] = False
+    for a in range(m):
+        mass_row(np.zeros(joints), places[a], masses.length, masses.mass, masses.tip, row)
+        straight[a] = row[places[a]]
+    hold, damp = straight * omega**2, 2.0 * straight * zeta * omega
+    matrix, light, stiff = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
+    posture, slope = np.empty(joints), np.empty(joints)
+    push, ramp, wire, now, new = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)
+    y, rate = before[1], before[2]
+    for i in range(len(x)):
+        if dt[i] > 0.0:
+            for k in range(joints):
+                slope[k] = (angles[i, k] - motion[0, k]) / dt[i]
+            for a in range(m):
+                ramp[a] = (x[i, a] - before[0, a]) / dt[i]
+                wire[a] = before[0, a]
+            parts = int(np.ceil(dt[i] / STANDS))
+            steps = min(max(int(np.ceil(omega.max() * dt[i] / parts / TURN)), 1), MOST)
+            h = dt[i] / (parts * steps)
+            for part in range(parts):
+                for k in range(joints):
+                    posture[k] = motion[0, k] + slope[k] * (dt[i] * (part + 0.5) / parts)
+                for a in range(m):
+                    posture[places[a]] = y[a] + rate[a] * (dt[i] * 0.5 / parts)
+                for a in range(m):
+                    mass_row(posture, places[a], masses.length, masses.mass, masses.tip, row)
+                    push[a] = 0.0
+                    for b in range(m):
+                        matrix[a, b] = stiff[a, b] = row[places[b]]
+                    for k in range(joints):
+                        if fixed[k]:
+                            push[a] -= row[k] * (slope[k] - motion[1, k])
+                    stiff[a, a] += h / 2 * damp[a] + h * h / 4 * hold[a]
+                factor(matrix, light)
+                factor(stiff, stiff)
+                if part == 0:
+                    solve(light, push)
+                    for a in range(m):
+                        rate[a] += push[a]
+                for a in range(m):
+                    now[a] = -damp[a] * (rate[a] - ramp[a]) - hold[a] * (y[a] - wire[a])
+                solve(light, now)
+                for _ in range(steps):
+                    for a in range(m):
+                        wire[a] += ramp[a] * h
+                        y[a] += h * rate[a] + h * h / 4 * now[a]
+                        rate[a] += h / 2 * now[a]
+                        new[a] = -damp[a] * (rate[a] - ramp[a]) - hold[a] * (y[a] - wire[a])
+                    solve(stiff, new)
+                    for a in range(m):
+                        y[a] += h * h / 4 * new[a]
+                        rate[a] += h / 2 * new[a]
+                        now[a] = new[a]
+            for k in range(joints):
+                motion[1, k] = slope[k]
+        motion[0] = angles[i]
+        before[0] = x[i]
+        out[i] = y
+
+
+@compiled
+def swing_link(
+    x: Array, dt: Array, angles: Array, place: int, masses: Masses, omega: float, zeta: float, before: Array,
+    motion: Array, out: Array,
+) -> None:  # fmt: skip
+    """The same of one joint alone, exact for the posture of each sample: ``x`` and ``out`` (n,), ``before``
+    (3,).
+    """
+    joints = angles.shape[1]
+    row, swing = np.empty(joints), np.zeros(5)
+    mass_row(np.zeros(joints), place, masses.length, masses.mass, masses.tip, row)
+    straight = row[place]
+    old, y, rate = before[0], before[1], before[2]
+    for i in range(len(x)):
+        if dt[i] > 0.0:
+            mass_row(angles[i], place, masses.length, masses.mass, masses.tip, row)
+            for k in range(joints):
+                slope = (angles[i, k] - motion[0, k]) / dt[i]
+                if k != place:
+                    rate -= row[k] / row[place] * (slope - motion[1, k])
+                motion[1, k] = slope
+            lighter = np.sqrt(straight / row[place])
+            swing_step(dt[i], omega * lighter, zeta * lighter, swing)
+            ramp = (x[i] - old) / dt[i]
+            off, faster = y - old, rate - ramp
+            y = x[i] + swing[0] * off + swing[1] * faster
+            rate = ramp + swing[2] * off + swing[3] * faster
+        motion[0] = angles[i]
+        old = x[i]
+        out[i] = y
+    before[0], before[1], before[2] = old, y, rate
+
+
+@compiled
+def factor(matrix: Array, lower: Array) -> None:
+    """Cholesky factor (m, m) of a symmetric positive ``matrix``, which it may overwrite."""
+    for i in range(len(matrix)):
+        for j in range(i + 1):
+            rest = matrix[i, j]
+            for k in range(j):
+                rest -= lower[i, k] * lower[j, k]
+            lower[i, j] = np.sqrt(rest) if i == j else rest / lower[j, j]
+
+
+@compiled
+def solve(lower: Array, b: Array) -> None:
+    """What the factored matrix makes ``b`` (m,) of, in the place of ``b``."""
+    m = len(b)
+    for i in range(m):
+        for k in range(i):
+            b[i] -= lower[i, k] * b[k]
+        b[i] /= lower[i, i]
+    for i in range(m - 1, -1, -1):
+        for k in range(i + 1, m):
+            b[i] -= lower[k, i] * b[k]
+        b[i] /= lower[i, i]
+
+
+@compiled
+def pushed_back(
+    acceleration: Array, angles: Array, places: np.ndarray, masses: Masses, omega: Array, out: Array
+) -> None:
+    """How far wires have to be ahead of joints [rad] (n, swinging) for all joints to accelerate as told (n,
+    joints), but for the wires' damping.
+    """
+    joints = angles.shape[1]
+    row = np.empty(joints)
+    for a in range(len(places)):
+        mass_row(np.zeros(joints), places[a], masses.length, masses.mass, masses.tip, row)
+        stiffness = row[places[a]] * omega[a] ** 2
+        for i in range(len(angles)):
+            mass_row(angles[i], places[a], masses.length, masses.mass, masses.tip, row)
+            out[i, a] = (row * acceleration[i]).sum() / stiffness
