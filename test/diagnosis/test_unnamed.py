@@ -83,9 +83,11 @@ def test_errors_that_a_servo_does_not_answer_to_have_no_other_name() -> None:
     assert np.median(middle) == pytest.approx(3e-3, rel=0.1)
 
 
-def test_beyond_its_ends_a_curve_goes_on_straight_but_not_for_ever() -> None:
+@pytest.mark.parametrize(("power", "furthest"), [(1.0, 4.0), (2.0, 2.0)])
+def test_beyond_its_ends_a_curve_goes_on_straight_but_not_for_ever(power: float, furthest: float) -> None:
+    """One that is a straight line is trusted further than one that bends."""
     x = np.linspace(0.0, 1.0, KNOTS)
-    values = {p.name: np.array([v]) for p, v in zip(VALUES, 1e-3 * x, strict=True)}
+    values = {p.name: np.array([v]) for p, v in zip(VALUES, 1e-3 * x**power, strict=True)}
     curve = Unknown({"low": np.zeros(1), "high": np.ones(1), **values}, {"on": ("position",)})
 
     def at(place: float) -> float:
@@ -93,9 +95,9 @@ def test_beyond_its_ends_a_curve_goes_on_straight_but_not_for_ever() -> None:
         now = Now(*[np.zeros(1)] * 2, one, one, one, one, one, ("joint_1",), np.ones(1))
         return float(curve.run(np.zeros((1, 1)), now, None)[0][0, 0])
 
-    assert at(1.3) == pytest.approx(1.3e-3)
-    assert at(-0.4) == pytest.approx(-0.4e-3)
-    assert at(9.0) == pytest.approx(1.5e-3)
+    assert at(1.3) == pytest.approx((1.0 + 0.3 * power) * 1e-3, rel=0.02)
+    assert at(-0.4) == pytest.approx(-0.4e-3 if power == 1.0 else 0.0, abs=2e-5)
+    assert at(9.0) == pytest.approx(furthest * 1e-3, rel=0.02)
 
 
 def test_a_curve_bends_as_much_as_its_data_ask_for() -> None:

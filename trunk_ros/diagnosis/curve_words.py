@@ -65,8 +65,7 @@ def statement(term: Term, where: str) -> str:
         )
     if issubclass(kind, UnknownJumps):
         count = max(sum(p.name in term.own[c] for p in MOMENTS) for c in term.columns)
-        times = "once" if count == 1 else f"{count} times"
-        return f"{where}: the zero jumps {times}, for no reason that has a name; levels stand in for it."
+        return f"{where}: the zero jumps {count} times, which no name fits; levels stand in for it."
     of = f"{kind.of} " if kind.of != Curve.of else ""
     on = variable_of(term, term.columns[0])
     return f"{where}: {of}depends on {on} in a way that no name fits; a smooth curve stands in for it."

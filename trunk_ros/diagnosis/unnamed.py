@@ -100,7 +100,7 @@ def _in_time(problem: Problem, bare: Explanation, column: int) -> Iterator[list[
         yield [Place(CYCLE, "time", 0.0, 1.0 / frequency)]
     worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
     moments = jumps(stamp, rest / noise.std, worth, KNOTS - 1)
-    if len(moments):
+    if len(moments) > 1:  # a single jump has a name
         for kind in (JUMPS, SLIPS):
             yield [Place(kind, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
 

@@ -17,6 +17,10 @@ KNOTS = 24
 VARIABLES = ("position", "speed", "time", "load")
 SPEED_OF = "speed of "
 REACH = 0.5  # of its range that a curve goes on straight beyond its ends
+FAR, STRAIGHT = (
+    3.0,
+    0.01,
+)  # the same of one that leaves a straight line by no more than that share of its rise
 RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),
     Parameter("high", "1", (-1e9, 1e9), "where the curve ends", typical=1.0),
@@ -29,7 +33,8 @@ VALUES = tuple(
 
 class Curve(Effect):
     """+= curve(x), x being position (ratio phi), speed, time, load, another joint's angle or its speed.
-    Beyond its ends a curve goes on straight for half of its range, one over time is held.
+    Beyond its ends a curve goes on straight for half of its range, a straight line for three of them; one
+    over time is held.
     """
 
     signature = "The residual depends on something in a way that no named effect has."
@@ -94,7 +99,11 @@ class Curve(Effect):
     @cached_property
     def _reach(self) -> Array:
         """(columns,) of its range that each curve goes on beyond its ends."""
-        return np.array([0.0 if word == "time" else REACH for word in self.words.get("on", ())] or [0.0])
+        values = np.array([self[p.name] for p in VALUES])
+        line = np.linspace(values[0], values[-1], KNOTS)
+        straight = np.abs(values - line).max(axis=0) <= STRAIGHT * np.ptp(values, axis=0)
+        timed = np.array([word in ("time", "") for word in self.words.get("on", ("",) * len(straight))])
+        return np.where(timed, 0.0, np.where(straight, FAR, REACH))
 
     @cached_property
     def _columns(self) -> list[tuple[str, np.ndarray]]:
