@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
+from test.diagnosis.arms import NOISE, on, recorded, reshaped
+from trunk_ros.arm import Arm
+from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.model import load_model
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
 
 
@@ -21,6 +24,41 @@ def test_an_arm_with_nothing_missing_has_no_finding() -> None:
     assert result.verdict == "no_mismatch"
     assert result.findings == []
     assert result.unexplained == []
+
+
+@pytest.mark.parametrize("counts", [2**12, 2**14, 2**16])
+def test_the_steps_of_a_joints_own_encoder_are_no_physics(counts: int) -> None:
+    step = 2 * np.pi / counts
+    position = recorded(noise=0.13 * step).series["joint_states"].position
+    result = diagnose([reshaped(recorded(), "joint_states", position=step * np.round(position / step))])
+    assert (result.verdict, result.findings, result.unexplained) == ("no_mismatch", [], [])
+    for said in result.stages["wire"]["joints"].values():
+        assert said["noise_floor"] > 0.99 * step / np.sqrt(12.0)
+
+
+def test_noise_with_outliers_is_noise() -> None:
+    recording = recorded(noise=0.0)
+    position = recording.series["joint_states"].position
+    tails = NOISE * np.random.default_rng(3).standard_t(3, size=position.shape)
+    result = diagnose([reshaped(recording, "joint_states", position=position + tails)])
+    assert (result.verdict, result.findings, result.unexplained) == ("no_mismatch", [], [])
+
+
+def test_a_wheel_out_of_centre_swings_once_a_turn() -> None:
+    """On a winch whose shaft turns several times."""
+    none, one = np.empty(0), np.ones(1)
+    arm = Arm(("drum",), 0.05 * one, 3e-4 * one, -one, one, none, none, none)
+    stamp = np.arange(0.0, 50.0, 0.01)
+    phi = 9.0 * np.sin(0.4 * stamp)[:, None]
+    uneven = {"amplitude": 8e-4 * one, "cycles_per_rev": one, "phase": 0.5 * one}
+    theta, _ = Chain(Model(arm, {"transmission_ripple": uneven}), "wire").run(phi, stamp)
+    theta += NOISE * np.random.default_rng(0).normal(size=theta.shape)
+    angles = {"gearbox_states": phi, "joint_states": theta}
+    series = {name: JointSeries(stamp, arm.joints, angle) for name, angle in angles.items()}
+    (found,) = diagnose([Recording("winch", 0, 50.0, series)], model=Model(arm)).findings
+    assert found.effect == "transmission_ripple"
+    assert found.parameters["drum"]["cycles_per_rev"]["value"] == pytest.approx(1.0, abs=0.01)
+    assert found.parameters["drum"]["amplitude"]["value"] == pytest.approx(8e-4, rel=0.03)
 
 
 def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() -> None:

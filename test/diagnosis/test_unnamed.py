@@ -100,6 +100,15 @@ def test_beyond_its_ends_a_curve_goes_on_straight_but_not_for_ever(power: float,
     assert at(9.0) == pytest.approx(furthest * 1e-3, rel=0.02)
 
 
+def test_beyond_its_ends_a_curve_that_winds_is_held() -> None:
+    wave = 1e-3 * np.sin(8.0 * np.pi * np.linspace(0.0, 1.0, KNOTS))
+    values = {p.name: np.array([v]) for p, v in zip(VALUES, wave, strict=True)}
+    curve = Unknown({"low": np.zeros(1), "high": np.ones(1), **values}, {"on": ("position",)})
+    far = np.linspace(-1.0, 2.0, 61)[:, None]
+    now = Now(*[np.arange(61.0)] * 2, far, far, far, far, far, ("joint_1",), np.ones(1))
+    assert np.abs(curve.run(0.0 * far, now, None)[0]).max() < 2.2e-3
+
+
 def test_a_curve_bends_as_much_as_its_data_ask_for() -> None:
     x = np.linspace(0.0, 1.0, 4000)
     design = Unknown.basis(x, 0.0, 1.0)

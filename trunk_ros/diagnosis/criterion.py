@@ -13,7 +13,8 @@ SIGNIFICANT = (
     60.0  # gain in squared unit-noise residuals below which chance and small misfits are not ruled out
 )
 RELEVANT = 0.02  # share of the noise power that an effect must remove from a joint
-STEPS = 3.0  # times the power of the encoder's steps that an effect must have
+STEPS = 3.0  # times the power of the gearbox encoder's steps that an effect must have
+OWN_STEPS = 0.1  # times that of the joint's own encoder, which the other noise shakes loose
 SHARE = (
     0.05  # of what is left above the noise that an effect must explain, so that a misfit is not cut in slices
 )
@@ -27,12 +28,13 @@ CURVE = 2.5  # price of a curve without a name, in effects
 def need(problem: Problem, column: int) -> float:
     """The gain on a column below which nothing is claimed there.
 
-    The encoder's steps are an error of the input that stands still with the joint, so they are no noise to be
-    averaged. Of coloured noise the colour is known only roughly.
+    The encoders' steps are an error that stands still with the joint, so they are no noise to be averaged. Of
+    coloured noise the colour is known only roughly.
     """
     chance = SIGNIFICANT * (1.0 + problem.noise[column].correlation)
     steps = problem.resolution(column) / problem.noise[column].std
-    least = problem.count(column) * max(RELEVANT, STEPS * steps**2)
+    own = problem.steps[column] / problem.noise[column].std
+    least = problem.count(column) * max(RELEVANT, STEPS * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * problem.misfit.get(column, 0.0)
     return max(chance, least, formulas, SHARE * problem.unexplained.get(column, 0.0))
 

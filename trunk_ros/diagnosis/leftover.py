@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.spectrum import spectrum
@@ -12,13 +13,27 @@ from trunk_ros.diagnosis.unnamed import variables
 from trunk_ros.effects.curve import abscissa, words_of
 
 CELLS = 20
+COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
 TELLS = 0.05  # share of the rest's power that a variable must account for
 
 
 def rests(problem: Problem, explanation: Explanation) -> dict[int, float]:
     """Columns whose residual is above the noise: power over the noise's, less one."""
     power = {c: float(np.mean(problem.whitened(explanation, c) ** 2)) - 1.0 for c in problem.columns}
-    return {c: p for c, p in power.items() if p > problem.rest(c)}
+    return {c: p for c, p in power.items() if p > problem.rest(c) and _coherent(problem, explanation, c)}
+
+
+def _coherent(problem: Problem, explanation: Explanation, column: int) -> bool:
+    """Whether a residual goes on from sample to sample, which outliers do not."""
+    if problem.step >= SLOW:
+        return True
+    noise, products = problem.noise[column], []
+    for i, view in enumerate(problem.views):
+        rest, follows = problem.residual(i, explanation, column), view.follows[:, column]
+        products.append((rest[1:] * rest[:-1])[follows[1:]])
+    own = noise.correlation * (noise.std**2 - noise.white**2)
+    excess = float(np.mean(np.concatenate(products))) - own
+    return excess > COHERENT * problem.rest(column) * noise.std**2
 
 
 def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[str]:

@@ -50,7 +50,8 @@ class Problem(ABC):
         """Columns that always move alike and show a wide loop: it hides what else varies with speed or
         time.
         """
-        self._steps = [self._stepped(c) for c in range(len(self.joints))]
+        self.steps = [self._stepped(c) for c in range(len(self.joints))]
+        """Standard deviation of the steps of joints' own encoders; 0 where readings lie on no grid."""
         self._coarse = [self._coarseness(c) for c in range(len(self.joints))]
         self._cache: dict[tuple[int, int, float, int | None], Now] = {}
         self._telling: dict[int, list[int]] = {}
@@ -172,11 +173,12 @@ class Problem(ABC):
             residuals = [self.residual(i, explanation, column) for i in range(len(self.views))]
             masks = [view.span.valid[:, column] for view in self.views]
             strides = 1 if column in self.formed else longest
-            seen.append(differences_of(residuals, masks, strides, self._steps[column]))
+            seen.append(differences_of(residuals, masks, strides, self.steps[column]))
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.median(judged)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
-        self.noise = [replace(n, std=max(n.std, c)) for n, c in zip(found, self._coarse, strict=True)]
+        least = np.maximum(self._coarse, self.steps)
+        self.noise = [replace(n, std=max(n.std, float(c))) for n, c in zip(found, least, strict=True)]
 
     @property
     def formed(self) -> set[int]:
@@ -242,7 +244,6 @@ class Problem(ABC):
         return max(coarseness(target, valid) for target, valid in seen)
 
     def _stepped(self, column: int) -> float:
-        """Standard deviation of the steps of a joint's own encoder; 0 where its readings lie on no grid."""
         seen = [view.span.target[view.span.valid[:, column], column] for view in self.views]
         steps = max((count(readings) for readings in seen if len(readings) > 1), default=0.0)
         return float(steps / np.sqrt(12.0))

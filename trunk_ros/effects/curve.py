@@ -33,8 +33,8 @@ VALUES = tuple(
 
 class Curve(Effect):
     """+= curve(x), x being position (ratio phi), speed, time, load, another joint's angle or its speed.
-    Beyond its ends a curve goes on straight for half of its range, a straight line for three of them; one
-    over time is held.
+    Beyond its ends a curve goes on straight for half of its range, the less the more it winds on its way
+    there, and a straight line for three of them; one over time is held.
     """
 
     signature = "The residual depends on something in a way that no named effect has."
@@ -98,12 +98,14 @@ class Curve(Effect):
 
     @cached_property
     def _reach(self) -> Array:
-        """(columns,) of its range that each curve goes on beyond its ends."""
+        """(2, columns) of its range that each curve goes on beyond its lower and its upper end."""
         values = np.array([self[p.name] for p in VALUES])
         line = np.linspace(values[0], values[-1], KNOTS)
         straight = np.abs(values - line).max(axis=0) <= STRAIGHT * np.ptp(values, axis=0)
-        timed = np.array([word in ("time", "") for word in self.words.get("on", ("",) * len(straight))])
-        return np.where(timed, 0.0, np.where(straight, FAR, REACH))
+        halves = values[: KNOTS // 2 + 1], values[-(KNOTS // 2 + 1) :]
+        reach = np.where(straight, FAR, REACH * np.array([directness(half) for half in halves]))
+        timed = np.array([word in ("time", "") for word in self.words.get("on", ("",) * values.shape[1])])
+        return np.where(timed, 0.0, reach)
 
     @cached_property
     def _columns(self) -> list[tuple[str, np.ndarray]]:
@@ -128,23 +130,30 @@ class Curve(Effect):
 
 @compiled
 def curves(x: Array, low: Array, high: Array, reach: Array, pieces: Array, out: Array) -> None:
-    """Cubic splines over ``x`` (n, columns); straight beyond their ends for ``reach`` (columns,) of their
-    range, then held.
+    """Cubic splines over ``x`` (n, columns); straight beyond their lower and upper ends for ``reach`` (2,
+    columns) of their range, then held.
     """
     last = pieces.shape[2] - 1
     for j in range(x.shape[1]):
         width = (high[j] - low[j]) / (last + 1)
         if width <= 0.0:
             continue
-        beyond = reach[j] * (high[j] - low[j])
+        first = low[j] - reach[0, j] * (high[j] - low[j])
+        furthest = high[j] + reach[1, j] * (high[j] - low[j])
         for k in range(x.shape[0]):
-            there = min(max(x[k, j], low[j] - beyond), high[j] + beyond)
+            there = min(max(x[k, j], first), furthest)
             along = min(max(there, low[j]), high[j]) - low[j]
             i = min(int(along / width), last)
             t = along - i * width
             a, b, c, d = pieces[j, 0, i], pieces[j, 1, i], pieces[j, 2, i], pieces[j, 3, i]
             slope = (3.0 * a * t + 2.0 * b) * t + c
             out[k, j] = ((a * t + b) * t + c) * t + d + slope * (there - low[j] - along)
+
+
+def directness(values: Array) -> Array:
+    """(columns,) net change of curves (k, columns) over the way that they went up and down."""
+    way = np.abs(np.diff(values, axis=0)).sum(axis=0)
+    return np.asarray(np.abs(values[-1] - values[0]) / np.where(way > 0.0, way, 1.0))
 
 
 def words_of(variable: str) -> list[str]:

@@ -28,7 +28,7 @@ class TransmissionRipple(Effect):
         Parameter(
             "cycles_per_rev",
             "1",
-            (2.0, 120.0),
+            (0.05, 120.0),
             "periods per turn of the gearbox shaft",
             typical=12.0,
             null=12.0,
