@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 CLEARER = 0.02  # of the misfit: what a curve must explain beyond the named effects to take their place
 HALF = 0.5  # of a misfit: a curve that leaves more of it is over something else than what is at work
+OVER_TIME = 0.15  # likewise over time, by which a curve imitates whatever moves slowly
 ALONE = 2  # joints that what acts on all must explain by itself
 MOST = 0.5  # of the joints: an effect on as many may be one of all
 REFITTED = 5  # candidates of an exchange that are refitted in full
@@ -214,7 +215,8 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
     gained = now.cost[column] - best.cost[column]
     simpler = len(local) >= 3
     noise = search.problem.count(column)
-    tells = best.cost[column] - noise < HALF * (nominal - noise)
+    most = OVER_TIME if best.explanation.over_time(column) else HALF
+    tells = best.cost[column] - noise < most * (nominal - noise)
     return best if tells and (simpler or gained > CLEARER * (nominal - now.cost[column])) else now
 
 

@@ -70,6 +70,10 @@ class Explanation(dict[str, Term]):
         """The joints that a curve without a name is on."""
         return {c for name, term in self.items() if not effect(name).named for c in term.columns}
 
+    def over_time(self, column: int) -> bool:
+        """Whether a curve over time stands in on a column."""
+        return any("time" in t.words.get(column, {}).values() for t in self.on(column))
+
     def bound(self, column: int) -> list[Effect]:
         """The effects on one joint, as blocks over that joint alone."""
         return [bind_column(term, column) for term in self.on(column)]

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import binom
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 
 SHORTEST = 5  # samples between two jumps
+TURNED = 0.01  # of its range that a joint has to come back to have turned
+NEAR = 0.3  # s from a joint's turn within which a jump belongs to the turn
+CHANCE = 0.01  # of as many jumps at turns, were they anywhere
+ALIKE = 0.15  # of a joint's spread: positions closer than this are one place
 
 
 def jumps(stamp: Array, rest: Array, worth: float, most: int) -> Array:
@@ -24,6 +29,40 @@ def jumps(stamp: Array, rest: Array, worth: float, most: int) -> Array:
         open_pieces += [_halved(sums, first, cut), _halved(sums, cut, last)]
     at = np.array(sorted(cuts), dtype=int)
     return np.asarray(0.5 * (stamp[at - 1] + stamp[at]))
+
+
+def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: int) -> bool:
+    """Whether it is the motion that makes a residual (n,) of a joint's ``column`` jump, and not time: at that
+    joint's turns, or as a joint of ``angles`` (n, joints) passes a place.
+    """
+    own = np.ascontiguousarray(angles[:, column])
+    turns = stamp[turns_of(own, TURNED * float(np.ptp(own)))]
+    near = np.abs(np.subtract.outer(moments, turns)).min(axis=1, initial=np.inf) < NEAR
+    usual = min(2.0 * NEAR * len(turns) / float(np.ptp(stamp)), 1.0)
+    if binom.sf(near.sum() - 1, len(near), usual) < CHANCE:
+        return True
+    levels = np.array([part.mean() for part in np.split(rest, np.searchsorted(stamp, moments))])
+    up = np.diff(levels) > 0.0
+    at = angles[np.searchsorted(stamp, moments)]
+    kinds = [at[some] for some in (up, ~up) if some.sum() > 1]
+    if len(kinds) < 2:
+        return False
+    return bool(np.any(np.max([np.std(k, axis=0) for k in kinds], axis=0) < ALIKE * np.std(angles, axis=0)))
+
+
+@compiled
+def turns_of(x: Array, least: float) -> np.ndarray:
+    """Rows at which a joint (n,) begins to come back, by ``least`` and more."""
+    out = np.zeros(len(x), dtype=np.bool_)
+    low = high = 0
+    for k in range(len(x)):
+        high = k if x[k] > x[high] - 0.1 * least else high
+        low = k if x[k] < x[low] + 0.1 * least else low
+        if x[high] - x[k] > least and high > low:
+            out[high], low = True, k
+        elif x[k] - x[low] > least and low > high:
+            out[low], high = True, k
+    return np.flatnonzero(out)
 
 
 def _halved(sums: Array, first: int, last: int) -> tuple[float, int, int, int]:

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.criterion import SIGNIFICANT
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
-from trunk_ros.diagnosis.jumps import jumps
+from trunk_ros.diagnosis.jumps import jumps, moved_by
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.spectrum import spectrum
 from trunk_ros.effects import effect
@@ -31,6 +31,7 @@ TURNS_OF_OTHERS = 6
 SMOOTH = np.logspace(-3.0, 4.0, 15)  # weights of a curve's bends, of a knot's own
 ZONES = np.geomspace(1e-4, 0.1, 30)  # rad, tried as constants: a small zone shows nothing of a large one
 NEAR = np.linspace(0.88, 1.12, 25)  # of the best of them, likewise
+MOST_JUMPS = 16
 CYCLIC = 0.1  # of the residual's power: a line that is looked at
 
 
@@ -99,8 +100,10 @@ def _in_time(problem: Problem, bare: Explanation, column: int) -> Iterator[list[
     if share > CYCLIC:
         yield [Place(CYCLE, "time", 0.0, 1.0 / frequency)]
     worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
-    moments = jumps(stamp, rest / noise.std, worth, KNOTS - 1)
-    if len(moments) > 1:  # a single jump has a name
+    moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
+    angles = problem.views[index].angles[span.rows][valid]
+    # a single jump has a name, and many imitate anything
+    if 1 < len(moments) <= MOST_JUMPS and not moved_by(stamp, rest, moments, angles, column):
         for kind in (JUMPS, SLIPS):
             yield [Place(kind, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
 
