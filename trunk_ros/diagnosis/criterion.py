@@ -22,6 +22,7 @@ FURTHER = 20.0  # price of each further value of an effect
 LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
 FORMULAS = 0.0002  # of a joint's misfit: what the formulas of named effects may be off by
 CURVED = 0.002  # likewise, by what is smooth
+FAR_OFF = 0.2  # of a ratio: so far off it was not known, and what it makes is no misfit of formulas
 CURVE = 2.5  # price of a curve without a name, in effects
 
 
@@ -37,6 +38,25 @@ def need(problem: Problem, column: int) -> float:
     least = problem.count(column) * max(RELEVANT, STEPS * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * problem.misfit.get(column, 0.0)
     return max(chance, least, formulas, SHARE * problem.unexplained.get(column, 0.0))
+
+
+def misfits(problem: Problem, explanation: Explanation) -> dict[int, float]:
+    """What an explanation leaves of each column above the noise, in squared unit-noise residuals; where the
+    ratio is FAR_OFF, what the right one would leave.
+    """
+    return {c: min(p, _right_ratio(problem, explanation, c)) for c, p in problem.unexplained.items()}
+
+
+def _right_ratio(problem: Problem, explanation: Explanation, column: int) -> float:
+    if problem.stage != "wire":
+        return np.inf
+    angles = [view.span.gearbox[view.span.rows, column] * problem.arm.ratio[column] for view in problem.views]
+    zeros = [np.ones_like(angle) for angle in angles]
+    line = np.column_stack([problem.whiten_change(shape, column) for shape in (angles, zeros)])
+    rest = problem.whitened(explanation, column)
+    found = np.linalg.lstsq(line, rest, rcond=None)[0]
+    left = float(np.sum((rest - line @ found) ** 2)) - problem.count(column)
+    return max(left, 0.0) if abs(found[0]) > FAR_OFF else np.inf
 
 
 def price(problem: Problem, term: Term) -> float:

@@ -211,6 +211,8 @@ def smoothed(design: Array, target: Array, bend: Array) -> tuple[Array, float]:
     bent, rank = bend.T @ bend, np.linalg.matrix_rank(bend)
     size = float(np.trace(normal)) / len(side)
     least, best = -np.inf, (np.zeros_like(side), 0.0)
+    if size == 0.0:  # nothing of the curve comes through
+        return best
     for weight in SMOOTH * size:
         factor = cho_factor(normal + weight * bent + 1e-9 * size * np.eye(len(side)))
         values = cho_solve(factor, side)

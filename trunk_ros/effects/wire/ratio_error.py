@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
@@ -14,11 +16,12 @@ class RatioError(Effect):
     stage, place, regime = "wire", 10, "posture"
     signature = "The residual grows in proportion to the joint angle."
     source = "Ciofu & Stan, sect. 2: transmission ratio R_s/R_c; wear and tolerance of the grooved wheels."
-    parameters = (Parameter("relative", "1", (-0.95, 4.0), "relative error of the ratio", typical=0.005),)
+    parameters = (Parameter("relative", "1", (-100.0, 100.0), "relative error of the ratio", typical=0.005),)
     confused_with = (("load_elasticity", "move the other joints while this one stands: only a load changes"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x * (1.0 + self["relative"]), None
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y / (1.0 + self["relative"]), None
+        ratio = 1.0 + self["relative"]
+        return y / np.where(ratio == 0.0, np.inf, ratio), None  # a wire that moves nothing is left alone
