@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.held import new_readings
 from trunk_ros.diagnosis.loops import comes_back, is_wide, turned
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
-from trunk_ros.recording.encoder import between_counts
+from trunk_ros.recording.encoder import between_counts, count
 from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.resistance import Resistance, resistance
@@ -54,6 +54,8 @@ class Span:
     """What the recording tells of the load, where the model takes it from there."""
     held: float = 0.0
     """Time [s] for which the sensor of the target repeats each reading; the repeats are left out."""
+    counts: Array | None = None
+    """(joints,) rad of the gearbox per step of its encoder, 0 where readings lie on no grid."""
 
     @property
     def stamp(self) -> Array:
@@ -67,20 +69,24 @@ def wire_span(recording: Recording, model: Model) -> Span:
     """
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
+    counts = np.array([count(column) for column in gearbox.select(joints).position.T])
     gearbox, (measured, held) = between_counts(gearbox.select(joints)), new_readings(measured.select(joints))
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(gearbox, grid)
     valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)
     arm = model.for_joints(joints).arm.only(joints)
-    u, known = phi * arm.ratio, resistance(arm, gearbox, grid, phi)
+    u = phi * arm.ratio
     start = _start(u, rows, target, valid)
     least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
     valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, least)[rows]
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
-    return Span(recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held)
+    known = resistance(arm, gearbox, grid, phi)
+    return Span(
+        recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, counts
+    )
 
 
 def _beside_wide_loops(u: Array, speed: Array, target: Array, valid: np.ndarray) -> np.ndarray:

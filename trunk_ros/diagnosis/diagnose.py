@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.evidence import Evidence, spreads
 from trunk_ros.diagnosis.experiment import experiment, proposals
 from trunk_ros.diagnosis.explanation import Explanation
+from trunk_ros.diagnosis.faults import without_faults
 from trunk_ros.diagnosis.findings import (
     findings,
     is_known,
@@ -59,7 +60,7 @@ def diagnose(
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
-    read = [completed(r, other) for r in read]
+    read = [without_faults(completed(r, other)) for r in read]
     return Diagnoser(read, nominal, other, progress).run()
 
 

@@ -87,15 +87,20 @@ class Problem(ABC):
         return int(sum(view.span.valid[:, column].sum() for view in self.views))
 
     def rest(self, column: int) -> float:
-        """Share of the noise power above which a residual is more than noise: coloured or rarely sampled
-        noise is
-        known less well.
+        """Share of the noise power above which a residual is more than noise.
+
+        Coloured or rarely sampled noise is known less well, and a joint that stands shows one step of an
+        encoder, up to three times the steps' mean power.
         """
-        return 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
+        known = 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
+        steps = np.hypot(self.steps[column], self.resolution(column)) / self.noise[column].std
+        return known + 2.0 * float(steps) ** 2
 
     def resolution(self, column: int) -> float:
-        """Standard deviation of the encoder's steps, on the side of the target [rad]."""
-        return float(2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0) * abs(self.arm.ratio[column]))
+        """Standard deviation of the gearbox encoder's steps, told or seen, on the target's side [rad]."""
+        seen = [view.span.counts[column] for view in self.views if view.span.counts is not None]
+        step = max([2 * np.pi / self.arm.counts_per_rev, *seen])
+        return float(step / np.sqrt(12.0) * abs(self.arm.ratio[column]))
 
     def _view(self, span: Span) -> View:
         angles = span.gearbox * self.arm.ratio

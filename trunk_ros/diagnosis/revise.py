@@ -26,6 +26,8 @@ CLEARLY = 2.0  # squared unit-noise residuals
 OPTION_SIZES = (0.4, 1.6)  # of the usual value
 STRONG = 1.0  # of the noise power: a rest from which on an explanation is known to be incomplete
 SHARED_SLICE = 0.5  # of such a rest of all joints
+NOTHING = 0.05  # of what an effect is on the joint that has most of it
+SURE = 9.0  # squared unit-noise residuals: three standard deviations
 SLICE = 0.15  # of such a rest, for each value
 
 
@@ -243,6 +245,17 @@ def slices(search: Search, now: Fit) -> Fit:
                 break
             now = _dropped(search, now, least, column)
     return _shared_slices(search, now)
+
+
+def bystanders(search: Search, now: Fit) -> Fit:
+    """Leave joints out of what acts on all alike where it comes to nothing."""
+    for name in [n for n in now.explanation if effect(n).everywhere and effect(n).scalable]:
+        term, lead = now.explanation[name], effect(name).parameters[0].name
+        sizes = {c: abs(own.get(lead, 0.0)) for c, own in term.own.items()}
+        for column in [c for c, size in sizes.items() if size < NOTHING * max(sizes.values())]:
+            without = _dropped(search, now, name, column)
+            now = without if without.total - now.total < SURE else now
+    return now
 
 
 def _shared_slices(search: Search, now: Fit) -> Fit:

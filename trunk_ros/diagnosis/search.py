@@ -49,7 +49,7 @@ class Search:
                 break
             now = self.settle(grown)
             self.say(describe(now.explanation))
-        return self.written(revise.slices(self, now))
+        return self.written(revise.bystanders(self, revise.slices(self, now)))
 
     def begin(self, start: Explanation | None = None) -> Fit:
         """What is known, fitted; all else is measured by what it leaves."""

@@ -1,0 +1,61 @@
+"""Readings that a sensor never made are left out and said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded, reshaped
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis.faults import sticks, strays, without_faults
+
+
+def faulty(position: Array) -> Diagnosis:
+    """Of an arm with a dead band that is too narrow in the model, by other joint readings."""
+    return diagnose([reshaped(recorded(LOOSE), "joint_states", position=position)])
+
+
+LOOSE = {"backlash": {"half_width": on(2, 8e-4)}}
+
+
+@pytest.fixture
+def position() -> Array:
+    return recorded(LOOSE).series["joint_states"].position.copy()
+
+
+def test_a_sensor_that_sticks_is_said_and_hides_no_physics(position: Array) -> None:
+    position[1200:1290, 1] = position[1200, 1]
+    position[2500:2700, 3] = position[2500, 3]
+    result = faulty(position)
+    assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_2"])]
+    assert result.unexplained == []
+    notes = " ".join(result.quality["made"]["notes"])
+    assert "joint_2: its sensor sticks, first at 12.01 s; 89 readings left out" in notes
+    assert "joint_4: its sensor sticks, first at 25.01 s; 199 readings left out" in notes
+
+
+def test_single_readings_far_off_are_said_and_hide_no_physics(position: Array) -> None:
+    flipped = np.random.default_rng(1).choice(np.arange(10, 3990, 7), 12, replace=False)
+    position[flipped, 2] += 0.1
+    result = faulty(position)
+    assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_2"])]
+    assert result.unexplained == []
+    assert "joint_3: 12 single readings far from" in " ".join(result.quality["made"]["notes"])
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-4, 4e-3])
+def test_a_joint_that_stands_or_is_read_coarsely_has_no_faults(position: Array, step: float) -> None:
+    """Nor one that stands in a perfect simulation, moves on, and jumps as its wire slips."""
+    position[1000:2000] = position[1000]
+    position[2000:] += position[1000] - position[2000]
+    position[3000:] += 2e-3
+    seen = step * np.round(position / step) if step else position
+    for column in seen.T:
+        assert not sticks(column).any()
+        assert not strays(column).any()
+
+
+def test_a_good_recording_stays_the_same_object() -> None:
+    good = recorded()
+    assert without_faults(good) is good
