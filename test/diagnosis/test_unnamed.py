@@ -10,7 +10,7 @@ import pytest
 from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis, diagnose
-from trunk_ros.diagnosis.jumps import jumps
+from trunk_ros.diagnosis.jumps import jumps, moved_by
 from trunk_ros.diagnosis.report import render
 from trunk_ros.diagnosis.spectrum import spectrum
 from trunk_ros.diagnosis.unnamed import smoothed
@@ -37,6 +37,26 @@ def left(result: Diagnosis, joint: str) -> float:
     """Held-out error over the noise floor."""
     said = result.stages["wire"]["joints"][joint]
     return float(said["rmse_after"] / said["noise_floor"])
+
+
+STAMP = np.arange(0.0, 60.0, 0.01)
+PASSES = 0.3 * np.sin(np.column_stack([0.9 * STAMP, 0.53 * STAMP + 1.0]))
+
+
+@pytest.mark.parametrize(
+    ("rest", "by_motion"),
+    [
+        (np.sign(np.gradient(PASSES[:, 0])) * (STAMP > 30.0), True),  # friction that has changed
+        ((PASSES[:, 0] > 0.12) * 1.0, True),
+        ((PASSES[:, 1] > -0.07) * 1.0, True),
+        (np.searchsorted([7.3, 12.9, 21.4, 33.8, 44.1, 52.6], STAMP) % 2 * 1.0, False),
+    ],
+    ids=["at its turns", "at a place", "at another joint's place", "at moments of its own"],
+)
+def test_jumps_are_a_matter_of_time_unless_the_motion_brings_them_on(rest: Array, by_motion: bool) -> None:
+    moments = jumps(STAMP, 10.0 * rest + NOISE.normal(size=len(STAMP)), 60.0, 30)
+    assert len(moments) > 4
+    assert moved_by(STAMP, rest, moments, PASSES, 0) == by_motion
 
 
 def test_what_follows_the_speed_of_another_joint_names_that_joint() -> None:

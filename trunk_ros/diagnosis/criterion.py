@@ -36,13 +36,13 @@ def need(problem: Problem, column: int) -> float:
     steps = problem.resolution(column) / problem.noise[column].std
     own = problem.steps[column] / problem.noise[column].std
     least = problem.count(column) * max(RELEVANT, STEPS * steps**2, OWN_STEPS * own**2)
-    formulas = FORMULAS * problem.misfit.get(column, 0.0)
+    formulas = FORMULAS * problem.formed_misfit.get(column, 0.0)
     return max(chance, least, formulas, SHARE * problem.unexplained.get(column, 0.0))
 
 
-def misfits(problem: Problem, explanation: Explanation) -> dict[int, float]:
-    """What an explanation leaves of each column above the noise, in squared unit-noise residuals; where the
-    ratio is FAR_OFF, what the right one would leave.
+def formed_misfits(problem: Problem, explanation: Explanation) -> dict[int, float]:
+    """What formulas can be off in proportion to: what an explanation leaves of each column above the noise, in
+    squared unit-noise residuals; where the ratio is FAR_OFF, what the right one would leave.
     """
     return {c: min(p, _right_ratio(problem, explanation, c)) for c, p in problem.unexplained.items()}
 

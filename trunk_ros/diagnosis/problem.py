@@ -60,6 +60,8 @@ class Problem(ABC):
         """Squared unit-noise residual above the noise that the explanation at hand leaves, by column."""
         self.misfit: dict[int, float] = {}
         """The same of the nominal arm."""
+        self.formed_misfit: dict[int, float] = {}
+        """The same but for a ratio that was not known."""
         self._known = [self.views[0].angles]
         self.look_again(self.known)
         self.estimate_noise(self.known)

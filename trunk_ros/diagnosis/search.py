@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.diagnosis import exchange, revise
 from trunk_ros.diagnosis.candidates import extended, usable
-from trunk_ros.diagnosis.criterion import SIGNIFICANT, misfits, need, score
+from trunk_ros.diagnosis.criterion import SIGNIFICANT, formed_misfits, need, score
 from trunk_ros.diagnosis.explanation import Explanation, Term, bind_column, describe
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
@@ -55,7 +55,8 @@ class Search:
         """What is known, fitted; all else is measured by what it leaves."""
         now = self.refit(start or self.problem.known)
         self.weigh(now)
-        self.problem.misfit = misfits(self.problem, now.explanation)
+        self.problem.misfit = dict(self.problem.unexplained)
+        self.problem.formed_misfit = formed_misfits(self.problem, now.explanation)
         return now
 
     def written(self, now: Fit) -> Fit:
