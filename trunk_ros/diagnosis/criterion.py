@@ -41,8 +41,8 @@ def need(problem: Problem, column: int) -> float:
 
 
 def formed_misfits(problem: Problem, explanation: Explanation) -> dict[int, float]:
-    """What formulas can be off in proportion to: what an explanation leaves of each column above the noise, in
-    squared unit-noise residuals; where the ratio is FAR_OFF, what the right one would leave.
+    """What formulas can be off in proportion to: what an explanation leaves of each column above the noise,
+    in squared unit-noise residuals; where the ratio is FAR_OFF, what the right one would leave.
     """
     return {c: min(p, _right_ratio(problem, explanation, c)) for c, p in problem.unexplained.items()}
 
