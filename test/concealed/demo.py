@@ -35,13 +35,14 @@ T = TypeVar("T")
 def main(argv: list[str] | None = None) -> int:
     """0 where all that was hidden is named, 1 where not or a step failed, 130 after Ctrl-C."""
     asked = parser().parse_args(argv)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    ended = Ended()
     demo = Demo(Arm(asked.seed, asked.effects), Path(asked.output), asked.seconds)
     try:
         demo.check()
         good = demo.run()
         if asked.compensate:
             demo.compensate()
+        ended.tell()
     except DemoError as error:
         print(f"demo: {error}", file=sys.stderr)
         return 1
@@ -49,6 +50,24 @@ def main(argv: list[str] | None = None) -> int:
         print("demo: ended by hand", file=sys.stderr)
         return 130
     return 0 if good else 1
+
+
+class Ended:
+    """Raises KeyboardInterrupt at SIGINT and SIGTERM, and remembers it: raised in a finalizer it is lost."""
+
+    def __init__(self) -> None:
+        self._asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._end)
+
+    def _end(self, *_: Any) -> None:
+        self._asked = True
+        raise KeyboardInterrupt
+
+    def tell(self) -> None:
+        """Raise KeyboardInterrupt where a signal has come."""
+        if self._asked:
+            raise KeyboardInterrupt
 
 
 def parser() -> argparse.ArgumentParser:

@@ -54,7 +54,8 @@ PASSES = 0.3 * np.sin(np.column_stack([0.9 * STAMP, 0.53 * STAMP + 1.0]))
     ids=["at its turns", "at a place", "at another joint's place", "at moments of its own"],
 )
 def test_jumps_are_a_matter_of_time_unless_the_motion_brings_them_on(rest: Array, by_motion: bool) -> None:
-    moments = jumps(STAMP, 10.0 * rest + NOISE.normal(size=len(STAMP)), 60.0, 30)
+    noise = np.random.default_rng(8).normal(size=len(STAMP))
+    moments = jumps(STAMP, 10.0 * rest + noise, 60.0, 30)
     assert len(moments) > 4
     assert moved_by(STAMP, rest, moments, PASSES, 0) == by_motion
 
