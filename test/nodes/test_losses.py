@@ -26,6 +26,16 @@ def test_two_publishers_with_the_same_numbers_are_told_apart():
     assert tally([1, 1, 2, 4, 3, 5], publishers=2).lost >= 1
 
 
+def test_a_publisher_that_comes_later_is_no_loss_once_it_is_counted():
+    it = tally([1, 2, 3])
+    assert not it.goes_on(8)
+    it.publishers = 2
+    it.note(8, 10**9)
+    assert it.goes_on(4)
+    assert it.goes_on(9)
+    assert (it.lost, it.before) == (0, 7)
+
+
 def test_a_publisher_that_begins_anew_is_no_loss():
     assert tally([7, 8, 9, 1, 2]).lost == 0
 

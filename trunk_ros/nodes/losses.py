@@ -29,6 +29,10 @@ class Tally:
         """Messages that should have come."""
         return self.received + self.lost
 
+    def goes_on(self, number: int | None) -> bool:
+        """Whether a number is the next of a publisher that was heard."""
+        return number is None or number - 1 in self._streams
+
     def note(self, number: int | None, arrival_ns: int) -> int:
         """Count a message with its publisher's number; returns how many it shows to be lost."""
         self.received += 1

@@ -146,6 +146,8 @@ class Recorder(TrunkNode):
             return False
         self.progress.received[topic] += 1
         if self.recording:
+            if not ear.tally.goes_on(number):  # maybe of a publisher that has come since the last look
+                ear.tally.publishers = max(ear.tally.publishers, self.count_publishers(topic))
             missing = ear.tally.note(number, self.now() if self.simulated else self.wall.steady(arrival))
             if missing:
                 self.health.note(f"{missing} messages of {topic} lost")
