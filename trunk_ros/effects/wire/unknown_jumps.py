@@ -1,5 +1,6 @@
 """A zero that jumps about for no reason that has a name."""
 
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -44,8 +45,13 @@ class UnknownJumps(Curve):
 
     def _curve(self, now: Now) -> Array:
         out = np.zeros((len(now.stamp), len(self["low"])))
-        for column in np.flatnonzero(self["low"] < self["high"]):
-            moments = np.array([self[p.name][column] for p in MOMENTS])
-            levels = np.array([self[p.name][column] for p in VALUES])
-            out[:, column] = levels[np.searchsorted(moments, now.stamp, side="right")]
+        for column, moments, levels in self._steps:
+            out[:, column] = levels[moments.searchsorted(now.stamp, side="right")]
         return out
+
+    @cached_property
+    def _steps(self) -> list[tuple[int, Array, Array]]:
+        """Column, moments and levels of each curve that there is."""
+        moments, levels = (np.array([self[p.name] for p in some]) for some in (MOMENTS, VALUES))
+        columns = np.flatnonzero(self["low"] < self["high"])
+        return [(int(c), np.ascontiguousarray(moments[:, c]), levels[:, c]) for c in columns]
