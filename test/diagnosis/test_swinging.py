@@ -9,20 +9,19 @@ import pytest
 
 from test.concealed.bag import write_bag
 from test.concealed.mujoco_case import draw_mujoco_case
-from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
+from trunk_ros.simulate import simulate
 
 
 def error(model: Model, recording: Recording) -> Array:
     """(joints,) rms [rad] of what a model predicts of the joints less what they show, after 3 s."""
-    gearbox, joints = recording.series["gearbox_states"], recording.series["joint_states"]
-    said, _ = Chain(model, "wire").run(gearbox.position, gearbox.stamp)
-    said = np.column_stack([np.interp(joints.stamp, gearbox.stamp, column) for column in said.T])
-    return np.asarray(np.sqrt(((said - joints.position)[joints.stamp > 3.0] ** 2).mean(axis=0)))
+    joints, said = recording.series["joint_states"], simulate(recording, model).series["joint_states"]
+    off = (said.position - joints.position)[joints.stamp > 3.0]
+    return np.asarray(np.sqrt((off**2).mean(axis=0)))
 
 
 @pytest.mark.parametrize("seed", [6082, 6037])

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.held import new_readings
 from trunk_ros.diagnosis.loops import comes_back, is_wide, turned
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
-from trunk_ros.recording.encoder import between_counts, count
+from trunk_ros.recording.encoder import between_counts, counts
 from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.resistance import Resistance, resistance
@@ -69,8 +69,9 @@ def wire_span(recording: Recording, model: Model) -> Span:
     """
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
-    counts = np.array([count(column) for column in gearbox.select(joints).position.T])
-    gearbox, (measured, held) = between_counts(gearbox.select(joints)), new_readings(measured.select(joints))
+    gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
+    steps = counts(gearbox)
+    gearbox = between_counts(gearbox, steps)
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(gearbox, grid)
     valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]
@@ -85,7 +86,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
     known = resistance(arm, gearbox, grid, phi)
     return Span(
-        recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, counts
+        recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, steps
     )
 
 

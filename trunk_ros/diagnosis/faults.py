@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.noise import MEDIAN_TO_STD
 from trunk_ros.recording.recording import Recording
 
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
@@ -14,7 +15,6 @@ HARDLY = 0.1  # of the samples, sticking aside
 LEAPS = 1.5  # times as far as a joint moves between two samples as a rule
 FAR = 12.0  # times the scatter about the readings beside it that a single reading is off
 FEW = 0.06  # of the readings: more of them are the sensor's noise
-MEDIAN_TO_STD = 1.4826
 
 
 def without_faults(recording: Recording) -> Recording:
@@ -49,8 +49,9 @@ def sticks(readings: Array) -> np.ndarray:
     rest = same.sum() - sum(last - first for first, last in runs)
     if not runs or rest > HARDLY * len(same):
         return out
+    far = leap(readings)
     for first, last in runs:
-        if last < len(step) and step[last] > leap(readings):
+        if last < len(step) and step[last] > far:
             out[first + 1 : last + 1] = True
     return out
 

@@ -17,10 +17,8 @@ KNOTS = 24
 VARIABLES = ("position", "speed", "time", "load")
 SPEED_OF = "speed of "
 REACH = 0.5  # of its range that a curve goes on straight beyond its ends
-FAR, STRAIGHT = (
-    3.0,
-    0.01,
-)  # the same of one that leaves a straight line by no more than that share of its rise
+FAR = 3.0  # the same of a straight line
+STRAIGHT = 0.01  # of its rise: what leaves the line between its ends by no more is one
 RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),
     Parameter("high", "1", (-1e9, 1e9), "where the curve ends", typical=1.0),

@@ -19,13 +19,14 @@ NEAR = 0.55  # counts that a reading may lie from a curve through it and its nei
 EVEN = 0.2  # of the usual time between samples
 
 
-def between_counts(series: JointSeries) -> JointSeries:
+def between_counts(series: JointSeries, steps: Floats | None = None) -> JointSeries:
     """The same series with positions that move on between counts, at most half a count from the reading.
 
+    ``steps`` (joints,): what ``counts`` says of it, where that is known.
     Each is from the longest window in which a parabola passes all readings within half a count. Joints whose
     readings lie on no grid, and stretches where samples are lost or come unevenly, stay as they are.
     """
-    steps = [count(column) for column in series.position.T]
+    steps = counts(series) if steps is None else steps
     if not any(steps) or len(series.stamp) < WINDOWS[-1]:
         return series
     position, uneven = series.position.copy(), _uneven(series.stamp)
@@ -35,6 +36,11 @@ def between_counts(series: JointSeries) -> JointSeries:
             smooth = readings + step * _within(readings / step, uneven | np.isnan(position[:, j]))
             position[:, j] = np.where(np.isnan(position[:, j]), np.nan, smooth)
     return replace(series, position=position)
+
+
+def counts(series: JointSeries) -> Floats:
+    """(joints,) the step of each joint's encoder, 0 where its readings lie on no grid."""
+    return np.array([count(column) for column in series.position.T])
 
 
 def count(readings: Floats) -> float:
