@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,14 @@ import numpy as np
 from test.concealed.bag import write_bag
 from test.concealed.case import Case, draw_case
 from test.concealed.catalogue import CATALOGUE
+from test.concealed.mujoco_case import draw_mujoco_case
 from test.concealed.wire_case import draw_wire_case
 
 MIXTURE: dict[str, dict[str, Any]] = {
     "singles": {"count": 1}, "pairs": {"count": 2}, "triples": {"count": 3}, "clean": {"count": 0},
     "unknown": {"unknown": True}, "hard": {"count": None, "hard": True},
 }  # fmt: skip
+OTHER_PLANTS: dict[str, Callable[[int], Case]] = {"wire": draw_wire_case, "mujoco": draw_mujoco_case}
 LAYOUT = """case_NNNN/train: bag to diagnose; case_NNNN/test: another motion of the same arm, to judge on.
 truth.json: what is hidden (effect, form, joints, parameters, strength = rms of the effect over the sensor
 noise), kinds of motion and of recording; `same` lists the parameters that mean the contract's.
@@ -52,10 +55,15 @@ def generate(seeds: range, output: Path, kind: str | None = None, **knobs: Any) 
         if (folder / "truth.json").exists():
             continue
         which = kind or kind_of(seed)
-        case = draw_wire_case(seed) if which == "wire" else draw_case(seed, **{**MIXTURE[which], **knobs})
-        write_case(case, folder, which)
+        write_case(_drawn(seed, which, knobs), folder, which)
         print(f"\r{folder.name} {which}", end="", file=sys.stderr)
     print(file=sys.stderr)
+
+
+def _drawn(seed: int, which: str, knobs: dict[str, Any]) -> Case:
+    if which in OTHER_PLANTS:
+        return OTHER_PLANTS[which](seed)
+    return draw_case(seed, **{**MIXTURE[which], **knobs})
 
 
 def seeds_of(text: str) -> range:
@@ -70,7 +78,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=seeds_of, default=range(20), help="FIRST:LAST, LAST not included")
     parser.add_argument("--output", type=Path, required=True)
     group = parser.add_mutually_exclusive_group()
-    for name in ("singles", "pairs", "triples", "clean", "unknown", "wire"):
+    for name in ("singles", "pairs", "triples", "clean", "unknown", *OTHER_PLANTS):
         group.add_argument(f"--{name}", dest="kind", action="store_const", const=name)
     parser.add_argument("--hard", action="store_true", help="coloured noise, 25 Hz, losses, compensator …")
     parser.add_argument("--effects", help="these only, comma separated")
