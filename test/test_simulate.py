@@ -89,3 +89,21 @@ def test_a_fitted_model_is_run_between_the_encoder_s_counts(whole, model):
     off = predicted(seen) - predicted(gearbox)
     counts = (seen.position - gearbox.position) * model.arm.ratio
     assert np.std(off[T > 3]) < 0.6 * np.std(counts[T > 3])
+
+
+@pytest.mark.parametrize(("kp", "led"), [(20.0, True), (17.0, False)], ids=["the servo", "another servo"])
+def test_between_counts_the_shaft_goes_as_the_servo_does_if_that_passes_all_readings(whole, model, kp, led):
+    believed = dataclasses.replace(model, arm=dataclasses.replace(model.arm, kp=kp))
+    gearbox = whole.series["gearbox_states"]
+    step = 2 * np.pi / 2**14
+    seen = dataclasses.replace(gearbox, position=np.round(gearbox.position / step) * step)
+
+    def predicted(position: JointSeries, *others: str) -> np.ndarray:
+        series = {key: whole.series[key] for key in others} | {"gearbox_states": position}
+        said = simulate(Recording("seen", 0, T[-1], series), believed).series["joint_states"]
+        return np.asarray(said.position)[T > 3]
+
+    without, there = predicted(seen), predicted(seen, "setpoints")
+    truth = predicted(gearbox)
+    assert (np.std(there - truth) < 0.05 * np.std(without - truth)) == led
+    assert np.std(there - truth) < 1.1 * np.std(without - truth)

@@ -244,3 +244,35 @@ def test_what_the_model_has_not_is_found_beside_what_it_has() -> None:
     result = diagnose([recorded(truth)], model=model)
     assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_4"])]
     assert set(result.model.effects) == {"backlash", "ratio_error"}
+
+
+def test_a_joint_named_in_every_second_setpoint_message_holds_the_last_one() -> None:
+    whole = recorded()
+    asked = whole.series["setpoints"].position.copy()
+    asked[1::2, 3] = asked[:-1:2, 3]
+    model = load_model("trunk")
+    stamp = whole.series["setpoints"].stamp
+    phi, _ = Chain(model, "servo").run(asked, stamp)
+    theta, _ = Chain(model, "wire").run(phi, stamp)
+    theta += NOISE * np.random.default_rng(0).normal(size=theta.shape)
+    asked[1::2, 3] = np.nan
+    changed = reshaped(whole, "setpoints", position=asked)
+    changed = reshaped(changed, "gearbox_states", position=phi, velocity=None)
+    assert diagnose([reshaped(changed, "joint_states", position=theta)]).findings == []
+
+
+def test_servos_are_diagnosed_where_the_joints_have_no_sensors() -> None:
+    whole = recorded({"servo_delay": {"delay": 0.02}})
+    blind = replace(whole, series={k: v for k, v in whole.series.items() if k != "joint_states"})
+    result = diagnose([blind])
+    assert [found.effect for found in result.findings] == ["servo_delay"]
+    assert not result.stages["wire"]["compared"]
+
+
+def test_servos_that_are_not_compared_are_said() -> None:
+    whole = recorded()
+    some = whole.series["setpoints"].select(("joint_1", "joint_2"))
+    result = diagnose([replace(whole, series={**whole.series, "setpoints": some})])
+    assert not result.stages["servo"]["compared"]
+    (quality,) = result.quality.values()
+    assert "joint_3, joint_4, joint_5 not there: servos not compared" in " ".join(quality["notes"])

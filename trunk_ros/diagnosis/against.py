@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.align import Span
+from trunk_ros.diagnosis.align import Span, in_gaps
 from trunk_ros.diagnosis.stages import WireProblem
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -31,11 +31,12 @@ def shifted(span: Span, model: Model, against: Recording) -> Span:
     problem = WireProblem([span], model)
     target, valid = span.target.copy(), span.valid.copy()
     inside = (span.stamp >= said.stamp[0]) & (span.stamp <= said.stamp[-1])
+    lost = in_gaps(said, span.stamp)
     for c in range(len(span.joints)):
         known = np.isfinite(said.position[:, c])
         there = np.interp(span.stamp, said.stamp[known], said.position[known, c])
         target[:, c] += problem.predict(0, problem.known, c) - there
-        valid[:, c] &= inside
+        valid[:, c] &= inside & ~lost[:, c]
     return replace(span, target=target, valid=valid)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.held import new_readings
@@ -13,14 +12,12 @@ from trunk_ros.diagnosis.loops import comes_back, is_wide, turned
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.encoder import between_counts, counts
-from trunk_ros.recording.fill import fill
+from trunk_ros.recording.fill import hold
 from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.recording.resample import LONGEST_GAP, SAME, SLOW, joint_grid, longest_gap, resample, wide_gaps
 from trunk_ros.resistance import Resistance, resistance
+from trunk_ros.servo_course import as_the_servo_went
 
-FINE = 0.0125  # s: a moving arm is computed at least this often
-SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known of what lies between
-SAME = 1e-6  # s: stamps closer than this are one
-LONGEST_GAP = 0.12  # s without a sample after which the comparison pauses
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 SETTLING = 0.3  # s in which a servo forgets how it began
 MOVED = 3e-4  # rad
@@ -71,10 +68,10 @@ def wire_span(recording: Recording, model: Model) -> Span:
     joints = common_joints(recording, model, gearbox, measured)
     gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
     steps = counts(gearbox)
-    gearbox = between_counts(gearbox, steps)
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
-    phi, velocity = resample(gearbox, grid)
-    valid = np.isfinite(measured.position[kept]) & ~_in_gaps(gearbox, grid)[rows]
+    phi, velocity = resample(between_counts(gearbox, steps), grid)
+    phi = as_the_servo_went(recording, gearbox, grid, phi, model)
+    valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)
     arm = model.for_joints(joints).arm.only(joints)
     u = phi * arm.ratio
@@ -113,7 +110,7 @@ def servo_span(recording: Recording, model: Model) -> Span:
     setpoints, gearbox = setpoints.select(joints), gearbox.select(joints)
     grid, rows, kept = joint_grid(setpoints.stamp, gearbox.stamp, fine=False)
     held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
-    source = fill(setpoints.position)[held]
+    source = hold(setpoints.position)[held]
     measured = gearbox.position[kept]
     unsettled = _after_gaps(setpoints, grid, model.for_joints(joints).arm.v_max) | (grid < grid[0] + SETTLING)
     valid = np.isfinite(measured) & ~unsettled[rows][:, None]
@@ -137,97 +134,7 @@ def common_joints(recording: Recording, model: Model, *series: JointSeries) -> t
     return joints
 
 
-def joint_grid(
-    driving: Array, measured: Array, fine: bool = True, beyond: bool = False
-) -> tuple[Array, np.ndarray, np.ndarray]:
-    """(grid, rows, kept): a grid over both stamps, the grid's rows at the measured stamps that are ``kept``.
-
-    ``beyond``: keep stamps outside the driving ones as well.
-    """
-    kept = (measured >= driving[0] - SAME) & (measured <= driving[-1] + SAME)
-    if not kept.any():
-        raise RecordingError("the topics do not overlap in time: check that their stamps come from one clock")
-    kept |= beyond
-    both = np.union1d(driving, measured[kept])
-    grid = both[np.concatenate([[True], np.diff(both) > SAME])]
-    step = float(np.median(np.diff(grid))) if len(grid) > 1 else FINE
-    if fine and FINE < step < SLOW:
-        grid = _subdivided(grid)
-    rows = np.clip(np.searchsorted(grid, measured[kept] - SAME), 0, len(grid) - 1)
-    return grid, rows, kept
-
-
-def _subdivided(grid: Array) -> Array:
-    gaps = np.diff(grid)
-    parts = np.where(gaps < SLOW * 2, np.ceil(gaps / FINE), 1).astype(int)
-    starts = np.repeat(grid[:-1], parts)
-    share = np.concatenate([np.arange(p) / p for p in parts])
-    return np.append(starts + share * np.repeat(gaps, parts), grid[-1])
-
-
-def resample(series: JointSeries, grid: Array) -> tuple[Array, Array]:
-    """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that
-    fits.
-    """
-    t, position = series.stamp, fill(series.position)
-    if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
-        return position, _velocity(series, position)
-    inside = np.clip(grid, t[0], t[-1])
-    beyond = np.clip(grid - inside, *_one_step(t))[:, None]
-    if len(t) < 4 or float(np.median(np.diff(t))) > SLOW:
-        curve = PchipInterpolator(t, position) if len(t) > 1 else None
-        values = np.repeat(position, len(grid), axis=0) if curve is None else curve(inside)
-        return values, _slope(grid, values)
-    if _fits(series, position):
-        spline = CubicHermiteSpline(t, position, fill(np.asarray(series.velocity)))
-    else:
-        spline = CubicSpline(t, position)
-    values, slope = spline(inside), spline(inside, 1)
-    for after, before in _gaps(t):
-        guessed = (inside > t[after]) & (inside < t[before])
-        step = (position[before] - position[after]) / (t[before] - t[after])
-        values[guessed] = position[after] + (inside[guessed] - t[after])[:, None] * step
-        slope[guessed] = step
-    return values + beyond * slope, slope
-
-
-def _one_step(stamp: Array) -> tuple[float, float]:
-    """How far before and after its samples a motion may be taken to go on [s]."""
-    step = float(np.median(np.diff(stamp)))
-    return -step, step
-
-
-def _gaps(stamp: Array) -> list[tuple[int, int]]:
-    """Samples on both sides of gaps too long to be bridged by a curve: it would swing far out in them."""
-    usual = longest_gap(stamp)
-    return [(int(k), int(k) + 1) for k in np.flatnonzero(np.diff(stamp) > usual)]
-
-
-def longest_gap(stamp: Array) -> float:
-    """Time without a sample [s] that can still be bridged."""
-    return max(LONGEST_GAP, 4.0 * float(np.median(np.diff(stamp)))) if len(stamp) > 1 else LONGEST_GAP
-
-
-def _velocity(series: JointSeries, position: Array) -> Array:
-    if _fits(series, position):
-        return fill(np.asarray(series.velocity))
-    return _slope(series.stamp, position)
-
-
-def _slope(stamp: Array, position: Array) -> Array:
-    return np.asarray(np.gradient(position, stamp, axis=0)) if len(stamp) > 2 else np.zeros_like(position)
-
-
-def _fits(series: JointSeries, position: Array) -> bool:
-    """Whether the recorded velocity is that of the recorded position."""
-    if series.velocity is None or not np.isfinite(series.velocity).any() or len(position) < 5:
-        return False
-    slope, given = _slope(series.stamp, position), fill(series.velocity)
-    off, size = float(np.sqrt(np.mean((slope - given) ** 2))), float(np.sqrt(np.mean(slope**2)))
-    return off < 0.5 * size + 1e-9
-
-
-def _in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
+def in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
     """(m, joints): where the input is guessed across a gap too long to be bridged."""
     out = np.zeros((len(grid), len(series.joints)), dtype=bool)
     usual = longest_gap(series.stamp)
@@ -240,7 +147,7 @@ def _in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
 
 def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray:
     """(m,): where setpoints may have been lost, and until the servo has caught up with those after."""
-    stamp, position = setpoints.stamp, fill(setpoints.position)
+    stamp, position = setpoints.stamp, hold(setpoints.position)
     out = np.zeros(len(grid), dtype=bool)
     usual = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
     for k in np.flatnonzero(np.diff(stamp) > usual):
@@ -264,7 +171,7 @@ def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: A
 def _forgotten(u: Array, grid: Array, stamp: Array, least: Array) -> np.ndarray:
     """(m, joints): where the state of the play is unknown after a gap, until the joint has moved on."""
     out = np.zeros(u.shape, dtype=bool)
-    for _, before in _gaps(stamp):
+    for _, before in wide_gaps(stamp):
         if stamp[before] - stamp[before - 1] > FORGETS:
             first = int(np.searchsorted(grid, stamp[before] - SAME))
             far = np.maximum.accumulate(np.abs(u[first:] - u[first]), axis=0)

@@ -10,7 +10,6 @@ from scipy.interpolate import Akima1DInterpolator
 from trunk_ros.arm import Arm
 from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import longest_gap
 from trunk_ros.diagnosis.between import angles_between
 from trunk_ros.diagnosis.criterion import FURTHER, RELEVANT, SIGNIFICANT
 from trunk_ros.diagnosis.noise import Noise, noise_of, strides_within
@@ -18,6 +17,7 @@ from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.resample import longest_gap
 
 SIGNALS = ("y", "z", "roll")
 UNITS = {"y": "m", "z": "m", "roll": "rad"}

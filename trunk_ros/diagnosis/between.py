@@ -8,9 +8,9 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import joint_grid, resample
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.resample import joint_grid, resample
 from trunk_ros.resistance import resistance
 
 

@@ -29,12 +29,13 @@ CURVE = 2.5  # price of a curve without a name, in effects
 def need(problem: Problem, column: int) -> float:
     """The gain on a column below which nothing is claimed there.
 
-    The encoders' steps are an error that stands still with the joint, so they are no noise to be averaged. Of
-    coloured noise the colour is known only roughly.
+    The encoders' steps are an error that stands still with the joint, so they are no noise to be averaged: as
+    long as a reading stays the same it counts once. Of coloured noise the colour is known only roughly.
     """
-    chance = SIGNIFICANT * (1.0 + problem.noise[column].correlation)
-    steps = problem.resolution(column) / problem.noise[column].std
-    own = problem.steps[column] / problem.noise[column].std
+    noise = problem.noise[column]
+    steps, own = problem.resolution(column) / noise.std, problem.steps[column] / noise.std
+    still = problem.own_steps(column) / noise.std
+    chance = SIGNIFICANT * (1.0 + noise.correlation) * max(problem.stands[column] * still**2, 1.0)
     least = problem.count(column) * max(RELEVANT, STEPS * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * problem.formed_misfit.get(column, 0.0)
     return max(chance, least, formulas, SHARE * problem.unexplained.get(column, 0.0))

@@ -71,11 +71,14 @@ class Diagnoser:
         self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
     ):
         self.recordings, self.against, self.say = recordings, against, progress
-        spans = [wire_span(r, model) for r in recordings]
-        joints = spans[0].joints
-        if any(s.joints != joints for s in spans):
+        has_joints = any("joint_states" in r.series for r in recordings)
+        servo_alone = not has_joints and all("setpoints" in r.series for r in recordings)
+        spans = [] if servo_alone else [wire_span(r, model) for r in recordings]
+        seen = spans or [servo_span(r, model) for r in recordings]
+        self.joints = seen[0].joints
+        if any(s.joints != self.joints for s in seen):
             raise RecordingError("the recordings have different joints: they are not of one arm")
-        self.model = model.for_joints(joints)
+        self.model = model.for_joints(self.joints)
         self.spans = (
             spans
             if against is None
@@ -119,14 +122,17 @@ class Diagnoser:
             if self.against is None
             else []
         )
-        spans = [s for s in spans if s.joints == self.spans[0].joints]
+        spans = [s for s in spans if s.joints == self.joints]
         if spans:
             self.say("servo")
             arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
             self._stage(ServoProblem(spans, replace(self.model, arm=arm), self.recordings[0].units))
 
     def wire(self) -> None:
-        """Gearbox to joint."""
+        """Gearbox to joint, where the joints have sensors."""
+        if not self.spans:
+            self.result.stages["wire"] = {"compared": False, "joints": {}}
+            return
         self.say("wire")
         problem = WireProblem(self.spans, self.model, self.recordings[0].units)
         self._stage(problem)

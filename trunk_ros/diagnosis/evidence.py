@@ -79,7 +79,8 @@ def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
     for k, f in enumerate(residuals.free):
         key = (f.effect, f.parameter.name, f.column)
         if f.parameter.name == ONSET and f.column is not None:
-            std = min(out[key], LONGEST) if np.isfinite(out[key]) else residuals.problem.step
+            least = LATE * residuals.problem.step
+            std = float(np.clip(out[key], least, LONGEST)) if np.isfinite(out[key]) else least
             best = float(np.sum(residuals(x) ** 2))
             while std < LONGEST and _moved(residuals, x, k, std) - best < WORSE:
                 std *= 1.5
@@ -139,12 +140,16 @@ def one_evidence(search: Search, state: Fit, name: str) -> Evidence:
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         limit = sum(need(problem, c) for c in gain)
-        told = [(loss, rival) for rival, loss in out.rivals.items() if rival in out.fitted[rival]]
-        near = sorted((loss, rival) for loss, rival in told if loss < limit)
-        out.equivalents = [rival for _, rival in near][:RIVALS]
+        near = [rival for rival, loss in out.rivals.items() if loss < limit]
+        told = [rival for rival in near if _stands(out.fitted[rival], rival, columns)]
+        out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:RIVALS]
     out.confidence = confidence(search, out)
     problem.look_again(state.explanation)
     return out
+
+
+def _stands(explanation: Explanation, name: str, columns: list[int]) -> bool:
+    return name in explanation and not set(columns).isdisjoint(explanation[name].columns)
 
 
 def strength(search: Search, explanation: Explanation, name: str) -> float:
@@ -166,14 +171,15 @@ def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, tuple
         search.problem,
         [c for c in state.explanation[name].columns if c in search.problem.columns],
     )
-    others = [k for k in usable(problem) if k.id not in state.explanation]
+    others = [k for k in usable(problem) if not _stands(state.explanation, k.id, columns)]
     screen = Screen(problem, bare.explanation, columns)
     losses: dict[str, tuple[float, Explanation]] = {}
     local = [
         k for k in others if not k.everywhere and all(search.open(k.id, c, bare.explanation) for c in columns)
     ]
     promising = {c: screen.ranked(local, c, RIVALS) for c in columns}
-    for kind in {effect(candidate.effect) for found in promising.values() for candidate in found}:
+    found = dict.fromkeys(candidate.effect for some in promising.values() for candidate in some)
+    for kind in map(effect, found):
         loss, fitted = 0.0, bare.explanation.copy()
         for c in columns:
             trials = [x for x in promising[c] if x.effect == kind.id] or screen.forms(kind, c)[:1]
@@ -184,7 +190,7 @@ def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, tuple
             fitted.take(c, best.explanation)
         losses[kind.id] = float(loss), fitted
     if effect(name).everywhere or len(columns) == len(problem.columns):
-        for kind in (k for k in others if k.everywhere):
+        for kind in (k for k in others if k.everywhere and k.id not in state.explanation):
             candidate = Screen(problem, bare.explanation).everywhere(kind)
             if candidate is not None:
                 trial = search.refit(extended(problem, bare.explanation, candidate))

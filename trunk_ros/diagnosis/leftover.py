@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.spectrum import spectrum
 from trunk_ros.diagnosis.unnamed import variables
 from trunk_ros.effects.curve import abscissa, words_of
+from trunk_ros.recording.resample import SLOW
 
 CELLS = 20
 COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
 TELLS = 0.05  # share of the rest's power that a variable must account for
+PERIODIC = 0.2  # likewise, a period of time
 
 
 def rests(problem: Problem, explanation: Explanation) -> dict[int, float]:
@@ -45,7 +46,7 @@ def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[
             for i, v in enumerate(problem.views)
         ]
     )
-    if len(residual) < 10 * CELLS or not np.any(residual):
+    if len(residual) < 20 * CELLS or not np.any(residual):
         return []
     for name in ("direction", *variables(problem, column)):
         parts = []
@@ -53,21 +54,28 @@ def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[
             now = problem.now(i, column, 0.0)
             values = np.sign(now.speed[:, 0]) if name == "direction" else abscissa(name, now, 0)
             parts.append(values[view.span.rows][view.span.valid[:, column]])
-        scores[name] = accounted(np.concatenate(parts), residual)
-    _, share = spectrum(problem.views[0].span.stamp, problem.residual(0, explanation, column))
-    if share > 0.2:
+        scores[name] = accounted(np.concatenate(parts), residual, problem.noise[column].correlation)
+    index = problem.telling(column)[0]
+    _, share = spectrum(problem.views[index].span.stamp, problem.residual(index, explanation, column))
+    if share > PERIODIC:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)
     told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > TELLS][:3]
     return list(dict.fromkeys(word for name in told for word in words_of(name)))
 
 
-def accounted(x: Array, residual: Array) -> float:
-    """Share of a residual's power in its means over cells of ``x``, corrected for chance."""
+def accounted(x: Array, residual: Array, correlation: float = 0.0) -> float:
+    """Share of a residual's power in its means over cells of ``x``, less what chance gives (Kelley 1935, PNAS
+    21(9)); ``correlation``: of the noise, of which so much less is by chance alone.
+    """
     edges = np.quantile(x, np.linspace(0, 1, CELLS + 1)[1:-1])
     cell = np.searchsorted(edges, x)
     counts = np.bincount(cell, minlength=CELLS)
     sums = np.bincount(cell, weights=residual, minlength=CELLS)
     between = float(np.sum(sums[counts > 0] ** 2 / counts[counts > 0]) - residual.sum() ** 2 / len(residual))
     total = float(np.sum((residual - residual.mean()) ** 2))
-    return between / total if total > 0 else 0.0
+    if total == 0.0:
+        return 0.0
+    share, free = between / total, len(residual) * (1.0 - correlation) / (1.0 + correlation)
+    chance = (np.count_nonzero(counts) - 1) / max(free - 1.0, 1.0)
+    return max((share - chance) / max(1.0 - chance, 0.5), 0.0)

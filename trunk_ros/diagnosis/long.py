@@ -81,13 +81,14 @@ def _settled(search: Search, now: Fit) -> Fit:
 
 def _anywhere(search: Search, now: Fit) -> Fit:
     """What happens at one moment, moved to where it fits best: an excerpt only shows between which blocks."""
-    stamp = search.problem.views[0].span.grid
-    step = float(stamp[-1] - stamp[0]) / SCAN
-    every = stamp[0] + step * np.arange(1, SCAN)
+    grids = [view.span.grid for view in search.problem.views]
+    first, end = min(float(grid[0]) for grid in grids), max(float(grid[-1]) for grid in grids)
+    step = (end - first) / SCAN
+    every = np.linspace(first, end, SCAN + 1)[1:-1]
     for term in list(now.explanation.values()):
         for column in [c for c in term.columns if revise.ONSET in term.own[c]]:
             rough = revise.moved(search, now, term.effect, column, every)
             begin = rough.explanation[term.effect].own[column][revise.ONSET]
-            near = begin + np.arange(-step, step, revise.REACH)
+            near = np.arange(begin - step, begin + step, revise.REACH, dtype=np.float64)
             now = revise.moved(search, rough, term.effect, column, near)
     return now

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW
+from trunk_ros.recording.resample import SLOW
 
 BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 MEDIAN_TO_STD = 1.4826

@@ -10,15 +10,16 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW, Span
+from trunk_ros.diagnosis.align import Span
 from trunk_ros.diagnosis.explanation import Explanation, explanation_of, payload_of
 from trunk_ros.diagnosis.held import coarseness
 from trunk_ros.diagnosis.loops import comes_back, is_wide, speed_tells
 from trunk_ros.diagnosis.noise import Noise, differences_of, strides_within
-from trunk_ros.diagnosis.surroundings import View, first
+from trunk_ros.diagnosis.surroundings import View, first, following
 from trunk_ros.effects.effect import Now
 from trunk_ros.model import Model
 from trunk_ros.recording.encoder import count
+from trunk_ros.recording.resample import SLOW
 from trunk_ros.resistance import loads
 
 LEAST = 50  # valid samples without which a joint cannot be judged
@@ -52,7 +53,9 @@ class Problem(ABC):
         """
         self.steps = [self._stepped(c) for c in range(len(self.joints))]
         """Standard deviation of the steps of joints' own encoders; 0 where readings lie on no grid."""
-        self._coarse = [self._coarseness(c) for c in range(len(self.joints))]
+        self.stands = [self._standing(c) for c in range(len(self.joints))]
+        """Samples for which the reading of a joint stays the same, in the mean."""
+        self.coarse = [self._coarseness(c) for c in range(len(self.joints))]
         self._cache: dict[tuple[int, int, float, int | None], Now] = {}
         self._telling: dict[int, list[int]] = {}
         self.version = 0
@@ -62,7 +65,8 @@ class Problem(ABC):
         """The same of the nominal arm."""
         self.formed_misfit: dict[int, float] = {}
         """The same but for a ratio that was not known."""
-        self._known = [self.views[0].angles]
+        self._known = [[view.angles for view in self.views]]
+        """The angles of all spans, by version."""
         self.look_again(self.known)
         self.estimate_noise(self.known)
         self.wide = {c for c in self.columns if self.step < SLOW and self._is_wide(c)}
@@ -95,8 +99,12 @@ class Problem(ABC):
         encoder, up to three times the steps' mean power.
         """
         known = 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
-        steps = np.hypot(self.steps[column], self.resolution(column)) / self.noise[column].std
+        steps = np.hypot(self.own_steps(column), self.resolution(column)) / self.noise[column].std
         return known + 2.0 * float(steps) ** 2
+
+    def own_steps(self, column: int) -> float:
+        """Standard deviation of the steps of a joint's own encoder, or of a coarse sensor."""
+        return max(self.steps[column], self.coarse[column])
 
     def resolution(self, column: int) -> float:
         """Standard deviation of the gearbox encoder's steps, told or seen, on the target's side [rad]."""
@@ -107,10 +115,10 @@ class Problem(ABC):
     def _view(self, span: Span) -> View:
         angles = span.gearbox * self.arm.ratio
         speeds = span.velocity * self.arm.ratio
-        follows = np.zeros_like(span.valid)
-        follows[1:] = span.valid[1:] & span.valid[:-1]
         dt = np.diff(span.grid, prepend=span.grid[:1])
-        return View(span, dt, angles, *loads(self.arm, angles, span.resistance), angles, speeds, follows)
+        return View(
+            span, dt, angles, *loads(self.arm, angles, span.resistance), angles, speeds, following(span.valid)
+        )
 
     def now(self, index: int, column: int, payload: float, steps: int | None = None) -> Now:
         """The surroundings of a column in a span, or in its first ``steps``, kept between calls."""
@@ -167,7 +175,7 @@ class Problem(ABC):
         other = copy(self)
         other.views = [self._view(span) for span in spans]
         other.unexplained, other._cache, other._telling = {}, {}, {}
-        other._known = [other.views[0].angles]
+        other._known = [[view.angles for view in other.views]]
         return other
 
     def estimate_noise(self, explanation: Explanation) -> None:
@@ -184,7 +192,7 @@ class Problem(ABC):
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.median(judged)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
-        least = np.maximum(self._coarse, self.steps)
+        least = np.maximum(self.coarse, self.steps)
         self.noise = [replace(n, std=max(n.std, float(c))) for n, c in zip(found, least, strict=True)]
 
     @property
@@ -249,6 +257,11 @@ class Problem(ABC):
         """Noise that the steps of the joint's own sensor are at least."""
         seen = [(view.span.target[:, column], view.span.valid[:, column]) for view in self.views]
         return max(coarseness(target, valid) for target, valid in seen)
+
+    def _standing(self, column: int) -> float:
+        seen = [view.span.target[view.span.valid[:, column], column] for view in self.views]
+        changes = sum(int(np.count_nonzero(np.diff(readings))) for readings in seen)
+        return sum(len(readings) for readings in seen) / (1 + changes)
 
     def _stepped(self, column: int) -> float:
         seen = [view.span.target[view.span.valid[:, column], column] for view in self.views]

@@ -17,13 +17,18 @@ COMPARED = ("gearbox_states", "joint_states")
 def left_out(recording: Recording, model: Model) -> list[str]:
     """Joints of a topic that are not compared, since the other topic or the model lacks them."""
     compared = [recording.series[key] for key in COMPARED if key in recording.series]
-    known = () if model.any_joints else (model.arm.joints,)
-    everywhere = [set(series.joints) for series in compared] + [set(joints) for joints in known]
-    both = set.intersection(*everywhere) if everywhere else set()
+    known = compared[0].joints if model.any_joints and compared else model.arm.joints
+    both = set(known).intersection(*(series.joints for series in compared))
+    asked = recording.series.get("setpoints")
+    unasked = [] if asked is None else [j for j in known if j in both and j not in asked.joints]
     return [
-        f"{TOPICS[key]}: {', '.join(missing)} not compared: not in every topic and in the model"
-        for key in COMPARED
-        if key in recording.series and (missing := [j for j in recording.series[key].joints if j not in both])
+        *(
+            f"{TOPICS[key]}: {', '.join(missing)} not compared: not in every topic and in the model"
+            for key in COMPARED
+            if key in recording.series
+            and (missing := [j for j in recording.series[key].joints if j not in both])
+        ),
+        *([f"{TOPICS['setpoints']}: {', '.join(unasked)} not there: servos not compared"] if unasked else []),
     ]
 
 

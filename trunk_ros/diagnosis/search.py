@@ -128,6 +128,7 @@ class Search:
             exchange.exchange,
             exchange.exchange_on_many,
             exchange.exchange_everywhere,
+            revise.members,
             revise.incredible,
         ):
             now = change(self, now)
@@ -160,7 +161,8 @@ class Search:
         """(gain, fit) of the effects that would help a column; kept while nothing that bears on it
         changes.
         """
-        key = (column, self.problem.version, self.problem.noise[column], now.explanation.key(column))
+        barred = frozenset(name for name, where in self.barred if where == column)
+        key = (column, self.problem.version, self.problem.noise[column], now.explanation.key(column), barred)
         if key not in self.tried:
             self.tried[key] = self._try(now, column)
         return self.tried[key]

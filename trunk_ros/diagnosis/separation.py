@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW, Span, servo_span, wire_span
+from trunk_ros.diagnosis.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, bounds
 from trunk_ros.diagnosis.fit import Residuals, minimise
@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.recording.resample import SLOW
 from trunk_ros.trajectory import Trajectory
 
 CONTROL = 0.01  # s between setpoints, as bringup gives them

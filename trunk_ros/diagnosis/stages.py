@@ -62,9 +62,9 @@ class WireProblem(Problem):
 
     def _version(self) -> int:
         """A number for the angles that are seen now, the same for angles that are nearly the same."""
-        angles = self.views[0].angles
+        angles = [view.angles for view in self.views]
         for number, known in enumerate(self._known):
-            if np.max(np.abs(angles - known)) < CLOSE * np.ptp(angles):
+            if all(np.max(np.abs(a - b)) < CLOSE * np.ptp(a) for a, b in zip(angles, known, strict=True)):
                 return number
         self._known.append(angles)
         return len(self._known) - 1

@@ -25,6 +25,11 @@ class View:
     speeds: Array
     follows: np.ndarray
 
+    def only(self, rows: np.ndarray) -> View:
+        """The same with these rows (n,) of the target alone counting."""
+        valid = self.span.valid & rows[:, None]
+        return replace(self, span=replace(self.span, valid=valid), follows=following(valid))
+
     def now(self, arm: Arm, column: int, payload: float) -> Now:
         """The surroundings of one joint, (m, 1) each."""
 
@@ -47,6 +52,13 @@ class View:
             columns=(column,),
             arm=replace(arm, payload=arm.payload + payload) if payload else arm,
         )
+
+
+def following(valid: np.ndarray) -> np.ndarray:
+    """(n, joints): where the sample before counts as well."""
+    out = np.zeros_like(valid)
+    out[1:] = valid[1:] & valid[:-1]
+    return out
 
 
 def first(now: Now, steps: int) -> Now:

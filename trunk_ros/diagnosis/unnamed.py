@@ -9,7 +9,6 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import SLOW
 from trunk_ros.diagnosis.criterion import SIGNIFICANT
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
@@ -19,6 +18,7 @@ from trunk_ros.diagnosis.spectrum import spectrum
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, abscissa
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS
+from trunk_ros.recording.resample import SLOW
 
 UNKNOWN, FRICTION, GAIN = "unknown", "unknown_friction", "unknown_gain"
 CYCLE, JUMPS, SLIPS = "unknown_cycle", "unknown_jumps", "unknown_slips"
@@ -74,6 +74,21 @@ def curve_fit(problem: Problem, bare: Explanation, column: int) -> Fit | None:
     bare = fit(problem, bare, [column]).explanation
     drawn = [_best(problem, bare, column, some) for some in places(problem, bare, column) if some]
     return min(drawn, key=lambda d: d.worth).fit if drawn else None
+
+
+def redrawn(problem: Problem, explanation: Explanation, column: int) -> Explanation:
+    """The explanation with its curves on a column drawn anew, over what they were drawn over before."""
+    for term in explanation.on(column):
+        if not effect(term.effect).named and term.effect not in problem.known:
+            bare = explanation.without(term.effect, column)
+            explanation = _alternate(problem, bare, column, _place(term, column)).fit.explanation
+    return explanation
+
+
+def _place(term: Term, column: int) -> Place:
+    own = term.own[column]
+    moments = tuple(own[p.name] for p in MOMENTS if p.name in own)
+    return Place(term.effect, term.words[column]["on"], own["low"], own["high"], moments)
 
 
 def places(problem: Problem, bare: Explanation, column: int) -> list[list[Place]]:

@@ -1,0 +1,87 @@
+"""Errors on samples that the fit did not see: what is judged has no say in its own prediction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import recorded, reshaped
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.align import wire_span
+from trunk_ros.diagnosis.explanation import Explanation, Term
+from trunk_ros.diagnosis.heldout import BLOCKS, held_out
+from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.stages import WireProblem
+from trunk_ros.diagnosis.unnamed import KNOTS, UNKNOWN, Place, redrawn, with_curve
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import Recording
+
+JOINT = 2
+BEAM = Explanation(
+    link_resonance=Term(
+        "link_resonance", "beam", own={JOINT: {"frequency": 4.0, "damping": 0.02, "share": 0.3}}
+    )
+)
+
+
+def curve_over(variable: str, low: float, high: float) -> Explanation:
+    """A curve of nothing yet."""
+    return with_curve(Explanation(), Place(UNKNOWN, variable, low, high), JOINT, np.zeros(KNOTS))
+
+
+def with_added(added: Array) -> Recording:
+    """A good arm with something (n,) added to what one joint shows."""
+    whole = recorded()
+    position = whole.series["joint_states"].position.copy()
+    position[:, JOINT] += added
+    return reshaped(whole, "joint_states", position=position)
+
+
+def searched(recording: Recording) -> Search:
+    """A search over the wires."""
+    model = load_model("trunk")
+    return Search(WireProblem([wire_span(recording, model)], model))
+
+
+def wild(stamp: Array) -> Array:
+    """As much as a curve over time can follow, in no block like in the one before, rad."""
+    knots = np.random.default_rng(3).normal(size=KNOTS) * 2e-3
+    return np.interp(stamp, np.linspace(0.0, stamp[-1], KNOTS), knots)
+
+
+def test_a_curve_is_not_judged_on_the_samples_that_it_was_drawn_through() -> None:
+    stamp = recorded().series["joint_states"].stamp
+    search = searched(with_added(wild(stamp)))
+    problem = search.problem
+    drawn = redrawn(problem, curve_over("time", 0.0, float(stamp[-1])), JOINT)
+    seen = float(np.std(problem.residual(0, drawn, JOINT)[problem.views[0].span.valid[:, JOINT]]))
+    assert seen < 3e-4
+    assert held_out(search, drawn)[JOINT].after > 2.0 * seen
+
+
+@pytest.mark.parametrize("explanation", [curve_over("position", -0.4, 0.4), BEAM], ids=["curve", "beam"])
+def test_what_is_judged_does_not_change_its_own_prediction(explanation: Explanation) -> None:
+    """The judged blocks shown otherwise are off by just that, before the folds are put together."""
+    said = []
+    for shown in (0.0, 5e-3):
+        search = searched(with_added(1e-3 * np.sin(recorded().series["gearbox_states"].position[:, JOINT])))
+        problem = search.problem
+        span = problem.views[0].span
+        fold = np.arange(len(span.rows)) * BLOCKS // len(span.rows) % 2 == 0
+        target = span.target + shown * fold[:, None]
+        problem.views = [replace(problem.views[0], span=replace(span, target=target))]
+        said.append(held_out_of(search, explanation))
+    np.testing.assert_allclose(said[1], said[0], atol=1e-9)
+
+
+def held_out_of(search: Search, explanation: Explanation) -> Array:
+    """What the first fold's samples are predicted to be."""
+    from trunk_ros.diagnosis.heldout import _unseen
+
+    (errors,) = _unseen(search, explanation, 0)[JOINT]
+    span = search.problem.views[0].span
+    fold = np.arange(len(errors)) * BLOCKS // len(errors) % 2 == 0
+    chosen = fold & span.valid[:, JOINT]
+    return np.asarray((span.target[:, JOINT] - errors)[chosen])

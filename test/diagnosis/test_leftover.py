@@ -1,0 +1,33 @@
+"""What a rest depends on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from trunk_ros.diagnosis.leftover import CELLS, TELLS, accounted
+
+
+@pytest.mark.parametrize("count", [20 * CELLS, 600, 6000])
+def test_noise_depends_on_nothing(count: int) -> None:
+    rng = np.random.default_rng(count)
+    shares = [accounted(rng.normal(size=count), rng.normal(size=count)) for _ in range(200)]
+    assert np.mean(np.array(shares) > TELLS) < 0.05
+
+
+def test_coloured_noise_depends_on_nothing_that_moves_slowly() -> None:
+    rng, pole = np.random.default_rng(0), 0.95
+    over = 0
+    for _ in range(100):
+        noise, x = rng.normal(size=3000), np.sin(np.linspace(0, 20 * rng.uniform(0.5, 1), 3000))
+        for k in range(1, len(noise)):
+            noise[k] += pole * noise[k - 1]
+        over += accounted(x, noise, pole) > TELLS
+    assert over < 10
+
+
+def test_what_depends_on_a_variable_is_found_with_its_share() -> None:
+    rng = np.random.default_rng(1)
+    x = rng.uniform(-1, 1, 4000)
+    residual = np.sqrt(3.0) * x + rng.normal(size=4000)  # half of the power
+    assert accounted(x, residual) == pytest.approx(0.5, abs=0.04)

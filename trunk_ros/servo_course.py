@@ -1,0 +1,60 @@
+"""Where the servos went between what was recorded of them, as their setpoints tell."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from trunk_ros.chain import Chain
+from trunk_ros.model import Model
+from trunk_ros.recording.encoder import ON_GRID, counts
+from trunk_ros.recording.fill import hold
+from trunk_ros.recording.gaps import bridged
+from trunk_ros.recording.recording import Floats, JointSeries, Recording
+from trunk_ros.recording.resample import SAME, joint_grid
+
+LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
+AGREES = 65  # samples around a moment whose readings must all be those of the servo's course
+
+
+def servo_course(setpoints: JointSeries, wanted: Floats, model: Model) -> JointSeries:
+    """Gearbox angles of the model's servos under setpoints, at the stamps ``wanted`` (n,) s."""
+    grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
+    last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
+    phi, _ = Chain(model.only(setpoints.joints), "servo").run(hold(setpoints.position)[last], grid)
+    return JointSeries(wanted[kept], setpoints.joints, phi[rows])
+
+
+def all_setpoints(recording: Recording, joints: tuple[str, ...], model: Model) -> JointSeries | None:
+    """Setpoints of the joints with those that were lost on the way to the bag, which move as the reference
+    does; None where they were not recorded.
+    """
+    setpoints, reference = recording.series.get("setpoints"), recording.series.get("reference")
+    if setpoints is None or not set(joints) <= set(setpoints.joints):
+        return None
+    setpoints = setpoints.select(joints)
+    if reference is None or not set(joints) <= set(reference.joints):
+        return bridged(setpoints, longest=LOST)
+    asked = bridged(reference.select(joints), longest=LOST)
+    guide = JointSeries(asked.stamp, joints, asked.position / model.only(joints).arm.ratio)
+    return bridged(setpoints, guide, LOST)
+
+
+def as_the_servo_went(
+    recording: Recording, gearbox: JointSeries, grid: Floats, phi: Floats, model: Model
+) -> Floats:
+    """Gearbox angles (m, joints) on the grid (m,) s: ``phi``, but those of the model's servo where it
+    passes, led by the recorded setpoints alone, all readings near by within the rounding of their encoder.
+    """
+    steps = counts(gearbox)
+    setpoints = all_setpoints(recording, gearbox.joints, model) if steps.any() else None
+    if setpoints is None:
+        return phi
+    stamp = gearbox.stamp
+    course = servo_course(setpoints, np.union1d(stamp, grid), model)
+    apart = np.abs(course.position[np.searchsorted(course.stamp, stamp)] - gearbox.position)
+    off = maximum_filter1d((apart > (0.5 + ON_GRID) * steps) | (steps == 0.0), AGREES, axis=0)
+    before = np.clip(np.searchsorted(stamp, grid + SAME, side="right") - 1, 0, len(stamp) - 1)
+    after = np.clip(np.searchsorted(stamp, grid - SAME), 0, len(stamp) - 1)
+    went = course.position[np.searchsorted(course.stamp, grid)]
+    return np.where(off[before] | off[after], phi, went)
