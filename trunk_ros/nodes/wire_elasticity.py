@@ -1,4 +1,4 @@
-"""wire_elasticity: gearbox angle to joint state, wire elongation and tension, tip pose."""
+"""wire_elasticity: gearbox angle to joint reading, wire elongation and tension, tip pose."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ class WireElasticity(TrunkNode):
         """Create the chains and the streams."""
         arm = self.model.arm
         self.joints = arm.joints
+        self.zero = self.model.effects.get("zero_offset", {}).get("offset", 0.0)
         self.wires = [f"wire_{number}" for number in range(1, len(arm.joints) + 1)]
         self.matcher = JointMatcher(arm.joints)
         self.restart()
@@ -83,26 +84,30 @@ class WireElasticity(TrunkNode):
     def publish_all(self, now: int, phi: Array, message: Any) -> None:
         """Publish the joints, the wires and the tip at ``now`` ns."""
         stamp = np.array([self.elapsed.at(now)])
-        (theta,), self.state = self.wire.run(phi[None], stamp, self.state)
+        (shown,), self.state = self.wire.run(phi[None], stamp, self.state)
+        theta = self.state.angles + self.zero  # where the joints are, not what late sensors show
         effort = -self.wire.arm.load(theta[None])[0]
-        self.publish_joints(now, theta, self.speed(now, theta), effort)
-        self.last = now, theta
+        self.publish_joints(now, shown, self.speed(now, shown), effort)
+        self.last = now, shown
         if self.model.arm.wire is not None:
-            stretch, tension = wire_state(self.model.arm, phi, theta, effort)
+            stretch, tension = wire_state(self.model.arm, phi, self.state.angles, effort)
             self.publish_wires(now, stretch, None, tension)
         if self.model.arm.has_geometry:
             tip = self.tip.tip(theta[None], stamp)[0]
             self.publish_tip(fill_pose(self.pose, now, self.value("base_frame"), tip))
 
-    def speed(self, now: int, theta: Array) -> Array:
-        """Joint speed (joints,) rad/s since the last sample."""
+    def speed(self, now: int, shown: Array) -> Array:
+        """Speed of the joint readings (joints,) rad/s since the last sample."""
         if self.last is None:
-            return np.zeros_like(theta)
-        return (theta - self.last[1]) * SECOND / (now - self.last[0])
+            return np.zeros_like(shown)
+        return (shown - self.last[1]) * SECOND / (now - self.last[0])
 
 
 def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array, Array]:
-    """Elongation [m] and tension [N] of the wires (joints,): lag of the joint, and pull plus load."""
+    """Elongation [m] and tension [N] of the wires (joints,): lag of the joint, and pull plus load.
+
+    ``theta``: joint angles [rad] from the gearbox's zero, since zeros that differ stretch no wire.
+    """
     stretch = arm.wire.cylinder_radius * (arm.ratio * phi - theta)
     return stretch, arm.wire.pull_tension + np.abs(effort) / arm.wire.cylinder_radius
 
