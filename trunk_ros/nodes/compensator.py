@@ -235,7 +235,7 @@ class Compensator(TrunkNode):
             rest = np.zeros(len(self.joints))
             return self.follower.position, rest, rest
         position, velocity, acceleration = self.follower.sample(now / SECOND)
-        self.foreign_reference.sent(now)
+        self.foreign_reference.sent(now, position)
         self.publish_reference(now, position, velocity)
         return position, velocity, acceleration
 

@@ -18,23 +18,28 @@ STAMP = slice(4, 12)  # bytes of the stamp in a serialised message with a header
 
 
 class ForeignReference:
-    """Knows our own messages by their stamps, without looking into each."""
+    """Knows our own messages by stamp and angles, without unpacking each.
+
+    In simulated time others stamp as we do. One of theirs that asks for the same as ours may pass for ours.
+    """
 
     def __init__(self, arm: Arm):
         self.arm = arm
         self.matcher = JointMatcher(arm.joints)
-        self._ours: dict[bytes, None] = {}
+        self._ours: dict[bytes, bytes] = {}
 
-    def sent(self, ns: int) -> None:
-        """Note the stamp of one of our own."""
+    def sent(self, ns: int, position: Array) -> None:
+        """Note stamp and angles (joints,) rad of one of our own."""
         seconds, rest = divmod(ns, SECOND)
-        self._ours[seconds.to_bytes(4, "little") + rest.to_bytes(4, "little")] = None
+        stamp = seconds.to_bytes(4, "little") + rest.to_bytes(4, "little")
+        self._ours[stamp] = position.tobytes()
         if len(self._ours) > REMEMBERED:
             del self._ours[next(iter(self._ours))]
 
     def message(self, raw: bytes) -> Any:
         """The message, None where it is our own."""
-        return None if raw[STAMP] in self._ours else deserialize_message(raw, JointState)
+        ours = self._ours.get(raw[STAMP])
+        return None if ours is not None and ours in raw else deserialize_message(raw, JointState)
 
     def position(self, message: Any) -> Array:
         """Wanted angles (joints,) rad, NaN where it has none.
