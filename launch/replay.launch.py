@@ -7,6 +7,7 @@ from launch.actions import DeclareLaunchArgument
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 from launch import LaunchDescription
 
@@ -16,7 +17,7 @@ ARGUMENTS = {
     "clock": ("100.0", "rate of /clock [Hz]"),
     "from_time": ("0", "begin there: s since the start, or % of the bag"),
     "until": ("100%", "end there: s since the start, or % of the bag"),
-    "wire": ("false", "start wire_elasticity, which answers to the replayed gearbox_states"),
+    "wire": ("false", "start wire_elasticity: it answers to the replayed gearbox_states, under simulated/"),
     "model": ("trunk", "model of the wire: file, or a name in config/"),
 }
 
@@ -38,8 +39,14 @@ def generate_launch_description() -> LaunchDescription:
     wire = Node(
         package="trunk_ros",
         executable="wire_elasticity",
-        parameters=[{"model": LaunchConfiguration("model"), "use_sim_time": True}],
-        remappings=[("joint_states", "simulated/joint_states")],
+        namespace="simulated",  # apart from what the bag holds of the same topics
+        remappings=[("trunk/gearbox_states", "/trunk/gearbox_states")],
+        parameters=[
+            {
+                "model": ParameterValue(LaunchConfiguration("model"), value_type=str),
+                "use_sim_time": True,
+            }
+        ],
         condition=IfCondition(LaunchConfiguration("wire")),
     )
     return LaunchDescription([*declared, player, wire])

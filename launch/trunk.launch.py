@@ -3,6 +3,7 @@
 ros2 launch trunk_ros trunk.launch.py model:=found.yaml record:=/tmp/run
 """
 
+import shlex
 import sys
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
@@ -44,6 +45,11 @@ def common() -> dict[str, object]:
     }
 
 
+def text(name: str) -> ParameterValue:
+    """An argument as it was typed: a bare one would be read as YAML, and 20260101 be a number."""
+    return ParameterValue(LaunchConfiguration(name), value_type=str)
+
+
 def node(name: str, parameters: dict[str, object], **options: object) -> Node:
     """One of our nodes."""
     return Node(
@@ -59,19 +65,19 @@ def node(name: str, parameters: dict[str, object], **options: object) -> Node:
 def simulation() -> list[Node]:
     """What stands in for motors, wires and sensors."""
     wanted = IfCondition(LaunchConfiguration("simulate"))
-    model = {"model": LaunchConfiguration("plant_model")}
+    model = {"model": text("plant_model")}
     return [node(name, model, condition=wanted) for name in ("servo_driver", "wire_elasticity")]
 
 
 def compensator() -> Node:
     """The model run backward."""
-    return node("compensator", {"model": LaunchConfiguration("model")})
+    return node("compensator", {"model": text("model")})
 
 
 def recorder() -> Node:
     """Only where a folder is given."""
-    output = LaunchConfiguration("record")
-    return node("recorder", {"output": output}, condition=IfCondition(NotEqualsSubstitution(output, "")))
+    wanted = IfCondition(NotEqualsSubstitution(LaunchConfiguration("record"), ""))
+    return node("recorder", {"output": text("record")}, condition=wanted)
 
 
 def state_publisher(context: LaunchContext) -> list[Node]:
@@ -82,14 +88,15 @@ def state_publisher(context: LaunchContext) -> list[Node]:
     wanted = LaunchConfiguration("state_publisher").perform(context)
     if wanted == "false" or (wanted == "auto" and not installed("robot_state_publisher")):
         return []
-    text = Command([f"{sys.executable} -m trunk_ros.urdf ", LaunchConfiguration("model")])
+    model = LaunchConfiguration("model").perform(context)
+    urdf = Command(shlex.join([sys.executable, "-m", "trunk_ros.urdf", model]))
     publisher = Node(
         package="robot_state_publisher",
         executable="robot_state_publisher",
         namespace=LaunchConfiguration("namespace"),
         parameters=[
             {
-                "robot_description": ParameterValue(text, value_type=str),
+                "robot_description": ParameterValue(urdf, value_type=str),
                 "use_sim_time": common()["use_sim_time"],
             }
         ],
