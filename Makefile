@@ -53,6 +53,7 @@ lock: setup
 		--no-emit-index-url --no-emit-find-links --generate-hashes \
 		--python-version 3.11 --python-platform x86_64-manylinux_2_28 --output-file requirements/lock.txt
 
+# proof/ stays: it takes hours.
 clean:
-	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis demo-output bench.json
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
