@@ -1,4 +1,4 @@
-"""The simulated bus is the servo of the contract, read tick by tick."""
+"""The simulated bus is the servo stage of the model, read tick by tick."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Names and units that others rely on: the table of effects in the project's contract, line by line."""
+"""Names and units of effects: model files, recordings and other programs rely on them as they are here."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ ORDER = (
 
 
 @pytest.mark.parametrize("name", TABLE)
-def test_stage_regime_and_parameters_are_the_contracts(name: str) -> None:
+def test_stage_regime_and_parameters_are_those_that_others_rely_on(name: str) -> None:
     kind = registry()[name]
     stage, regime, units, shared = TABLE[name]
     assert (kind.stage, kind.regime) == (stage, regime)
@@ -75,7 +75,7 @@ def test_a_coupling_names_its_source() -> None:
     assert registry()["joint_coupling"].texts[0] == "source"
 
 
-def test_the_wire_acts_in_the_contracts_order() -> None:
+def test_the_wire_acts_in_the_order_that_others_rely_on() -> None:
     places = [registry()[name].place for name in ORDER]
     assert places == sorted(places)
     assert len(set(places)) == len(places)
