@@ -19,6 +19,7 @@ SHARE = (
     0.05  # of what is left above the noise that an effect must explain, so that a misfit is not cut in slices
 )
 FURTHER = 20.0  # price of each further value of an effect
+CHOICE = 3.0  # of a source among the joints: the logarithm of so many, twice
 LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
 FORMULAS = 0.0002  # of a joint's misfit: what the formulas of named effects may be off by
 CURVED = 0.002  # likewise, by what is smooth
@@ -75,7 +76,8 @@ def price(problem: Problem, term: Term) -> float:
     if effect(term.effect).everywhere:
         usual = float(np.median(list(needs.values())))
         return usual + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)
-    words = sum(n * max(len(term.words.get(c, {})) - 1, 0) for c, n in needs.items())
+    said = {c: len(term.words.get(c, {})) for c in needs}
+    words = sum(needs[c] * max(count - 1, 0) + CHOICE * count for c, count in said.items())
     own_values = sum(1 for f in free if f.column is not None)
     return sum(needs.values()) + words + FURTHER * max(own_values - len(needs), 0)
 

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.fit import Fit, Residuals
 from trunk_ros.diagnosis.revise import ONSET
 from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.search import Search
-from trunk_ros.effects import effect
+from trunk_ros.effects import Effect, effect
 
 RIVALS = 3
 BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
@@ -141,15 +141,12 @@ def one_evidence(search: Search, state: Fit, name: str) -> Evidence:
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         limit = sum(need(problem, c) for c in gain)
         near = [rival for rival, loss in out.rivals.items() if loss < limit]
-        told = [rival for rival in near if _stands(out.fitted[rival], rival, columns)]
+        before = {rival: len(_without(bare.explanation, rival, columns)) for rival in near}
+        told = [rival for rival in near if len(_without(out.fitted[rival], rival, columns)) < before[rival]]
         out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:RIVALS]
     out.confidence = confidence(search, out)
     problem.look_again(state.explanation)
     return out
-
-
-def _stands(explanation: Explanation, name: str, columns: list[int]) -> bool:
-    return name in explanation and not set(columns).isdisjoint(explanation[name].columns)
 
 
 def strength(search: Search, explanation: Explanation, name: str) -> float:
@@ -167,35 +164,45 @@ def strength(search: Search, explanation: Explanation, name: str) -> float:
 
 def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Explanation]]:
     """Loss of each promising effect in the place of one, on the same joints, and the explanation with it."""
-    problem, columns = (
-        search.problem,
-        [c for c in state.explanation[name].columns if c in search.problem.columns],
-    )
-    others = [k for k in usable(problem) if not _stands(state.explanation, k.id, columns)]
-    screen = Screen(problem, bare.explanation, columns)
+    columns = [c for c in state.explanation[name].columns if c in search.problem.columns]
+    kinds = [k for k in usable(search.problem) if k.id != name]
+    losses = _local_rivals(search, state, bare, columns, [k for k in kinds if not k.everywhere])
+    if effect(name).everywhere or len(columns) == len(search.problem.columns):
+        for kind in (k for k in kinds if k.everywhere and k.id not in state.explanation):
+            candidate = Screen(search.problem, bare.explanation).everywhere(kind)
+            if candidate is not None:
+                trial = search.refit(extended(search.problem, bare.explanation, candidate))
+                losses[kind.id] = float(trial.total - state.total), trial.explanation
+    return losses
+
+
+def _local_rivals(
+    search: Search, state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]]
+) -> dict[str, tuple[float, Explanation]]:
+    """The same of effects that a joint has by itself; where a joint has one already, that is refitted."""
+    problem, screen = search.problem, Screen(search.problem, bare.explanation, columns)
+    new = {k.id: _without(bare.explanation, k.id, columns) for k in kinds}
+    kinds = [k for k in kinds if new[k.id] and all(search.open(k.id, c, bare.explanation) for c in new[k.id])]
+    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, RIVALS) for c in columns}
     losses: dict[str, tuple[float, Explanation]] = {}
-    local = [
-        k for k in others if not k.everywhere and all(search.open(k.id, c, bare.explanation) for c in columns)
-    ]
-    promising = {c: screen.ranked(local, c, RIVALS) for c in columns}
-    found = dict.fromkeys(candidate.effect for some in promising.values() for candidate in some)
-    for kind in map(effect, found):
+    for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
         loss, fitted = 0.0, bare.explanation.copy()
         for c in columns:
-            trials = [x for x in promising[c] if x.effect == kind.id] or screen.forms(kind, c)[:1]
+            found = [x for x in ranked[c] if x.effect == name]
+            trials = found or screen.forms(effect(name), c)[:1] if c in new[name] else []
             fits = [search.refit_column(bare, extended(problem, bare.explanation, x), c) for x in trials]
             fits = [f for f in fits if search.credible(f.explanation, c)]
             best = min(fits, key=lambda f: f.cost[c], default=bare)
             loss += best.cost[c] - state.cost[c]
             fitted.take(c, best.explanation)
-        losses[kind.id] = float(loss), fitted
-    if effect(name).everywhere or len(columns) == len(problem.columns):
-        for kind in (k for k in others if k.everywhere and k.id not in state.explanation):
-            candidate = Screen(problem, bare.explanation).everywhere(kind)
-            if candidate is not None:
-                trial = search.refit(extended(problem, bare.explanation, candidate))
-                losses[kind.id] = float(trial.total - state.total), trial.explanation
+        losses[name] = float(loss), fitted
     return losses
+
+
+def _without(explanation: Explanation, name: str, columns: list[int]) -> list[int]:
+    """Those of the columns that do not have an effect."""
+    has = explanation[name].columns if name in explanation else []
+    return [c for c in columns if c not in has]
 
 
 def confidence(search: Search, found: Evidence) -> float:
