@@ -27,8 +27,6 @@ class MeasuredLoad:
     both ways: their friction cannot be told from their load."""
     friction: Array
     """(joints,) N m at the shaft, NaN likewise."""
-    friction_std: Array
-    """(joints,) N m."""
     moving: np.ndarray
     """(n, joints): where the moment was measured; where a shaft stands it is what its posture asks for."""
 
@@ -58,8 +56,8 @@ def measured_load(gearbox: JointSeries, ratio: Array) -> MeasuredLoad:
         for j in range(len(ratio))
     ]
     torque, moving = (np.column_stack([c[k] for c in columns]) for k in (0, 1))
-    friction, std = (np.array([c[k] for c in columns]) for k in (2, 3))
-    return MeasuredLoad(-torque / ratio, friction, std, moving)
+    friction = np.array([c[2] for c in columns])
+    return MeasuredLoad(-torque / ratio, friction, moving)
 
 
 def _posture(beyond: Array, acceleration: Array) -> Array:
@@ -71,17 +69,17 @@ def _posture(beyond: Array, acceleration: Array) -> Array:
 
 def _of_joint(
     stamp: Array, posture: Array, speed: Array, way: Array, effort: Array, known: np.ndarray
-) -> tuple[Array, np.ndarray, float, float]:
-    """Torque (n,) without friction, where it was measured, friction and its deviation."""
+) -> tuple[Array, np.ndarray, float]:
+    """Torque (n,) without friction, where it was measured, and friction."""
     seen = known & (way != 0.0) & _settled(stamp, way)
     if min((way[seen] > 0.0).sum(), (way[seen] < 0.0).sum()) < LEAST:
-        return np.full(len(way), np.nan), seen & False, np.nan, np.nan
+        return np.full(len(way), np.nan), seen & False, np.nan
     design = np.column_stack([posture, way, speed])
     weights, *_ = np.linalg.lstsq(design[seen], effort[seen], rcond=1e-9)
     rest = effort - design @ weights
     off = np.interp(stamp, stamp[seen], rest[seen])
     torque = posture @ weights[:-2] + smooth(stamp, off[:, None], SPAN)[0][:, 0]
-    return torque, seen, float(weights[-2]), _deviation(design[seen], rest[seen], -2)
+    return torque, seen, float(weights[-2])
 
 
 def _settled(stamp: Array, way: Array) -> np.ndarray:
@@ -90,9 +88,3 @@ def _settled(stamp: Array, way: Array) -> np.ndarray:
     after = np.searchsorted(turns, stamp, side="right")
     ends = np.concatenate([[-np.inf], turns, [np.inf]])
     return np.asarray((stamp - ends[after] > HALF_WINDOW) & (ends[after + 1] - stamp > HALF_WINDOW))
-
-
-def _deviation(design: Array, rest: Array, column: int) -> float:
-    """Standard deviation of one weight of a regression."""
-    power = float(rest @ rest) / max(len(rest) - design.shape[1], 1)
-    return float(np.sqrt(power * np.linalg.pinv(design.T @ design)[column, column]))

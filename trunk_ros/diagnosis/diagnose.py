@@ -28,6 +28,7 @@ from trunk_ros.diagnosis.long import searched
 from trunk_ros.diagnosis.problem import LEAST, Problem
 from trunk_ros.diagnosis.quality import quality_of_recording
 from trunk_ros.diagnosis.result import STAGES, Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.revise import STRONG
 from trunk_ros.diagnosis.search import Search
 from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
 from trunk_ros.diagnosis.tip import fitted_tip, judged_tip
@@ -169,7 +170,9 @@ class Diagnoser:
         new = [f for f in findings(problem, state.explanation, found, std) if not is_known(problem, f)]
         rests = left_over(problem, state.explanation)
         self.result.unexplained += rests
-        strong = {problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > 1.0}
+        strong = {
+            problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > STRONG
+        }
         told = {j for f in new if f.effect == "unknown" for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.goal import Code, Goal, GoalError, Outcome, State, Tolerance, leeway, overlaid
-from trunk_ros.nodes.messages import SECOND, point, time_message
+from trunk_ros.nodes.messages import point, time_message
 from trunk_ros.nodes.ros import ActionServer, CancelResponse, FollowJointTrajectory, GoalResponse
 
 NAME = "trunk/follow_joint_trajectory"

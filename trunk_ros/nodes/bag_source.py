@@ -12,12 +12,12 @@ from types import TracebackType
 from typing import Any
 
 from trunk_ros.errors import RecordingError, one_line
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.recording import mcap_records, ros1_file
 from trunk_ros.recording.block import DamageError
 from trunk_ros.recording.mcap_repair import is_whole, repair
 from trunk_ros.recording.time_range import time_range
 
-SECOND = 1_000_000_000
 HEADER = "std_msgs/msg/Header"  # the one type that ROS 2 changed and that can be converted: it has no `seq`
 
 

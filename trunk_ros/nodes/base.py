@@ -9,8 +9,8 @@ from typing import Any
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Declaration, Model
 from trunk_ros.nodes import parameters
-from trunk_ros.nodes.elapsed import LONGEST_PAUSE
-from trunk_ros.nodes.messages import SECOND, nanoseconds, time_message
+from trunk_ros.nodes.elapsed import LONGEST_PAUSE, SECOND
+from trunk_ros.nodes.messages import nanoseconds, time_message
 from trunk_ros.nodes.progress import Listener
 from trunk_ros.nodes.ros import (
     Clock,

@@ -13,10 +13,11 @@ from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.compensation import Compensation
 from trunk_ros.nodes.compensator_parameters import FEEDBACK, OWN
 from trunk_ros.nodes.controller_state import ControllerState
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.follower import Follower, limits_of
 from trunk_ros.nodes.foreign import ForeignReference
 from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import SECOND, nanoseconds, state_of, trajectory_of
+from trunk_ros.nodes.messages import nanoseconds, state_of, trajectory_of
 from trunk_ros.nodes.model_swap import ModelSwap, check_description
 from trunk_ros.nodes.observation import Observation
 from trunk_ros.nodes.process import run_node

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.goal import State
-from trunk_ros.nodes.messages import SECOND, joint_state, point, time_message
+from trunk_ros.nodes.messages import joint_state, point, time_message
 from trunk_ros.nodes.ros import JointState, JointTrajectoryControllerState
 
 NAME = "trunk/controller_state"

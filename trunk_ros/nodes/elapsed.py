@@ -1,6 +1,6 @@
 """Time that only goes on, for simulations that live through pauses and clocks that are set."""
 
-SECOND = 1_000_000_000
+SECOND = 1_000_000_000  # ns
 LONGEST_PAUSE = 5 * SECOND  # ns; a longer pause, or a step back, is left out
 AFTER_JUMP = SECOND // 1000  # ns that pass in its place, since no two samples are of the same time
 

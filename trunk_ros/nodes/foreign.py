@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import SECOND
 from trunk_ros.nodes.ros import JointState, deserialize_message
 from trunk_ros.trajectory import Array
 

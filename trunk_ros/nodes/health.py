@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from trunk_ros.nodes.elapsed import SECOND
+
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
-SECOND = 1_000_000_000
 
 
 @dataclass

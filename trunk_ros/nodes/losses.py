@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-SECOND = 1_000_000_000
+from trunk_ros.nodes.elapsed import SECOND
 
 
 @dataclass

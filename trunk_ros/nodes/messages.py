@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.goal import State
 from trunk_ros.nodes.joints import JointMatcher
 from trunk_ros.nodes.ros import JointState, JointTrajectory, JointTrajectoryPoint, Time
 from trunk_ros.trajectory import Array, Trajectory, TrajectoryError
 
-SECOND = 1_000_000_000
 NONE = array("d")
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.model import Model
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.goal import State
 from trunk_ros.nodes.measured import Measured
 from trunk_ros.nodes.past import Past
 from trunk_ros.nodes.slow_feedback import Settings, SlowFeedback
 from trunk_ros.trajectory import Array
 
-SECOND = 1_000_000_000
 SETTLE = 0.2  # s
 SLOW = 0.1  # rad/s; a joint that was faster within SETTLE teaches nothing: lag and delay look like an offset
 

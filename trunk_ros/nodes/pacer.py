@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from trunk_ros.nodes.base import PROGRESS_TOPIC, steady_clock
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.health import WARN
-from trunk_ros.nodes.messages import SECOND, nanoseconds, time_message, trajectory_message
+from trunk_ros.nodes.messages import nanoseconds, time_message, trajectory_message
 from trunk_ros.nodes.progress import Ledger, Progress
 from trunk_ros.nodes.qos import LATCHED
 from trunk_ros.nodes.ros import (

@@ -6,11 +6,11 @@ import difflib
 import math
 from typing import Any
 
+from trunk_ros.description import ANY_JOINTS
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Declaration, Model, declared_parameters, load_model
 from trunk_ros.nodes.ros import FloatingPointRange, ParameterDescriptor, ParameterException
 
-ANY_JOINTS = "*"
 MODEL = Declaration(
     "model",
     "trunk",

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.ros import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from trunk_ros.recording.message_types import RELIABLE
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ENDLESS = RELIABLE["deadline"]
 LARGEST = 2**63 - 1
-SECOND = 1_000_000_000
 
 
 def described(profile: Any) -> dict[str, Any]:

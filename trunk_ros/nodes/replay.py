@@ -11,8 +11,9 @@ from typing import Any
 
 from trunk_ros.errors import ArgumentError, TrunkError
 from trunk_ros.model import Declaration
-from trunk_ros.nodes.bag_source import SECOND, BagSource, Topic
+from trunk_ros.nodes.bag_source import BagSource, Topic
 from trunk_ros.nodes.base import TrunkNode
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.interfaces import message_class
 from trunk_ros.nodes.messages import time_message
 from trunk_ros.nodes.plan import split_ros

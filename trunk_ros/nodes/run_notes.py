@@ -12,8 +12,8 @@ from typing import Any
 
 from trunk_ros import __version__
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.elapsed import SECOND
 
-SECOND = 1_000_000_000
 JUMP = SECOND // 10  # ns between two looks that no clock drifts
 
 

@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.health import Health, Stream
 from trunk_ros.nodes.joint_state_reader import JointStateReader
-from trunk_ros.nodes.messages import SECOND, fill, nanoseconds
+from trunk_ros.nodes.messages import fill, nanoseconds
 from trunk_ros.nodes.progress import Listener, Progress
 from trunk_ros.nodes.qos import LATCHED
 from trunk_ros.nodes.ros import JointState, LifecycleNode

@@ -11,7 +11,8 @@ import numpy as np
 
 from trunk_ros.errors import RecordingError, TrunkError
 from trunk_ros.model import Model, load_model
-from trunk_ros.nodes.bag_source import SECOND, BagSource
+from trunk_ros.nodes.bag_source import BagSource
+from trunk_ros.nodes.elapsed import SECOND
 from trunk_ros.nodes.messages import nanoseconds
 from trunk_ros.nodes.ros import Parameter, deserialize_message
 from trunk_ros.nodes.wire_elasticity import WireElasticity

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.report.units import quantity, significant
 from trunk_ros.diagnosis.result import STAGES, Diagnosis
 
 SAME = "same"
+BLOCKS = 20  # of time, whose errors are taken as independent: what lasts is one error, not many
 LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag
 
 
@@ -87,7 +88,9 @@ def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
     if not known.any() or power <= moved**2 * known.sum() or power == 0.0:
         return "–"
     lag = -float(np.sum(error[known] * slope[known])) / power
-    spread = float(np.std(error[known])) / float(np.sqrt(power))
+    off = np.where(known, (error + lag * slope) * slope, 0.0)
+    blocks = [float(block.sum()) for block in np.array_split(off, BLOCKS)]
+    spread = float(np.sqrt(np.sum(np.square(blocks)))) / power
     return f"{round(1e3 * lag, 2) + 0.0:.2f} ± {2e3 * spread:.2f} ms".replace("-", "−")
 
 
