@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import recorded, reshaped
+from test.diagnosis.arms import on, recorded, reshaped
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
@@ -140,6 +140,18 @@ def test_torque_tells_of_a_wrong_mass_that_is_no_payload(plain: Recording) -> No
     other = replace(NOMINAL.arm, link_mass=NOMINAL.arm.link_mass * [1.0, 4.0, 1.0, 1.0, 1.0])
     (said,) = torque_remarks(with_torque(plain, weight(plain, other)), NOMINAL)
     assert "check masses" in said
+
+
+def test_torque_is_not_compared_with_a_weight_where_there_is_no_gravity(plain: Recording) -> None:
+    afloat = Model(replace(NOMINAL.arm, gravity=0.0))
+    assert torque_remarks(with_torque(plain, weight(plain)), afloat) == []
+
+
+def test_torque_tells_of_a_joint_that_was_to_bear_nothing(plain: Recording) -> None:
+    light = Model(replace(NOMINAL.arm, link_mass=NOMINAL.arm.link_mass * [1.0, 1.0, 1.0, 1.0, 0.0]))
+    pull = on(5, 0.5) * np.sin(plain.series["gearbox_states"].position)
+    (said,) = torque_remarks(with_torque(plain, weight(plain) + pull), light)
+    assert "joint_5 most, where none was computed" in said
 
 
 def test_the_command_simulates_with_effort_from_a_bag(tmp_path: Path) -> None:

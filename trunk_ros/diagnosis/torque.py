@@ -50,6 +50,8 @@ def _against_weight(arm: Arm, gearbox: JointSeries, measured: MeasuredLoad) -> l
         return []
     theta, inertia = phi * arm.ratio, swung(arm, gearbox.stamp, phi).load(replace(arm, gravity=0.0), phi)
     computed, lever = arm.load(theta), arm.lever(theta)[seen]
+    if not computed[seen].any():  # without gravity
+        return []
     both = np.column_stack([lever, inertia[seen]])
     (payload, swings), *_ = np.linalg.lstsq(both, (measured.moment - computed)[seen], rcond=1e-9)
     measured = replace(measured, moment=measured.moment - swings * inertia)
@@ -70,6 +72,8 @@ def _worst(arm: Arm, measured: MeasuredLoad, computed: Array) -> str:
     joint = int(np.argmax((off**2).sum(axis=0)))
     seen = measured.moving[:, joint]
     own = computed[seen, joint]
+    if not own.any():
+        return f"{arm.joints[joint]} most, where none was computed"
     times = float(own @ measured.moment[seen, joint] / (own @ own))
     return f"{arm.joints[joint]} most, {times:.2f} times the computed one"
 
