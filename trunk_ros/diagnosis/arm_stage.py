@@ -2,199 +2,196 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
+from scipy.ndimage import median_filter
 
-from trunk_ros.arm import Arm
 from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.between import angles_between
-from trunk_ros.diagnosis.criterion import FURTHER, RELEVANT, SIGNIFICANT
-from trunk_ros.diagnosis.noise import Noise, noise_of, strides_within
+from trunk_ros.diagnosis.criterion import CURVE, FURTHER, RELEVANT, SIGNIFICANT
+from trunk_ros.diagnosis.evidence import ROUGH, SCATTER
+from trunk_ros.diagnosis.explanation import explanation_of
+from trunk_ros.diagnosis.faults import FEW
+from trunk_ros.diagnosis.noise import alike, noise_of, strides_within
+from trunk_ros.diagnosis.tip_data import TipData
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.effect import Now
-from trunk_ros.model import Model
-from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.resample import longest_gap
+from trunk_ros.model import Values
 
 SIGNALS = ("y", "z", "roll")
 UNITS = {"y": "m", "z": "m", "roll": "rad"}
+SHIFT = "shift"  # of a signal by a constant: no effect of the arm, but other frames make one
 STEP = 0.01
+SMALL = {"y": 1e-5, "z": 1e-5, "roll": 1e-4}  # steps of shifts
 BLOCKS = 10
 TURNS = 3
+BLIND = 1e-10  # of the largest curvature: the data do not see it
+FAR = 8.0  # times the noise that a single pose is off those beside it
+BESIDE = 5
 
-
-@dataclass
-class TipData:
-    """Tip and joint angles at the same stamps: ``tip`` (n, 3) y, z [m], roll [rad]; ``theta`` (n, joints)
-    rad.
-    """
-
-    arm: Arm
-    stamp: Array
-    theta: Array
-    tip: Array
+Key = tuple[str, int]
+"""An effect and the joint's column, -1 for the whole arm; SHIFT and the signal's column."""
+Point = dict[Key, float]
 
 
 @dataclass
 class ArmFit:
-    """Values found, by (effect, column), with spreads; and what is left."""
+    """Values that the recordings want changed or added, with spreads; and what is left."""
 
-    values: dict[tuple[str, int], float] = field(default_factory=dict)
-    std: dict[tuple[str, int], float] = field(default_factory=dict)
-    gain: dict[tuple[str, int], float] = field(default_factory=dict)
-
-
-def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData | None:
-    """What the arm stage is judged on, joint readings being ``delay`` s old; None where the tip, link
-    lengths or a joint are missing. ``model``: with the physics of the wires that was found.
-    """
-    joints = recording.series.get("joint_states")
-    if recording.tip is None or joints is None or not model.arm.has_geometry:
-        return None
-    if not set(model.arm.joints) <= set(joints.joints):
-        return None
-    joints = joints.select(model.arm.joints)
-    known = np.isfinite(joints.position).all(axis=1)
-    if known.sum() < 4:
-        return None
-    at, pose = joints.stamp[known] - delay, recording.tip
-    inside = _seen(at, pose.stamp) & np.isfinite(np.hstack([pose.position, pose.orientation])).all(axis=1)
-    if inside.sum() < 4:
-        return None
-    theta = _theta(recording, model, at, joints.position[known], pose.stamp[inside])
-    x, w = pose.orientation[inside, 0], pose.orientation[inside, 3]
-    roll = 2.0 * np.arctan2(x, w)
-    roll = np.mod(roll + np.pi, 2 * np.pi) - np.pi
-    heading = theta.sum(axis=1)
-    roll += 2 * np.pi * np.round((heading - roll) / (2 * np.pi))
-    return TipData(model.arm, pose.stamp[inside], theta, np.column_stack([pose.position[inside, 1:3], roll]))
-
-
-def _theta(recording: Recording, model: Model, at: Array, measured: Array, stamp: Array) -> Array:
-    """(n, joints) angles at ``stamp``: what the model says, and what was measured ``at`` other moments beyond
-    that, which is smooth.
-    """
-    both = angles_between(recording, model, np.concatenate([at, stamp]))
-    told = np.zeros((len(at) + len(stamp), measured.shape[1])) if both is None else both
-    return np.asarray(Akima1DInterpolator(at, measured - told[: len(at)])(stamp) + told[len(at) :])
-
-
-def _seen(at: Array, stamp: Array) -> np.ndarray:
-    """(n,) whether samples at stamps ``at`` lie close on both sides of each of ``stamp`` (n,)."""
-    before = np.clip(np.searchsorted(at, stamp, side="right") - 1, 0, len(at) - 2)
-    inside = (stamp >= at[0]) & (stamp <= at[-1])
-    return np.asarray(inside & (at[before + 1] - at[before] <= longest_gap(at)))
+    values: Point = field(default_factory=dict)
+    std: Point = field(default_factory=dict)
+    gain: Point = field(default_factory=dict)
 
 
 class ArmProblem:
     """Forward selection of arm effects by linear least squares, relinearised."""
 
-    def __init__(self, data: list[TipData], lasting: Array | None = None):
+    def __init__(
+        self, data: list[TipData], lasting: Array | None = None, effects: Mapping[str, Values] | None = None
+    ):
         """``lasting`` (joints,) rad: standard deviations of joint noise that lasts from sample to sample,
-        which the tip's own scatter does not show.
+        which the tip's own scatter does not show. ``effects``: what the model has already.
         """
-        self.data = data
+        self.signals = SIGNALS[: min(d.tip.shape[1] for d in data)]
+        self.data = [replace(d, tip=d.tip[:, : len(self.signals)]) for d in data]
         self.arm = data[0].arm
-        self.from_joints = np.zeros(len(SIGNALS)) if lasting is None else self._at_the_tip(lasting)
-        self.count = sum(len(d.stamp) for d in data)
-        self.noise: list[float] = []
-        self.memory = 0.0
-        self.estimate_noise({})
+        self.known = _known(effects or {}, len(self.arm.joints))
+        self.candidates = self._candidates()
+        self.from_joints = np.zeros(len(self.signals)) if lasting is None else self._at_the_tip(lasting)
+        self.strays, self.alike = 0, 1.0
+        self.estimate_noise(self.known)
+        self.estimate_noise(self.solve(self.candidates)[0])
+        self._leave_out_strays(self.residual(self.solve(self.candidates)[0]))
+        self.estimate_noise(self.solve(self.candidates)[0])
 
-    def estimate_noise(self, values: dict[tuple[str, int], float]) -> None:
+    @property
+    def count(self) -> int:
+        """Poses that count."""
+        return sum(len(d.stamp) for d in self.data)
+
+    @property
+    def need(self) -> float:
+        """What a value must gain: noise with a memory repeats itself, so many samples are worth one."""
+        return max((SIGNIFICANT + FURTHER) * self.alike, RELEVANT * self.count)
+
+    def price(self, keys: list[Key]) -> float:
+        """Of some values: what has no name is dearer."""
+        return self.need * sum(CURVE if name == SHIFT else 1.0 for name, _ in keys)
+
+    def _candidates(self) -> list[Key]:
+        joints = range(len(self.arm.joints))
+        kinds = [kind for kind in registry().values() if kind.stage == "arm"]
+        named = [(kind.id, c) for kind in kinds for c in ([-1] if kind.everywhere else joints)]
+        return named + [(SHIFT, k) for k in range(len(self.signals))]
+
+    def estimate_noise(self, values: Point) -> None:
         """Size and memory of the noise from what some values leave."""
         rests = self.residual(values)
-        found = [self._noise([rest[:, k] for rest in rests]) for k in range(len(SIGNALS))]
-        own = np.array([noise.std for noise in found])
-        self.noise = [float(n) for n in np.sqrt(own**2 + self.from_joints**2)]
-        self.memory = max(noise.correlation for noise in found)
+        longest = strides_within(float(np.median(np.concatenate([np.diff(d.stamp) for d in self.data]))))
+        masks = [np.ones(len(rest), dtype=bool) for rest in rests]
+        own = [noise_of([rest[:, k] for rest in rests], masks, longest).std for k in range(len(self.signals))]
+        self.noise = [float(n) for n in np.sqrt(np.square(own) + self.from_joints**2)]
+        self.alike = max(alike([rest[:, k] for rest in rests]) for k in range(len(self.signals)))
+
+    def _leave_out_strays(self, rests: list[Array]) -> None:
+        """Poses that are far from those beside them do not count, unless that is the sensor's noise."""
+        off = [np.abs(rest - median_filter(rest, (BESIDE, 1))) / self.noise for rest in rests]
+        stray = [np.any(each > FAR, axis=1) for each in off]
+        self.strays = int(sum(each.sum() for each in stray))
+        if self.strays > FEW * self.count:
+            self.strays = 0
+        elif self.strays:
+            self.data = [_rows(d, ~each) for d, each in zip(self.data, stray, strict=True)]
 
     def _at_the_tip(self, lasting: Array) -> Array:
-        """(3,) what lasting noise of the joints comes to at the tip."""
-        power = np.zeros(len(SIGNALS))
+        """(signals,) what lasting noise of the joints comes to at the tip."""
+        power = np.zeros(len(self.signals))
         for d in self.data:
-            told = self._predict(d, {})
+            told = self._predict(d, self.known)
             for joint in np.flatnonzero(lasting):
                 theta = d.theta.copy()
                 theta[:, joint] += lasting[joint]
-                power += np.mean((self._predict(replace(d, theta=theta), {}) - told) ** 2, axis=0)
+                power += np.mean((self._predict(replace(d, theta=theta), self.known) - told) ** 2, axis=0)
         return np.asarray(np.sqrt(power / len(self.data)))
 
-    def _noise(self, residuals: list[Array]) -> Noise:
-        step = float(np.median(np.concatenate([np.diff(d.stamp) for d in self.data])))
-        masks = [np.ones(len(r), dtype=bool) for r in residuals]
-        return noise_of(residuals, masks, strides_within(step))
-
-    def _predict(self, d: TipData, values: dict[tuple[str, int], float]) -> Array:
+    def _predict(self, d: TipData, values: Point) -> Array:
         dt = np.diff(d.stamp, prepend=d.stamp[:1])
         now = Now(d.stamp, dt, d.theta, d.theta, d.theta, d.theta, d.theta, self.arm.joints, self.arm.ratio)
-        return tip_pass(self.arm, _bound(values, len(self.arm.joints)), d.theta, now)
+        tip = tip_pass(self.arm, _bound(values, len(self.arm.joints)), d.theta, now)
+        shift = [values.get((SHIFT, k), 0.0) for k in range(len(self.signals))]
+        return np.asarray(tip[:, : len(self.signals)] + shift)
 
-    def residual(self, values: dict[tuple[str, int], float]) -> list[Array]:
-        """(n, 3) measured less predicted, one a recording."""
+    def residual(self, values: Point) -> list[Array]:
+        """(n, signals) measured less predicted, one a recording."""
         return [d.tip - self._predict(d, values) for d in self.data]
 
-    def whitened(self, values: dict[tuple[str, int], float], keep: list[np.ndarray] | None = None) -> Array:
+    def whitened(self, values: Point, keep: list[np.ndarray] | None = None) -> Array:
         """All residuals over their noise, in one vector."""
         parts = [r / self.noise for r in self.residual(values)]
         return np.concatenate([(p if keep is None else p[keep[i]]).ravel() for i, p in enumerate(parts)])
 
-    def solve(
-        self, keys: list[tuple[str, int]], keep: list[np.ndarray] | None = None
-    ) -> tuple[dict[tuple[str, int], float], Array, float]:
-        """Values, their covariance and the squares left."""
-        values = dict.fromkeys(keys, 0.0)
+    def solve(self, keys: list[Key], keep: list[np.ndarray] | None = None) -> tuple[Point, Array, float]:
+        """Values, those of ``keys`` fitted and the others as the model has them; the covariance of the
+        fitted ones, and the squares left.
+        """
+        values = {**self.known, **{k: self.known.get(k, 0.0) for k in keys}}
         covariance: Array = np.zeros((0, 0))
         for _ in range(TURNS if keys else 0):
             rest = self.whitened(values, keep)
-            jacobian: Array = np.column_stack(
-                [(self.whitened({**values, k: values[k] + _step(k)}, keep) - rest) / _step(k) for k in keys]
-            )
-            covariance = np.asarray(np.linalg.pinv(jacobian.T @ jacobian))
-            values = {
-                k: values[k] - float(d) for k, d in zip(keys, covariance @ jacobian.T @ rest, strict=True)
-            }
+            jacobian: Array = np.column_stack([self._slope(values, k, rest, keep) for k in keys])
+            covariance = np.asarray(np.linalg.pinv(jacobian.T @ jacobian, rcond=BLIND, hermitian=True))
+            step = covariance @ jacobian.T @ rest
+            values |= {k: values[k] - float(d) for k, d in zip(keys, step, strict=True)}
         rest = self.whitened(values, keep)
         return values, covariance, float(rest @ rest)
 
+    def _slope(self, values: Point, key: Key, rest: Array, keep: list[np.ndarray] | None) -> Array:
+        step = self._step(key)
+        return (self.whitened({**values, key: values[key] + step}, keep) - rest) / step
+
+    def _step(self, key: Key) -> float:
+        if key[0] == SHIFT:
+            return SMALL[self.signals[key[1]]]
+        return STEP * effect(key[0]).parameters[0].typical
+
     def run(self) -> ArmFit:
-        """What pays; looked at again with the noise that it leaves."""
-        self.estimate_noise(self.solve(self._chosen())[0])
+        """What pays, with spreads; these as ``evidence.spreads`` has them."""
         keys = self._chosen()
         values, covariance, cost = self.solve(keys)
-        spread = np.sqrt(np.maximum(np.diag(covariance), 0.0) * max(1.0, cost / (3 * self.count)))
+        power = self.alike * max(1.0, cost / (len(self.signals) * self.count))
+        spread = SCATTER * np.sqrt(np.maximum(np.diag(covariance), 0.0) * power)
+        std = {k: float(np.hypot(s, ROUGH * values[k])) for k, s in zip(keys, spread, strict=True)}
         gain = {k: self.solve([x for x in keys if x != k])[2] - cost for k in keys}
-        return ArmFit(values, {k: float(s) for k, s in zip(keys, spread, strict=True)}, gain)
+        return ArmFit({k: values[k] for k in keys}, std, gain)
 
-    def _chosen(self) -> list[tuple[str, int]]:
-        """Add while it pays, then leave out what is not missed."""
-        candidates = [
-            (name, c)
-            for name, kind in registry().items()
-            if kind.stage == "arm"
-            for c in (range(len(self.arm.joints)) if not kind.everywhere else [-1])
-        ]
-        keys: list[tuple[str, int]] = []
-        cost = self.solve([])[2]
-        # Noise with a memory repeats itself: so many samples are worth one.
-        alike = (1.0 + self.memory) / (1.0 - self.memory)
-        need = max((SIGNIFICANT + FURTHER) * alike, RELEVANT * self.count)
+    def score(self, keys: list[Key]) -> float:
+        """Squares left and prices; no good where a value is not to be believed."""
+        values, _, cost = self.solve(keys)
+        return cost + self.price(keys) if all(_within(k, v) for k, v in values.items()) else np.inf
+
+    def _chosen(self) -> list[Key]:
+        """Add, leave out or put one in the place of another, while it pays."""
+        keys: list[Key] = []
+        best = self.score(keys)
         while True:
-            trials = {k: self.solve([*keys, k])[2] for k in candidates if k not in keys}
-            best = min(trials, key=lambda k: trials[k], default=None)
-            if best is None or cost - trials[best] < need:
-                break
-            keys, cost = [*keys, best], trials[best]
-            for gone in [k for k in keys if self.solve([x for x in keys if x != k])[2] - cost < need]:
-                keys = [k for k in keys if k != gone]
-                cost = self.solve(keys)[2]
-        return keys
+            others = [k for k in self.candidates if k not in keys]
+            fewer = [[x for x in keys if x != k] for k in keys]
+            changes = [[*keys, k] for k in others] + fewer
+            found, score = self._best(changes)
+            if score >= best:
+                found, score = self._best([[*rest, k] for rest in fewer for k in others])
+            if score >= best:
+                return keys
+            keys, best = found, score
 
-    def held_out(self, keys: list[tuple[str, int]]) -> Array:
-        """(n, 3) residuals of all recordings, each half of the blocks predicted by a fit to the other
+    def _best(self, trials: list[list[Key]]) -> tuple[list[Key], float]:
+        scores = [self.score(keys) for keys in trials]
+        return (trials[int(np.argmin(scores))], min(scores)) if trials else ([], np.inf)
+
+    def held_out(self, keys: list[Key]) -> Array:
+        """(n, signals) residuals of all recordings, each half of the blocks predicted by a fit to the other
         half.
         """
         folds = [np.arange(len(d.stamp)) * BLOCKS // max(len(d.stamp), 1) % 2 for d in self.data]
@@ -204,12 +201,39 @@ class ArmProblem:
             [np.where((f == 0)[:, None], a, b) for f, a, b in zip(folds, *parts, strict=True)]
         )
 
+    def model_effects(self, values: Point) -> dict[str, Values]:
+        """Values as a model holds them."""
+        blocks = _bound(values, len(self.arm.joints))
+        return {
+            block.id: {
+                p.name: float(block[p.name][0]) if p.shared else block[p.name] for p in block.parameters
+            }
+            for block in blocks
+        }
 
-def _step(key: tuple[str, int]) -> float:
-    return STEP * effect(key[0]).parameters[0].typical
+
+def _known(effects: Mapping[str, Values], joints: int) -> Point:
+    """The arm effects that a model has."""
+    out: Point = {}
+    for name, term in explanation_of(effects, "arm", joints).items():
+        lead = effect(name).parameters[0].name
+        on = {-1: term.shared} if lead in term.shared else term.own
+        out |= {(name, c): values[lead] for c, values in on.items()}
+    return out
 
 
-def _bound(values: dict[tuple[str, int], float], joints: int) -> list[Effect]:
+def _rows(d: TipData, keep: np.ndarray) -> TipData:
+    return TipData(d.arm, d.stamp[keep], d.theta[keep], d.tip[keep])
+
+
+def _within(key: Key, value: float) -> bool:
+    if key[0] == SHIFT:
+        return True
+    low, high = effect(key[0]).parameters[0].bounds
+    return low <= value <= high
+
+
+def _bound(values: Point, joints: int) -> list[Effect]:
     blocks: list[Effect] = []
     for name in registry():
         mine = {c: v for (n, c), v in values.items() if n == name}

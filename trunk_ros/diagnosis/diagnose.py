@@ -102,7 +102,7 @@ class Diagnoser:
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
         self._refuse_if_nothing_was_seen()
         longest = max(r.duration for r in self.recordings)
-        judged = {s for s, told in self.result.stages.items() if told["compared"] and s != "arm"}
+        judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
         self.result.model = replace(self.model, effects=kept, duration=longest)
         self.result.quality = _by_name(self.recordings, self.model)

@@ -208,8 +208,15 @@ def _without(explanation: Explanation, name: str, columns: list[int]) -> list[in
 def confidence(search: Search, found: Evidence) -> float:
     """Probability that the name is right, from its gain and its margin before the best rival."""
     limit = sum(need(search.problem, c) for c in found.gain) or 1.0
-    margin = min(found.rivals.values(), default=5 * limit) / limit
-    surplus = sum(found.gain.values()) / limit
+    return likely(limit, sum(found.gain.values()), list(found.rivals.values()))
+
+
+def likely(limit: float, gain: float, losses: list[float]) -> float:
+    """Probability that a name is right, from its gain and its rivals' losses, both against the ``limit`` that
+    an effect must gain.
+    """
+    margin = min(losses, default=5 * limit) / limit
+    surplus = gain / limit
     sure = 1.0 - np.exp(-0.5 * max(surplus, 0.0) - 0.3)
     ahead = 1.0 / (1.0 + np.exp(-2.0 * (margin + 0.6)))
     return float(np.clip(sure * ahead, 0.02, SUREST))

@@ -184,13 +184,13 @@ def is_known(problem: Problem, finding: Finding) -> bool:
         return False
     believed = {ARM: term.shared} | {problem.joints[c]: own for c, own in term.own.items()}
     return all(
-        _unchanged(found, believed.get(owner, {}).get(name))
+        unchanged(found, believed.get(owner, {}).get(name))
         for owner, named in finding.parameters.items()
         for name, found in named.items()
     )
 
 
-def _unchanged(found: dict[str, Any], believed: float | None) -> bool:
+def unchanged(found: dict[str, Any], believed: float | None) -> bool:
     """Whether a value is the one that the model has, within its spread."""
     if believed is None or isinstance(found["value"], str):
         return True

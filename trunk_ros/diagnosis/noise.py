@@ -120,6 +120,21 @@ def noise_of(residuals: list[Array], masks: list[np.ndarray], longest: int = 16)
     return seen.noise(seen.correlation if len(seen.strides) > 1 else 0.0)
 
 
+def alike(residuals: list[Array]) -> float:
+    """How many samples are worth one, by what a residual remembers: 1 and twice the autocorrelation at all
+    lags until it is lost in chance.
+    """
+    power = sum(float(rest @ rest) for rest in residuals)
+    count = sum(len(rest) for rest in residuals)
+    total = 1.0
+    for lag in range(1, count // 10 if power > 0.0 else 0):
+        shared = sum(float(rest[lag:] @ rest[:-lag]) for rest in residuals) / power
+        if shared < 2.0 / np.sqrt(count):
+            break
+        total += 2.0 * shared
+    return total
+
+
 def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> float:
     parts = []
     for residual, mask in zip(residuals, masks, strict=True):

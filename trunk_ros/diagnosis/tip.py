@@ -8,8 +8,10 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
-from trunk_ros.diagnosis.arm_stage import SIGNALS, UNITS, ArmFit, ArmProblem, tip_data
+from trunk_ros.diagnosis.arm_stage import UNITS, ArmFit, ArmProblem
+from trunk_ros.diagnosis.problem import LEAST
 from trunk_ros.diagnosis.result import Finding
+from trunk_ros.diagnosis.tip_data import tip_data
 from trunk_ros.model import Model, Values
 from trunk_ros.recording.recording import Recording
 
@@ -23,7 +25,7 @@ def fitted_tip(
     recordings: list[Recording], model: Model, late: float, lasting: dict[str, float]
 ) -> tuple[ArmProblem, ArmFit] | None:
     """Joint angles and tip at the same moments, and the fit to them: a joint sensor that is ``late`` s is not
-    blamed on the arm. None where no tip was recorded.
+    blamed on the arm. None where too little of the tip was recorded.
 
     ``model``: with what was found of the wires; ``lasting``: joint noise [rad] that lasts from sample to
     sample.
@@ -32,15 +34,16 @@ def fitted_tip(
     fitted = []
     for delay in {0.0, late}:  # a simulated tip may be as late as the joints
         data = [d for d in (tip_data(r, model, delay) for r in recordings) if d is not None]
-        if data:
-            problem = ArmProblem(data, noise)
+        if sum(len(d.stamp) for d in data) >= LEAST:
+            problem = ArmProblem(data, noise, model.effects)
             fitted.append((problem, problem.run()))
     return min(fitted, key=_left, default=None)
 
 
 def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
-    """What the stage comes to, its findings, and their values for the model."""
-    before, after = np.concatenate(problem.residual({})), problem.held_out(list(done.values))
+    """What the stage comes to, its findings, and all that the arm then has for the model."""
+    before = np.concatenate(problem.residual(problem.known))
+    after = problem.held_out(list(done.values))
     tip = {
         signal: {
             "unit": UNITS[signal],
@@ -48,19 +51,21 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
             "rmse_after": _rms(after[:, k]),
             "noise_floor": problem.noise[k],
         }
-        for k, signal in enumerate(SIGNALS)
+        for k, signal in enumerate(problem.signals)
     }
     misfit, rest = (float(np.mean((off / problem.noise) ** 2)) - 1.0 for off in (before, after))
-    stage = {"compared": True, "tip": tip}
+    stage = {"compared": True, "tip": tip, "strays": problem.strays}
     if rest > REST and rest > SHARE * misfit:
-        return stage, [unknown_arm_finding(problem, rest / max(misfit, rest))], {}
-    return stage, *arm_findings(problem, done)
+        said = unknown_arm_finding(problem, rest / max(misfit, rest))
+        return stage, [said], problem.model_effects(problem.known)
+    values = problem.known | done.values
+    return stage, arm_findings(problem, done), problem.model_effects(values)
 
 
 def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
     """How much a fit leaves, whatever the signals' units."""
     problem, done = fitted
-    rest = np.concatenate(problem.residual(done.values))
+    rest = np.concatenate(problem.residual(problem.known | done.values))
     return float(np.log(np.mean(rest**2, axis=0)).sum())
 
 
