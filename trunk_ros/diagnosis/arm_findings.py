@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.arm_stage import SHIFT, UNITS, ArmFit, ArmProblem, Key
+from trunk_ros.diagnosis.arm_stage import UNITS, ArmFit, ArmProblem
+from trunk_ros.diagnosis.arm_values import SHIFT, Key
 from trunk_ros.diagnosis.evidence import likely
 from trunk_ros.diagnosis.findings import ARM, SURE, UNNAMED_SURE, statement_of, unchanged, value_of
 from trunk_ros.diagnosis.leftover import accounted

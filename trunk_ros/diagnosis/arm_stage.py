@@ -10,30 +10,26 @@ from scipy.ndimage import median_filter
 
 from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.arm_values import SHIFT, Key, Point, bound, credible, point_of
 from trunk_ros.diagnosis.criterion import CURVE, FURTHER, RELEVANT, SIGNIFICANT
 from trunk_ros.diagnosis.evidence import ROUGH, SCATTER
-from trunk_ros.diagnosis.explanation import explanation_of
 from trunk_ros.diagnosis.faults import FEW
 from trunk_ros.diagnosis.noise import alike, noise_of, strides_within
 from trunk_ros.diagnosis.tip_data import TipData
-from trunk_ros.effects import Effect, effect, registry
+from trunk_ros.effects import effect, registry
 from trunk_ros.effects.effect import Now
 from trunk_ros.model import Values
 
 SIGNALS = ("y", "z", "roll")
 UNITS = {"y": "m", "z": "m", "roll": "rad"}
-SHIFT = "shift"  # of a signal by a constant: no effect of the arm, but other frames make one
 STEP = 0.01
 SMALL = {"y": 1e-5, "z": 1e-5, "roll": 1e-4}  # steps of shifts
 BLOCKS = 10
 TURNS = 3
+SETTLED = 0.1  # squared unit-noise residual: a slope need not be computed again for less
 BLIND = 1e-10  # of the largest curvature: the data do not see it
 FAR = 8.0  # times the noise that a single pose is off those beside it
 BESIDE = 5
-
-Key = tuple[str, int]
-"""An effect and the joint's column, -1 for the whole arm; SHIFT and the signal's column."""
-Point = dict[Key, float]
 
 
 @dataclass
@@ -57,14 +53,16 @@ class ArmProblem:
         self.signals = SIGNALS[: min(d.tip.shape[1] for d in data)]
         self.data = [replace(d, tip=d.tip[:, : len(self.signals)]) for d in data]
         self.arm = data[0].arm
-        self.known = _known(effects or {}, len(self.arm.joints))
+        self.known = point_of(effects or {}, len(self.arm.joints))
         self.candidates = self._candidates()
         self.from_joints = np.zeros(len(self.signals)) if lasting is None else self._at_the_tip(lasting)
         self.strays, self.alike = 0, 1.0
         self.estimate_noise(self.known)
+        free = self.solve(self.candidates)[0]
+        self.estimate_noise(free)
+        self._leave_out_strays(self.residual(free))
         self.estimate_noise(self.solve(self.candidates)[0])
-        self._leave_out_strays(self.residual(self.solve(self.candidates)[0]))
-        self.estimate_noise(self.solve(self.candidates)[0])
+        self._scores: dict[frozenset[Key], float] = {}
 
     @property
     def count(self) -> int:
@@ -119,7 +117,7 @@ class ArmProblem:
     def _predict(self, d: TipData, values: Point) -> Array:
         dt = np.diff(d.stamp, prepend=d.stamp[:1])
         now = Now(d.stamp, dt, d.theta, d.theta, d.theta, d.theta, d.theta, self.arm.joints, self.arm.ratio)
-        tip = tip_pass(self.arm, _bound(values, len(self.arm.joints)), d.theta, now)
+        tip = tip_pass(self.arm, bound(values, len(self.arm.joints)), d.theta, now)
         shift = [values.get((SHIFT, k), 0.0) for k in range(len(self.signals))]
         return np.asarray(tip[:, : len(self.signals)] + shift)
 
@@ -137,11 +135,12 @@ class ArmProblem:
         fitted ones, and the squares left.
         """
         values = {**self.known, **{k: self.known.get(k, 0.0) for k in keys}}
-        covariance: Array = np.zeros((0, 0))
-        for _ in range(TURNS if keys else 0):
+        covariance, jacobian = np.zeros((0, 0)), np.zeros((0, 0))
+        for turn in range(TURNS if keys else 0):
             rest = self.whitened(values, keep)
-            jacobian: Array = np.column_stack([self._slope(values, k, rest, keep) for k in keys])
-            covariance = np.asarray(np.linalg.pinv(jacobian.T @ jacobian, rcond=BLIND, hermitian=True))
+            if turn == 0 or _gain(covariance, jacobian.T @ rest) > SETTLED:
+                jacobian = np.column_stack([self._slope(values, k, rest, keep) for k in keys])
+                covariance = np.asarray(np.linalg.pinv(jacobian.T @ jacobian, rcond=BLIND, hermitian=True))
             step = covariance @ jacobian.T @ rest
             values |= {k: values[k] - float(d) for k, d in zip(keys, step, strict=True)}
         rest = self.whitened(values, keep)
@@ -168,8 +167,11 @@ class ArmProblem:
 
     def score(self, keys: list[Key]) -> float:
         """Squares left and prices; no good where a value is not to be believed."""
-        values, _, cost = self.solve(keys)
-        return cost + self.price(keys) if all(_within(k, v) for k, v in values.items()) else np.inf
+        if frozenset(keys) not in self._scores:
+            values, _, cost = self.solve(keys)
+            believed = all(credible(k, v) for k, v in values.items())
+            self._scores[frozenset(keys)] = cost + self.price(keys) if believed else np.inf
+        return self._scores[frozenset(keys)]
 
     def _chosen(self) -> list[Key]:
         """Add, leave out or put one in the place of another, while it pays."""
@@ -201,43 +203,11 @@ class ArmProblem:
             [np.where((f == 0)[:, None], a, b) for f, a, b in zip(folds, *parts, strict=True)]
         )
 
-    def model_effects(self, values: Point) -> dict[str, Values]:
-        """Values as a model holds them."""
-        blocks = _bound(values, len(self.arm.joints))
-        return {
-            block.id: {
-                p.name: float(block[p.name][0]) if p.shared else block[p.name] for p in block.parameters
-            }
-            for block in blocks
-        }
 
-
-def _known(effects: Mapping[str, Values], joints: int) -> Point:
-    """The arm effects that a model has."""
-    out: Point = {}
-    for name, term in explanation_of(effects, "arm", joints).items():
-        lead = effect(name).parameters[0].name
-        on = {-1: term.shared} if lead in term.shared else term.own
-        out |= {(name, c): values[lead] for c, values in on.items()}
-    return out
+def _gain(covariance: Array, pull: Array) -> float:
+    """Squares that a linear step removes."""
+    return float(pull @ covariance @ pull)
 
 
 def _rows(d: TipData, keep: np.ndarray) -> TipData:
     return TipData(d.arm, d.stamp[keep], d.theta[keep], d.tip[keep])
-
-
-def _within(key: Key, value: float) -> bool:
-    if key[0] == SHIFT:
-        return True
-    low, high = effect(key[0]).parameters[0].bounds
-    return low <= value <= high
-
-
-def _bound(values: Point, joints: int) -> list[Effect]:
-    blocks: list[Effect] = []
-    for name in registry():
-        mine = {c: v for (n, c), v in values.items() if n == name}
-        if mine:
-            numbers = np.array([mine.get(c, mine.get(-1, 0.0)) for c in range(joints)])
-            blocks.append(effect(name)({effect(name).parameters[0].name: numbers}))
-    return blocks

@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.arm_findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.arm_stage import UNITS, ArmFit, ArmProblem
+from trunk_ros.diagnosis.arm_values import model_effects
 from trunk_ros.diagnosis.problem import LEAST
 from trunk_ros.diagnosis.result import Finding
 from trunk_ros.diagnosis.tip_data import tip_data
@@ -54,12 +55,12 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
         for k, signal in enumerate(problem.signals)
     }
     misfit, rest = (float(np.mean((off / problem.noise) ** 2)) - 1.0 for off in (before, after))
+    joints = len(problem.arm.joints)
     stage = {"compared": True, "tip": tip, "strays": problem.strays}
     if rest > REST and rest > SHARE * misfit:
         said = unknown_arm_finding(problem, rest / max(misfit, rest))
-        return stage, [said], problem.model_effects(problem.known)
-    values = problem.known | done.values
-    return stage, arm_findings(problem, done), problem.model_effects(values)
+        return stage, [said], model_effects(problem.known, joints)
+    return stage, arm_findings(problem, done), model_effects(problem.known | done.values, joints)
 
 
 def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
