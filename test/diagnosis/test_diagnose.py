@@ -276,3 +276,22 @@ def test_servos_that_are_not_compared_are_said() -> None:
     assert not result.stages["servo"]["compared"]
     (quality,) = result.quality.values()
     assert "joint_3, joint_4, joint_5 not there: servos not compared" in " ".join(quality["notes"])
+
+
+def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
+    """Creep over minutes explains more of it than either alone."""
+    hidden = {
+        "zero_offset": {"offset": on(1, -4.5e-4)},
+        "wire_slip": {"step": on(1, 2.4e-4), "onset": np.full(5, 28.0)},
+    }
+    result = diagnose([recorded(hidden)])
+    assert {(f.effect, *f.joints) for f in result.findings} == {
+        ("zero_offset", "joint_1"),
+        ("wire_slip", "joint_1"),
+    }
+
+
+def test_a_top_speed_that_one_joint_meets_is_the_servos_of_all() -> None:
+    hidden = {"velocity_saturation": {"v_max": 0.45}, "servo_delay": {"delay": 0.004}}
+    result = diagnose([recorded(hidden, size=0.9)])
+    assert {f.effect: len(f.joints) for f in result.findings} == dict.fromkeys(hidden, 5)

@@ -32,7 +32,7 @@ def exchange(search: Search, now: Fit) -> Fit:
         key = (column, search.problem.version, now.explanation.key(column))
         if key in search.settled:
             continue
-        local = _local(now, column)
+        local = local_effects(now, column)
         for gone in [*((a,) for a in local), *combinations(local, 2)]:
             if all(name in now.explanation and column in now.explanation[name].own for name in gone):
                 now = _exchanged(search, now, column, gone)
@@ -194,7 +194,7 @@ def _unnamed_everywhere(search: Search, now: Fit) -> Fit | None:
 
 
 def _unnamed(search: Search, now: Fit, column: int) -> Fit:
-    local = _local(now, column)
+    local = local_effects(now, column)
     rest = now.cost[column] / search.problem.count(column) - 1.0
     if not all(effect(name).named for name in local) or (
         len(local) < 2 and rest < search.problem.rest(column)
@@ -220,7 +220,7 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
     return best if tells and (simpler or gained > CLEARER * (nominal - now.cost[column])) else now
 
 
-def _local(now: Fit, column: int) -> list[str]:
+def local_effects(now: Fit, column: int) -> list[str]:
     """Effects that a joint has of its own, or by values of its own."""
     return [t.effect for t in now.explanation.on(column) if not effect(t.effect).everywhere or _by_itself(t)]
 

@@ -155,26 +155,32 @@ def _anew(search: Search, now: Fit, name: str, parameter: Parameter) -> Iterator
 
 
 def members(search: Search, now: Fit) -> Fit:
-    """Which joints an effect is on that acts on all, but on each by values of its own."""
-    for name in list(now.explanation):
-        kind, form = effect(name), now.explanation[name].form
-        if kind.everywhere and any(not p.shared for p in kind.own_parameters(form)):
-            for column in search.problem.columns:
-                now = better(search, now, _joined_or_left(search, now, name, column))
+    """Which joints an effect is on that acts on all; one without values of a joint's own is left by none."""
+    for name in [n for n in now.explanation if effect(n).everywhere]:
+        alike = all(p.shared for p in effect(name).own_parameters(now.explanation[name].form))
+        for column in search.problem.columns:
+            there = column in now.explanation[name].columns
+            change = _joined if not there else None if alike else _left
+            if change is not None:
+                now = better(search, now, change(search, now, name, column))
     return now
 
 
-def _joined_or_left(search: Search, now: Fit, name: str, column: int) -> Fit | None:
-    columns = now.explanation[name].columns
-    if column in columns:
-        left = now.explanation.without(name, column)
-        return search.refit_column(now, left, column) if len(columns) > 1 else None
-    start = Screen(search.problem, now.explanation, [column]).local_form(
-        effect(name), now.explanation[name].form, column
-    )
-    if start is None:
+def _left(search: Search, now: Fit, name: str, column: int) -> Fit | None:
+    if len(now.explanation[name].columns) == 1:
         return None
-    joined = extended(search.problem, now.explanation, replace(start, column=None, columns=(column,)))
+    return search.refit_column(now, now.explanation.without(name, column), column)
+
+
+def _joined(search: Search, now: Fit, name: str, column: int) -> Fit | None:
+    kind, form, joined = effect(name), now.explanation[name].form, now.explanation.copy()
+    if all(p.shared for p in kind.own_parameters(form)):
+        joined[name].own[column] = {}
+    else:
+        start = Screen(search.problem, now.explanation, [column]).local_form(kind, form, column)
+        if start is None:
+            return None
+        joined = extended(search.problem, now.explanation, replace(start, column=None, columns=(column,)))
     return search.refit_column(now, joined, column)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from trunk_ros.diagnosis import exchange, revise
+from trunk_ros.diagnosis import anew, exchange, revise
 from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, formed_misfits, need, score
 from trunk_ros.diagnosis.explanation import Explanation, Term, bind_column, describe
@@ -44,7 +44,7 @@ class Search:
         """The explanation that no single change improves by what is needed."""
         now = self.begin(start)
         for _ in range(ROUNDS):
-            grown = self.grow(now) or exchange.unname(self, now)
+            grown = self.grow(now) or anew.begun_anew(self, now) or exchange.unname(self, now)
             if grown is None:
                 break
             now = self.settle(grown)
