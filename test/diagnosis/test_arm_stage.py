@@ -183,12 +183,28 @@ def test_a_shifted_frame_does_not_hide_a_tilt() -> None:
     assert names(found) == {("base_tilt", ()), ("unknown", ())}
 
 
+@pytest.mark.parametrize("joint", [2, 3, 4, 5])
+def test_a_joint_sensor_whose_zero_is_off_is_neither_a_length_nor_a_tilt(joint: int) -> None:
+    recording = bent({})
+    recording.series["joint_states"].position[:, joint - 1] += 3e-3
+    (found,) = told(recording)
+    assert (found.effect, found.joints) == ("unknown", [f"joint_{joint}"])
+    assert found.equivalents == ["zero_offset"]
+    assert found.parameters[f"joint_{joint}"]["zero"]["value"] == pytest.approx(3e-3, rel=0.05)
+
+
+def test_a_tilt_beside_a_zero_error_of_the_first_joint_may_be_that_error() -> None:
+    model = replace(TRUNK, effects={"zero_offset": {"offset": on(1, -4e-3)}})
+    (found,) = told(bent(TILT), model)
+    assert (found.effect, found.equivalents) == ("base_tilt", ["zero_offset"])
+
+
 def test_a_length_that_could_be_a_shift_is_said_to_be_so() -> None:
     """A first link that stands is as good as a shift of its frame."""
     (found,) = told(bent({"link_length_error": {"length_error": on(1, 3e-4)}}, Seen(still=(0,))))
     assert found.equivalents == ["unknown"]
     assert found.confidence < 0.8
-    assert "A constant shift would look the same" in found.statement
+    assert "A constant error of the readings would look the same" in found.statement
 
 
 def test_a_length_that_could_be_the_next_links_is_said_to_be_so() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.arm_stage import UNITS, ArmFit, ArmProblem
-from trunk_ros.diagnosis.arm_values import SHIFT, Key
+from trunk_ros.diagnosis.arm_values import NAMELESS, SHIFT, ZERO, Key
 from trunk_ros.diagnosis.evidence import likely
 from trunk_ros.diagnosis.findings import ARM, SURE, UNNAMED_SURE, statement_of, unchanged, value_of
 from trunk_ros.diagnosis.leftover import accounted
@@ -16,18 +16,17 @@ from trunk_ros.diagnosis.result import Finding
 from trunk_ros.effects import effect
 
 UNKNOWN = "unknown"
-FRAMES = "the poses may be in another frame, or of another point than the tip"
+FRAMES = "a camera's frame, a marker's place or a joint sensor's zero makes one"
 Losses = dict[str, float]
 
 
 def arm_findings(problem: ArmProblem, done: ArmFit) -> list[Finding]:
     """Findings of the arm stage: what the model does not have already."""
-    out = []
-    for name in dict.fromkeys(name for name, _ in done.values):
-        mine = [k for k in sorted(done.values) if k[0] == name and not _is_known(problem, done, k)]
-        if mine:
-            out.append(_shifted(problem, done, mine) if name == SHIFT else _named(problem, done, mine))
-    return out
+    new = [k for k in sorted(done.values) if not _is_known(problem, done, k)]
+    names = dict.fromkeys(name for name, _ in new if name not in NAMELESS)
+    out = [_named(problem, done, [k for k in new if k[0] == name]) for name in names]
+    rest = [k for k in new if k[0] in NAMELESS]
+    return [*out, _nameless(problem, done, rest)] if rest else out
 
 
 def _is_known(problem: ArmProblem, done: ArmFit, key: Key) -> bool:
@@ -45,42 +44,66 @@ def _named(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
     rivals, elsewhere = _rivals(problem, done, mine), _elsewhere(problem, done, mine)
     said = [statement_of(kind, ", ".join(named) or "the arm", parameters)]
     said += [f"The model has {problem.known[k]:.4g} {p.unit}." for k in mine if k in problem.known]
-    told = {UNKNOWN: rivals[SHIFT]} if SHIFT in rivals else {}
-    told |= {rival: loss for rival, loss in rivals.items() if rival != SHIFT}
-    near = sorted((loss, rival) for rival, loss in told.items() if loss < problem.need)
-    if rivals.get(SHIFT, np.inf) < problem.need:
-        said.append(f"A constant shift would look the same: {FRAMES}.")
+    near = _near(problem, rivals)
+    if UNKNOWN in near:
+        said.append(f"A constant error of the readings would look the same: {FRAMES}.")
     same = [joint for joint, loss in elsewhere.items() if loss < problem.need]
     said += [f"On {' or '.join(same)} it would look the same."] if same else []
+    if kind.everywhere and problem.zeros[0]:
+        near.append("zero_offset")
+        said.append(f"A zero error of {joints[0]}'s sensor would look the same.")
     return Finding(
         kind.id, "arm", named, kind.regime,
         _confidence(problem, done, mine, [*rivals.values(), *elsewhere.values()]),
-        [rival for _, rival in near], parameters, [], " ".join(said),
-        _evidence(problem, done, mine, told, kind.signature),
+        near, parameters, [], " ".join(said), _evidence(problem, done, mine, rivals, kind.signature),
     )  # fmt: skip
 
 
-def _shifted(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
-    """A constant is neither a length nor a tilt, and no model holds it."""
-    signals = [problem.signals[k] for _, k in mine]
-    values = {s: value_of(done.values[k], done.std[k], UNITS[s]) for s, k in zip(signals, mine, strict=True)}
+def _nameless(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
+    """A constant error of readings is neither a length nor a tilt, and no model holds it."""
+    values: dict[str, dict[str, Any]] = {}
+    said = []
+    for name, c in mine:
+        owner, what = (ARM, problem.signals[c]) if name == SHIFT else (problem.arm.joints[c], ZERO)
+        side = 1.0 if name == SHIFT else -1.0  # what a reading is off by, and not what it lacks
+        told = value_of(side * done.values[name, c], done.std[name, c], UNITS.get(what, "rad"))
+        values.setdefault(owner, {})[what] = told
+        of = f"the tip's {what}" if name == SHIFT else f"the zero of {owner}"
+        said.append(f"{of} by {told['value']:.4g} {told['unit']}")
     rivals = _rivals(problem, done, mine)
-    near = sorted((loss, rival) for rival, loss in rivals.items() if loss < problem.need)
-    said = ", ".join(f"{s} by {v['value']:.4g} {v['unit']}" for s, v in values.items())
+    zeros = [problem.arm.joints[c] for name, c in mine if name == ZERO]
     return Finding(
-        UNKNOWN, "arm", [], "always", _confidence(problem, done, mine, list(rivals.values())),
-        [rival for _, rival in near], {ARM: values}, [],
-        f"The tip is off by a constant, {said}: {FRAMES}. No model holds that.",
-        _evidence(problem, done, mine, rivals, "The tip is off by the same in every posture."),
+        UNKNOWN, "arm", zeros, "always", _confidence(problem, done, mine, list(rivals.values())),
+        _near(problem, rivals) + (["zero_offset"] if zeros else []), values, [],
+        f"Readings are off by a constant, {', '.join(said)}: {FRAMES}. No model holds that.",
+        _evidence(problem, done, mine, rivals, "The tip is off by the same constants in every posture."),
     )  # fmt: skip
+
+
+def _near(problem: ArmProblem, rivals: Losses) -> list[str]:
+    """Rivals that these data cannot rule out, the likeliest first."""
+    return [
+        rival
+        for loss, rival in sorted((loss, rival) for rival, loss in rivals.items())
+        if loss < problem.need
+    ]
 
 
 def _rivals(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
-    """What is lost where all that another name can do stands in the place of some values."""
+    """What is lost where one value or all of another name stand in the place of some, each value more than
+    these being paid for.
+    """
     others, cost = [k for k in done.values if k not in mine], problem.solve(list(done.values))[2]
-    names = dict.fromkeys(name for name, _ in problem.candidates if name != mine[0][0])
-    trials = {n: [k for k in problem.candidates if k[0] == n and k not in others] for n in names}
-    return {n: problem.solve([*others, *keys])[2] - cost for n, keys in trials.items() if keys}
+    free = [k for k in problem.candidates if k not in others and k[0] not in {name for name, _ in mine}]
+    out: Losses = {}
+    for name in dict.fromkeys(name for name, _ in free):
+        every = [k for k in free if k[0] == name]
+        for keys in [every, *([k] for k in every)]:
+            loss = problem.solve([*others, *keys])[2] - cost
+            loss += problem.need * max(len(keys) - len(mine), 0)
+            told = UNKNOWN if name in NAMELESS else name
+            out[told] = min(loss, out.get(told, np.inf))
+    return out
 
 
 def _elsewhere(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:

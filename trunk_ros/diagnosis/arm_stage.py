@@ -10,7 +10,7 @@ from scipy.ndimage import median_filter
 
 from trunk_ros.chain import tip_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.arm_values import SHIFT, Key, Point, bound, credible, point_of
+from trunk_ros.diagnosis.arm_values import NAMELESS, SHIFT, ZERO, Key, Point, bound, credible, point_of
 from trunk_ros.diagnosis.criterion import CURVE, FURTHER, RELEVANT, SIGNIFICANT
 from trunk_ros.diagnosis.evidence import ROUGH, SCATTER
 from trunk_ros.diagnosis.faults import FEW
@@ -23,7 +23,7 @@ from trunk_ros.model import Values
 SIGNALS = ("y", "z", "roll")
 UNITS = {"y": "m", "z": "m", "roll": "rad"}
 STEP = 0.01
-SMALL = {"y": 1e-5, "z": 1e-5, "roll": 1e-4}  # steps of shifts
+SMALL = {"y": 1e-5, "z": 1e-5, "roll": 1e-4}  # steps of what has no name
 BLOCKS = 10
 TURNS = 3
 SETTLED = 0.1  # squared unit-noise residual: a slope need not be computed again for less
@@ -54,6 +54,8 @@ class ArmProblem:
         self.data = [replace(d, tip=d.tip[:, : len(self.signals)]) for d in data]
         self.arm = data[0].arm
         self.known = point_of(effects or {}, len(self.arm.joints))
+        self.zeros = (effects or {}).get("zero_offset", {}).get("offset", np.zeros(len(self.arm.joints)))
+        """(joints,) rad by which the readings of joints and gearbox disagree."""
         self.candidates = self._candidates()
         self.from_joints = np.zeros(len(self.signals)) if lasting is None else self._at_the_tip(lasting)
         self.strays, self.alike = 0, 1.0
@@ -76,13 +78,13 @@ class ArmProblem:
 
     def price(self, keys: list[Key]) -> float:
         """Of some values: what has no name is dearer."""
-        return self.need * sum(CURVE if name == SHIFT else 1.0 for name, _ in keys)
+        return self.need * sum(CURVE if name in NAMELESS else 1.0 for name, _ in keys)
 
     def _candidates(self) -> list[Key]:
         joints = range(len(self.arm.joints))
         kinds = [kind for kind in registry().values() if kind.stage == "arm"]
         named = [(kind.id, c) for kind in kinds for c in ([-1] if kind.everywhere else joints)]
-        return named + [(SHIFT, k) for k in range(len(self.signals))]
+        return [*named, *((SHIFT, k) for k in range(len(self.signals))), *((ZERO, c) for c in joints[1:])]
 
     def estimate_noise(self, values: Point) -> None:
         """Size and memory of the noise from what some values leave."""
@@ -115,9 +117,12 @@ class ArmProblem:
         return np.asarray(np.sqrt(power / len(self.data)))
 
     def _predict(self, d: TipData, values: Point) -> Array:
-        dt = np.diff(d.stamp, prepend=d.stamp[:1])
-        now = Now(d.stamp, dt, d.theta, d.theta, d.theta, d.theta, d.theta, self.arm.joints, self.arm.ratio)
-        tip = tip_pass(self.arm, bound(values, len(self.arm.joints)), d.theta, now)
+        joints = self.arm.joints
+        dt, theta = np.diff(d.stamp, prepend=d.stamp[:1]), d.theta
+        if any(name == ZERO for name, _ in values):
+            theta = theta + [values.get((ZERO, c), 0.0) for c in range(len(joints))]
+        now = Now(d.stamp, dt, theta, theta, theta, theta, theta, joints, self.arm.ratio)
+        tip = tip_pass(self.arm, bound(values, len(joints)), theta, now)
         shift = [values.get((SHIFT, k), 0.0) for k in range(len(self.signals))]
         return np.asarray(tip[:, : len(self.signals)] + shift)
 
@@ -151,8 +156,8 @@ class ArmProblem:
         return (self.whitened({**values, key: values[key] + step}, keep) - rest) / step
 
     def _step(self, key: Key) -> float:
-        if key[0] == SHIFT:
-            return SMALL[self.signals[key[1]]]
+        if key[0] in NAMELESS:
+            return SMALL["roll" if key[0] == ZERO else self.signals[key[1]]]
         return STEP * effect(key[0]).parameters[0].typical
 
     def run(self) -> ArmFit:

@@ -11,9 +11,11 @@ from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.model import Values
 
 SHIFT = "shift"  # of a signal by a constant: no effect of the arm, but other frames make one
+ZERO = "zero"  # of a joint's reading, off by a constant; that of the first joint is a tilt
+NAMELESS = (SHIFT, ZERO)
 
 Key = tuple[str, int]
-"""An effect and the joint's column, -1 for the whole arm; SHIFT and the signal's column."""
+"""An effect and the joint's column, -1 for the whole arm; SHIFT and the signal's; ZERO and the joint's."""
 Point = dict[Key, float]
 
 
@@ -29,7 +31,7 @@ def point_of(effects: Mapping[str, Values], joints: int) -> Point:
 
 def credible(key: Key, value: float) -> bool:
     """Whether a value lies within the bounds of its parameter."""
-    if key[0] == SHIFT:
+    if key[0] in NAMELESS:
         return True
     low, high = effect(key[0]).parameters[0].bounds
     return low <= value <= high
