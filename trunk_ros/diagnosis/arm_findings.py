@@ -90,19 +90,17 @@ def _near(problem: ArmProblem, rivals: Losses) -> list[str]:
 
 
 def _rivals(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
-    """What is lost where one value or all of another name stand in the place of some, each value more than
-    these being paid for.
+    """What is lost where all that another name can do stands in the place of some values, or the zero of one
+    joint's sensor.
     """
     others, cost = [k for k in done.values if k not in mine], problem.solve(list(done.values))[2]
     free = [k for k in problem.candidates if k not in others and k[0] not in {name for name, _ in mine}]
+    names = dict.fromkeys(name for name, _ in free if name != ZERO)
+    trials = [[k for k in free if k[0] == name] for name in names] + [[k] for k in free if k[0] == ZERO]
     out: Losses = {}
-    for name in dict.fromkeys(name for name, _ in free):
-        every = [k for k in free if k[0] == name]
-        for keys in [every, *([k] for k in every)]:
-            loss = problem.solve([*others, *keys])[2] - cost
-            loss += problem.need * max(len(keys) - len(mine), 0)
-            told = UNKNOWN if name in NAMELESS else name
-            out[told] = min(loss, out.get(told, np.inf))
+    for keys in trials:
+        told = UNKNOWN if keys[0][0] in NAMELESS else keys[0][0]
+        out[told] = min(problem.solve([*others, *keys])[2] - cost, out.get(told, np.inf))
     return out
 
 
