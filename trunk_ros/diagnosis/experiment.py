@@ -14,19 +14,15 @@ import numpy as np
 from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.evidence import Evidence
 from trunk_ros.diagnosis.excitation import Stretch, limits_of, motion, stretches
-from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.search import Search
-from trunk_ros.diagnosis.separation import HOPELESS, Difference, Duel, Other, expected, span_of
-from trunk_ros.effects import effect
-from trunk_ros.parameter import Parameter
+from trunk_ros.diagnosis.separation import HOPELESS, Difference, Duel, expected, span_of
+from trunk_ros.diagnosis.sides import sides_of
 from trunk_ros.trajectory import Trajectory
 
-FORMS = 2  # of a rival beside its best one
 MOST = 4  # stretches of a motion
 AGAIN = 6  # stretches that are tried once more beside the best one
 SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
@@ -46,6 +42,8 @@ class Experiment:
     pairs: list[tuple[str, str]]
     duels: list[Duel]
     seen: list[Difference]
+    mutual: list[bool]
+    """Whether the other, taken for the truth, rules the duel's truth out as well."""
 
 
 def experiment(search: Search, state: Fit, found: dict[str, Evidence]) -> Experiment | None:
@@ -60,65 +58,13 @@ def experiment(search: Search, state: Fit, found: dict[str, Evidence]) -> Experi
     return done
 
 
-def sides_of(search: Search, state: Fit, name: str, rival: str, evidence: Evidence) -> tuple[Duel, Duel]:
-    """What was found taken for the truth, and the rival taken for it: one effect may be able to turn into the
-    other, and then only one of the two can be ruled out.
-    """
-    limit = sum(need(search.problem, c) for c in evidence.gain)
-    loss, there = evidence.rivals[rival], evidence.fitted[rival]
-    others = forms_of(search, Other(search, there, loss), rival, state.total, limit)
-    own = forms_of(search, Other(search, state.explanation, -loss), name, state.total + loss, limit)
-    return Duel(name, rival, state.explanation, others), Duel(rival, name, there, own)
-
-
-def forms_of(search: Search, best: Other, name: str, total: float, limit: float) -> list[Other]:
-    """An effect in the forms and with the sources that lose less than ``limit`` against ``total``, best
-    first.
-    """
-    kind, there = effect(name), best.explanation
-    forms = [form for form in kind.forms if form != there[name].form and kind.own_parameters(form)]
-    trials = [in_form(there, name, form) for form in forms]
-    if kind.texts:
-        trials += [from_source(there, name, joint, search.problem.joints) for joint in search.problem.joints]
-    fits = [search.refit(trial) for trial in trials if trial != there]
-    close = sorted((fit for fit in fits if fit.total - total < limit), key=lambda fit: fit.total)[:FORMS]
-    return [best, *(Other(search, fit.explanation, fit.total - total) for fit in close)]
-
-
-def from_source(explanation: Explanation, name: str, source: str, joints: tuple[str, ...]) -> Explanation:
-    """An effect that another joint causes, wherever it is not that joint itself."""
-    out, first = explanation.copy(), effect(name).texts[0]
-    for column, words in out[name].words.items():
-        if joints[column] != source and source not in words.values():
-            words[first] = source
-    return out
-
-
-def in_form(explanation: Explanation, name: str, form: str) -> Explanation:
-    """An effect in another form, from the values that it has; others from their usual ones."""
-    out = explanation.copy()
-    term, needed = out[name], effect(name).own_parameters(form)
-    term.form = form
-    term.shared = {
-        p.name: term.shared.get(p.name, p.typical) for p in needed if p.shared and _has(p, term.shared)
-    }
-    term.own = {
-        c: {p.name: own.get(p.name, p.typical) for p in needed if not p.shared and _has(p, own)}
-        for c, own in term.own.items()
-    }
-    return out
-
-
-def _has(parameter: Parameter, values: dict[str, float]) -> bool:
-    return not parameter.optional or parameter.name in values
-
-
 class Design:
     """A search over motions for one that tells all rivals apart."""
 
-    def __init__(self, problem: Problem, sides: list[tuple[Duel, Duel]]):
+    def __init__(self, problem: Problem, sides: list[list[Duel]]):
+        """``sides``: of each pair, the one to be told first if a motion can."""
         self.problem, self.sides = problem, sides
-        self.duels = [forward for forward, _ in sides]
+        self.duels = [duels[0] for duels in sides]
         self.own = {c for duel in self.duels for c in duel.columns}
         self.limits = limits_of(problem)
 
@@ -131,7 +77,14 @@ class Design:
         if self.duels and self.ratios(parts).min() < SURE:
             parts = max((parts, parts * REPEATS), key=self.score)
         there = self.motion(parts)
-        return Experiment(there, pairs, faced, [duel.seen_in(self.problem, there) for duel in faced])
+        seen = [duel.seen_in(self.problem, there) for duel in faced]
+        mutual = [self.back(duel, duels, there) for duel, duels in zip(faced, self.sides, strict=True)]
+        return Experiment(there, pairs, faced, seen, mutual)
+
+    def back(self, faced: Duel, duels: list[Duel], there: Trajectory) -> bool:
+        """Whether a motion rules out the truth of ``faced`` if it is the other, in whatever form."""
+        turned = [duel for duel in duels if duel.truth == faced.other]
+        return all(duel.seen_in(self.problem, there).ratio >= SURE for duel in turned)
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
@@ -140,7 +93,8 @@ class Design:
     def ratios(self, parts: list[Stretch]) -> Array:
         """(duels,) misfit of each refitted rival, over what it takes to rule it out."""
         span = span_of(self.problem, self.motion(parts))
-        told = {id(base): expected(self.problem, base, span) for base in (d.base for d in self.duels)}
+        bases = {id(duel.base): duel.base for duel in self.duels}
+        told = {key: expected(self.problem, base, span) for key, base in bases.items()}
         return np.array([duel.ratio(told[id(duel.base)]) for duel in self.duels])
 
     def score(self, parts: list[Stretch]) -> float:
@@ -151,13 +105,14 @@ class Design:
         """The stretches that tell most; each pair from the side from which it can be told; its best ratio."""
         candidates = stretches(len(self.problem.joints), self.own)
         ratios = np.array([self.ratios([part]) for part in candidates])
-        back, alike = np.zeros_like(ratios), ratios.max(axis=0) < SURE
-        self.duels = [turned for (_, turned), a in zip(self.sides, alike, strict=True) if a]
-        if self.duels:
-            back[:, alike] = [self.ratios([part]) for part in candidates]
-        turned = back.max(axis=0) > ratios.max(axis=0)
-        faced = [pair[int(t)] for pair, t in zip(self.sides, turned, strict=True)]
-        ratios = np.where(turned, back, ratios)
+        faced = list(self.duels)
+        alike = [k for k, peak in enumerate(ratios.max(axis=0)) if peak < SURE]
+        turned = [(k, duel) for k in alike for duel in self.sides[k][1:]]
+        self.duels = [duel for _, duel in turned]
+        back = np.array([self.ratios([part]) for part in candidates]) if turned else ratios[:, :0]
+        for (k, duel), column in zip(turned, back.T, strict=True):
+            if column.max() > ratios[:, k].max():
+                faced[k], ratios[:, k] = duel, column
         order = np.argsort(-np.log1p(ratios).sum(axis=1), kind="stable")
         return [candidates[k] for k in order[:AGAIN]], faced, ratios.max(axis=0)
 
@@ -198,15 +153,15 @@ def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[s
     return [
         {
             "separates": list(pair),
-            "statement": statement(duel, seen, done.motion, units),
+            "statement": statement(duel, seen, mutual, done.motion, units),
             "trajectory": file if seen.ratio >= SURE else "",
         }
-        for pair, duel, seen in zip(done.pairs, done.duels, done.seen, strict=True)
+        for pair, duel, seen, mutual in zip(done.pairs, done.duels, done.seen, done.mutual, strict=True)
     ]
 
 
-def statement(duel: Duel, seen: Difference, there: Trajectory, units: dict[str, str]) -> str:
-    """What to look for, in one sentence."""
+def statement(duel: Duel, seen: Difference, mutual: bool, there: Trajectory, units: dict[str, str]) -> str:
+    """What to look for, and what its absence means."""
     joint = there.joints[seen.column]
     unit = units.get(joint, "rad")
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
@@ -217,8 +172,12 @@ def statement(duel: Duel, seen: Difference, there: Trajectory, units: dict[str, 
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
-    return (
-        f"In {there.duration:.0f} s of motion look at {where}: with {duel.truth} it reads {gap} "
-        f"{'more' if seen.gap > 0 else 'less'}, {times}, than with any {duel.other} that fits these data; "
-        f"over the whole motion they differ by {seen.rms:.2g} times the noise."
+    form = duel.base[duel.truth].form
+    truth = f"the {form} {duel.truth}" if form else duel.truth
+    told = (
+        f"In {there.duration:.0f} s of motion look at {where}: with {truth} as it fits best now it reads "
+        f"{gap} {'more' if seen.gap > 0 else 'less'}, {times}, than with any {duel.other} that fits these "
+        f"data; over the whole motion they differ by {seen.rms:.2g} times the noise."
     )
+    absent = f" Without that both are left: {duel.truth} can do what {duel.other} does."
+    return told if mutual else told + absent

@@ -128,10 +128,15 @@ class Duel:
 
     truth: str
     other: str
-    base: Explanation
+    true: Other
     """With the truth."""
     others: list[Other]
     """With the other, in the forms that explain the recordings as well."""
+
+    @property
+    def base(self) -> Explanation:
+        """The explanation with the truth."""
+        return self.true.explanation
 
     @cached_property
     def columns(self) -> list[int]:
@@ -152,7 +157,7 @@ class Duel:
         """The misfit at which it is no equivalent any more, both runs taken together."""
         problems = (other.search.problem, there)
         each = [need(p, c) for p in problems for c in self.base[self.truth].columns if c in self.columns]
-        return max(sum(each) - other.loss, 1.0)
+        return max(sum(each) - (other.loss - self.true.loss), 1.0)
 
     def seen_in(self, problem: Problem, motion: Trajectory) -> Difference:
         """Where it shows most in a motion, after a full refit of each form."""
