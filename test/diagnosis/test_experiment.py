@@ -23,6 +23,7 @@ from trunk_ros.diagnosis.experiment import Experiment, experiment, proposals
 from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.result import Diagnosis
 from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.sides import sides_of
 from trunk_ros.diagnosis.stages import WireProblem
 from trunk_ros.model import load_model
 from trunk_ros.motion import named_trajectory
@@ -36,6 +37,11 @@ TRUTHS = [
     Hidden("ratio_error", (2,), "", {"relative": np.array([8e-3])}),
     Hidden("joint_coupling", (2,), "", {"gain": np.array([8e-3]), "source": 1}),
 ]
+ALL = (0, 1, 2, 3, 4)
+LATE = [
+    Hidden("sensor_delay", ALL, "pure", {"delay": 0.012}),
+    Hidden("viscous_lag", ALL, "first_order", {"time_constant": np.full(5, 0.012)}),
+]
 
 
 def all_joints_alike(seconds: float = 40.0) -> Array:
@@ -45,6 +51,15 @@ def all_joints_alike(seconds: float = 40.0) -> Array:
     waves = [np.sin(2 * np.pi * rng.uniform(0.04, 0.15) * t + rng.uniform(0, 6)) for _ in range(3)]
     alike = 0.1 * np.sum(waves, axis=0) * np.clip(t / 2.0, 0.0, 1.0)
     return np.repeat(alike[:, None], 5, axis=1)
+
+
+def slow(seconds: float = 40.0) -> Array:
+    """Reference (n, 5) below 0.1 rad/s, each joint for itself: a lag and a delay look the same."""
+    t = np.arange(round(seconds / PERIOD)) * PERIOD
+    rng = np.random.default_rng(5)
+    rate, phase = rng.uniform(0.03, 0.06, 5), rng.uniform(0.0, 6.0, 5)
+    waves = 0.2 * np.sin(2 * np.pi * rate * t[:, None] + phase)
+    return np.asarray(waves * np.clip(t / 5.0, 0.0, 1.0)[:, None])
 
 
 def made(path: Path, truth: Hidden, reference: Array, seed: int) -> Path:
@@ -93,6 +108,46 @@ def test_the_proposed_run_on_the_same_arm_ends_the_ambiguity(truth: Hidden, tmp_
         (truth.effect, ["joint_3"], [])
     ]
     assert settled.experiments == []
+
+
+@pytest.mark.parametrize("truth", LATE, ids=lambda h: h.effect)
+def test_a_run_that_only_one_of_two_can_show_says_so_and_does_what_it_says(
+    truth: Hidden, tmp_path: Path
+) -> None:
+    first = made(tmp_path / "first", truth, slow(), 0)
+    doubtful = diagnose([first])
+    assert [(f.effect, f.equivalents) for f in doubtful.findings] == [("sensor_delay", ["viscous_lag"])]
+    (told,) = doubtful.experiments
+    assert "with the first_order viscous_lag" in told["statement"]
+    assert told["statement"].endswith("both are left: viscous_lag can do what sensor_delay does.")
+    doubtful.save(tmp_path)
+    settled = diagnose([first, made(tmp_path / "second", truth, proposed(tmp_path / FILE), 1)])
+    left = [(f.effect, f.equivalents) for f in settled.findings]
+    if truth.effect == "viscous_lag":
+        assert left == [("viscous_lag", [])]
+        assert settled.experiments == []
+    else:
+        assert left == [("sensor_delay", ["viscous_lag"])]
+        assert settled.trajectories == {}
+        assert settled.experiments[0]["statement"].startswith("No motion within the limits tells")
+
+
+def test_a_rival_explains_in_one_form_what_is_said_of_it() -> None:
+    problem = WireProblem(
+        [wire_span(recorded({"tension_error": {"factor": 1.35}}, size=0.15), load_model("trunk"))],
+        load_model("trunk"),
+    )
+    search = Search(problem)
+    state = search.run()
+    found = evidence(search, state)["tension_error"]
+    assert {"stribeck_friction", "presliding_hysteresis"} <= set(found.equivalents)
+    for rival in found.equivalents:
+        forward, *turned = sides_of(search, state, "tension_error", rival, found)
+        assert [duel.true for duel in turned] == forward.others
+        for other in forward.others:
+            problem.look_again(other.explanation)
+            cost = sum(float(np.sum(problem.whitened(other.explanation, c) ** 2)) for c in problem.columns)
+            assert cost - state.total == pytest.approx(other.loss, abs=0.01)
 
 
 def test_each_pair_is_told_with_its_file_and_what_to_look_for(ambiguous: tuple[Path, Diagnosis]) -> None:
