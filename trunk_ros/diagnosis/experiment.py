@@ -26,7 +26,7 @@ from trunk_ros.trajectory import Trajectory
 MOST = 4  # stretches of a motion
 AGAIN = 6  # stretches that are tried once more beside the best one
 SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
-AMPLE = 4.0  # likewise: no further stretch is added
+AMPLE = 10.0  # likewise: no further stretch is added; each joint is to be told by itself
 REPEATS = 4  # of a motion that is too short
 TRIALS, FEWEST = 48, 8  # simulations of rivals in the local search; motions that it tries at least
 STANDS = 1e-3  # rad/s
@@ -71,8 +71,7 @@ class Design:
     def run(self) -> Experiment:
         """Stretch by stretch, then in small steps; repeated where that is not enough."""
         pairs = [(duel.truth, duel.other) for duel in self.duels]
-        ranked, faced, peaks = self.ranked()
-        self.duels = [duel for duel, peak in zip(faced, peaks, strict=True) if peak > HOPELESS]
+        ranked, faced = self.ranked()
         parts = self.polished(self.grown(ranked)) if self.duels else ranked[:1]
         if self.duels and self.ratios(parts).min() < SURE:
             parts = max((parts, parts * REPEATS), key=self.score)
@@ -101,20 +100,19 @@ class Design:
         """How far all rivals together are apart; logarithms, so that the nearest count most."""
         return float(np.sum(np.log1p(self.ratios(parts))))
 
-    def ranked(self) -> tuple[list[Stretch], list[Duel], Array]:
-        """The stretches that tell most; each pair from the side from which it can be told; its best ratio."""
+    def ranked(self) -> tuple[list[Stretch], list[Duel]]:
+        """The stretches that tell most, and each pair from the side that shows most. ``duels`` become all
+        that a motion may decide.
+        """
         candidates = stretches(len(self.problem.joints), self.own)
+        self.duels = [duel for duels in self.sides for duel in duels]
         ratios = np.array([self.ratios([part]) for part in candidates])
-        faced = list(self.duels)
-        alike = [k for k, peak in enumerate(ratios.max(axis=0)) if peak < SURE]
-        turned = [(k, duel) for k in alike for duel in self.sides[k][1:]]
-        self.duels = [duel for _, duel in turned]
-        back = np.array([self.ratios([part]) for part in candidates]) if turned else ratios[:, :0]
-        for (k, duel), column in zip(turned, back.T, strict=True):
-            if column.max() > ratios[:, k].max():
-                faced[k], ratios[:, k] = duel, column
-        order = np.argsort(-np.log1p(ratios).sum(axis=1), kind="stable")
-        return [candidates[k] for k in order[:AGAIN]], faced, ratios.max(axis=0)
+        peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
+        told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
+        faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
+        self.duels = [self.duels[k] for k in all_told if peaks[k] > HOPELESS]
+        order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
+        return [candidates[k] for k in order[:AGAIN]], faced
 
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
@@ -138,6 +136,15 @@ class Design:
             options={"maxfev": tries, "initial_simplex": simplex},
         )  # fmt: skip
         return max((parts, [*before, _at(last, found.x)]), key=self.score)
+
+
+def _told(peaks: Array, sides: range) -> list[int]:
+    """The sides of a pair to design for: the first if a motion tells it, or all that one tells, or the one
+    that shows most.
+    """
+    order = sorted(sides, key=lambda k: -float(peaks[k]))
+    sure = [k for k in order if peaks[k] >= SURE]
+    return [sides[0]] if sides[0] in sure else sure or order[:1]
 
 
 def _at(part: Stretch, x: Array) -> Stretch:
