@@ -67,9 +67,8 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
     out = explanation.copy()
     kind = effect(candidate.effect)
     columns = (candidate.columns or problem.columns) if candidate.column is None else [candidate.column]
-    for rival in (*kind.replaces, *(k.id for k in registry().values() if candidate.effect in k.replaces)):
-        if rival in out:
-            del out[rival]
+    for rival in replaced(kind, out):
+        del out[rival]
     term = out.setdefault(candidate.effect, Term(candidate.effect, candidate.form))
     for column in columns:
         if column in term.own and kind.texts:
@@ -80,6 +79,17 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
             if kind.beyond in out and column in problem.wide:
                 _take_off(out[kind.beyond], term, column)
     return out
+
+
+def replaced(kind: type[Effect], explanation: Explanation) -> list[str]:
+    """The effects of an explanation that include another or are included in it."""
+    return [name for name in explanation if name in kind.replaces or kind.id in effect(name).replaces]
+
+
+def taken(kind: type[Effect], explanation: Explanation, column: int) -> bool:
+    """Whether a column has another effect that includes the same one, as a slack wire and a stiff one do."""
+    others = [effect(term.effect) for term in explanation.on(column) if term.effect != kind.id]
+    return any(set(kind.replaces) & set(other.replaces) for other in others)
 
 
 def _take_off(flat: Term, rounded: Term, column: int) -> None:

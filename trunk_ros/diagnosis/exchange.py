@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from trunk_ros.diagnosis.candidates import extended, usable
+from trunk_ros.diagnosis.candidates import extended, replaced, taken, usable
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
+from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.revise import better, drop, forms, members, options
 from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.unnamed import curve_fit
@@ -120,7 +121,11 @@ def _with_some_back(search: Search, was: Fit, trial: Fit, name: str) -> Fit:
     """The effect that was replaced again on joints that have more of it than all, the neediest first: on
     most, since what acts on all shows on several joints alone.
     """
-    left = [c for c in was.explanation[name].columns if c in search.problem.columns]
+    kind = effect(name)
+    if replaced(kind, trial.explanation):
+        return trial
+    left = [c for c in was.explanation[name].columns if not taken(kind, trial.explanation, c)]
+    left = [c for c in left if c in search.problem.columns]
     alone = len(search.problem.columns) - len(left)
     while left and len(left) + alone > ALONE:
         needy = max(left, key=lambda c: trial.cost[c] - was.cost[c])
@@ -187,7 +192,8 @@ def _unnamed_everywhere(search: Search, now: Fit) -> Fit | None:
     cost: dict[int, float] = {}
     for column in problem.columns:
         trial = curve_fit(problem, bare, column)
-        if trial is None:
+        nominal = fit(problem, bare, [column]).cost[column]
+        if trial is None or not _tells(problem, trial, column, nominal):
             return None
         bare, cost = trial.explanation, cost | trial.cost
     return Fit(bare, cost)
@@ -213,11 +219,15 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
         if trial is not None:
             best = better(search, best, Fit(trial.explanation, now.cost | trial.cost))
     gained = now.cost[column] - best.cost[column]
-    simpler = len(local) >= 3
-    noise = search.problem.count(column)
-    most = OVER_TIME if best.explanation.over_time(column) else HALF
-    tells = best.cost[column] - noise < most * (nominal - noise)
-    return best if tells and (simpler or gained > CLEARER * (nominal - now.cost[column])) else now
+    clearly = len(local) >= 3 or gained > CLEARER * (nominal - now.cost[column])
+    return best if clearly and _tells(search.problem, best, column, nominal) else now
+
+
+def _tells(problem: Problem, curved: Fit, column: int, nominal: float) -> bool:
+    """Whether a curve leaves so little of what there was without it that it is over what is at work."""
+    noise = problem.count(column)
+    most = OVER_TIME if curved.explanation.over_time(column) else HALF
+    return curved.cost[column] - noise < most * (nominal - noise)
 
 
 def local_effects(now: Fit, column: int) -> list[str]:

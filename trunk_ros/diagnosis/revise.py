@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.candidates import extended, given, seen_forms
+from trunk_ros.diagnosis.candidates import extended, given, seen_forms, taken
 from trunk_ros.diagnosis.explanation import Explanation, bind_column
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.screen import Screen
@@ -91,6 +91,8 @@ def _reformed(search: Search, now: Fit, name: str, form: str) -> Fit | None:
         p.name: old.shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in old.shared
     }
     trial = search.refit(out)
+    if refined:
+        trial = min([trial, *map(search.refit, _refinements(now.explanation, name, form))], key=search.score)
     for column in [c for c in old.columns if refined and not search.credible(trial.explanation, c)]:
         kept = trial.explanation.copy()
         kept[name].own[column] = dict(old.own[column])
@@ -98,9 +100,25 @@ def _reformed(search: Search, now: Fit, name: str, form: str) -> Fit | None:
     return trial
 
 
+def _refinements(explanation: Explanation, name: str, form: str) -> Iterator[Explanation]:
+    """An effect with the values that it has, and what a refined form adds at each of its start values."""
+    known = effect(name).own_parameters(explanation[name].form)
+    added = [p for p in effect(name).own_parameters(form) if p not in known]
+    for k in range(max((len(p.scan) for p in added), default=0)):
+        out = explanation.copy()
+        out[name].form = form
+        for parameter in added:
+            start = parameter.scan[k % len(parameter.scan)] if parameter.scan else parameter.typical
+            for values in [out[name].shared] if parameter.shared else out[name].own.values():
+                values[parameter.name] = start
+        yield out
+
+
 def options(search: Search, now: Fit) -> Fit:
     """Free what an effect may have besides: a payload, or what the arm's description states."""
     for name in list(now.explanation):
+        if name not in now.explanation:
+            continue
         kind = effect(name)
         for parameter in kind.own_parameters(now.explanation[name].form):
             if parameter.optional and parameter.shared:
@@ -157,6 +175,8 @@ def _anew(search: Search, now: Fit, name: str, parameter: Parameter) -> Iterator
 def members(search: Search, now: Fit) -> Fit:
     """Which joints an effect is on that acts on all; one without values of a joint's own is left by none."""
     for name in [n for n in now.explanation if effect(n).everywhere]:
+        if name not in now.explanation:  # one that includes it has come in its place
+            continue
         alike = all(p.shared for p in effect(name).own_parameters(now.explanation[name].form))
         for column in search.problem.columns:
             there = column in now.explanation[name].columns
@@ -176,6 +196,8 @@ def _joined(search: Search, now: Fit, name: str, column: int) -> Fit | None:
     kind, form, joined = effect(name), now.explanation[name].form, now.explanation.copy()
     if all(p.shared for p in kind.own_parameters(form)):
         joined[name].own[column] = {}
+    elif taken(kind, joined, column):
+        return None
     else:
         start = Screen(search.problem, now.explanation, [column]).local_form(kind, form, column)
         if start is None:

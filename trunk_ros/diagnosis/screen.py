@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.candidates import Candidate, extended, given, seen_forms
+from trunk_ros.diagnosis.candidates import Candidate, extended, given, seen_forms, taken
 from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.problem import Problem
@@ -136,6 +136,7 @@ class Screen:
         """On all joints; where a joint has values of its own, on those that a linear look finds better
         off.
         """
+        each = {c: found for c, found in each.items() if not taken(kind, self.explanation, c)}
         if trial.free:
             return self._each_by_itself(kind, trial, each)
         if any(not p.shared for p in kind.own_parameters(trial.form)):
