@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from trunk_ros.chain import Chain
 from trunk_ros.model import Model
-from trunk_ros.recording.encoder import ON_GRID, counts
-from trunk_ros.recording.fill import hold
+from trunk_ros.recording.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID, counts
+from trunk_ros.recording.fill import fill, hold
 from trunk_ros.recording.gaps import bridged
 from trunk_ros.recording.recording import Floats, JointSeries, Recording
 from trunk_ros.recording.resample import SAME, joint_grid
 
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
+DRIFT = 0.5  # standard deviations of noise: four of the mean over AGREES samples
+WILD = 6.0  # standard deviations of noise
 AGREES = 65  # samples around a moment whose readings must all be those of the servo's course
 
 
@@ -44,17 +46,28 @@ def as_the_servo_went(
     recording: Recording, gearbox: JointSeries, grid: Floats, phi: Floats, model: Model
 ) -> Floats:
     """Gearbox angles (m, joints) on the grid (m,) s: ``phi``, but those of the model's servo where it
-    passes, led by the recorded setpoints alone, all readings near by within the rounding of their encoder.
+    passes, led by the recorded setpoints alone, all readings near by within their rounding or their noise.
     """
-    steps = counts(gearbox)
-    setpoints = all_setpoints(recording, gearbox.joints, model) if steps.any() else None
-    if setpoints is None:
-        return phi
+    setpoints = all_setpoints(recording, gearbox.joints, model)
     stamp = gearbox.stamp
+    if setpoints is None or len(stamp) < AGREES:
+        return phi
     course = servo_course(setpoints, np.union1d(stamp, grid), model)
-    apart = np.abs(course.position[np.searchsorted(course.stamp, stamp)] - gearbox.position)
-    off = maximum_filter1d((apart > (0.5 + ON_GRID) * steps) | (steps == 0.0), AGREES, axis=0)
+    off = _off(
+        course.position[np.searchsorted(course.stamp, stamp)] - fill(gearbox.position), counts(gearbox)
+    )
     before = np.clip(np.searchsorted(stamp, grid + SAME, side="right") - 1, 0, len(stamp) - 1)
     after = np.clip(np.searchsorted(stamp, grid - SAME), 0, len(stamp) - 1)
     went = course.position[np.searchsorted(course.stamp, grid)]
     return np.where(off[before] | off[after], phi, went)
+
+
+def _off(apart: Floats, steps: Floats) -> np.ndarray:
+    """(n, joints): near which a course is not that of the readings, which are ``apart`` from it; noise has no
+    course of its own.
+    """
+    rounded = (np.abs(apart) <= (0.5 + ON_GRID) * steps) & (steps > 0.0)
+    noise = np.median(np.abs(np.diff(apart, axis=0)), axis=0) * MEDIAN_TO_STD / np.sqrt(2.0)
+    drifts = np.abs(uniform_filter1d(apart, AGREES, axis=0)) > DRIFT * noise
+    noisy = ~drifts & (np.abs(apart) < WILD * noise) & (noise > HIDDEN * steps)
+    return np.asarray(maximum_filter1d(~(rounded | noisy), AGREES, axis=0))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trunk_ros.recording.encoder import between_counts, count
+from trunk_ros.recording.encoder import HIDDEN, between_counts, count, noises
 from trunk_ros.recording.recording import JointSeries
 
 STEP = 2 * np.pi / 2**14
@@ -56,3 +56,16 @@ def test_unknown_angles_stay_unknown_and_those_beside_lost_ones_as_they_are():
     assert np.isfinite(out[:500]).all()
     beside = np.flatnonzero(np.diff(T[kept]) > 0.1)[0]
     assert out[beside] == seen[kept][beside]
+
+
+def test_noise_is_smoothed_where_it_is_more_than_a_count_hides():
+    true, noise = moving(), 1.5 * STEP
+    seen = rounded(true + np.random.default_rng(0).normal(size=len(T)) * noise)
+    out = between_counts(series(seen)).position[:, 0]
+    assert noises(series(seen))[0] == pytest.approx(noise, rel=0.2)
+    assert np.std(out - true) < 0.5 * noise
+
+
+def test_motion_is_no_noise():
+    assert noises(series(moving()))[0] == 0.0
+    assert noises(series(rounded(moving())))[0] < HIDDEN * STEP

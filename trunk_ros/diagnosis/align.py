@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.held import new_readings
 from trunk_ros.diagnosis.loops import comes_back, is_wide, turned
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
-from trunk_ros.recording.encoder import between_counts, counts
+from trunk_ros.recording.encoder import between_counts, counts, noises
 from trunk_ros.recording.fill import hold
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.resample import LONGEST_GAP, SAME, SLOW, joint_grid, longest_gap, resample, wide_gaps
@@ -52,7 +52,8 @@ class Span:
     held: float = 0.0
     """Time [s] for which the sensor of the target repeats each reading; the repeats are left out."""
     counts: Array | None = None
-    """(joints,) rad of the gearbox per step of its encoder, 0 where readings lie on no grid."""
+    """(joints,) rad of the gearbox per step of its encoder, 0 where readings lie on no grid; more where noise
+    scatters them more than such steps."""
 
     @property
     def stamp(self) -> Array:
@@ -71,6 +72,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(between_counts(gearbox, steps), grid)
     phi = as_the_servo_went(recording, gearbox, grid, phi, model)
+    grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
     valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)
     arm = model.for_joints(joints).arm.only(joints)
@@ -83,7 +85,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
     known = resistance(arm, gearbox, grid, phi)
     return Span(
-        recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, steps
+        recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
 
 

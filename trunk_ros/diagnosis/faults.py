@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.noise import MEDIAN_TO_STD
+from trunk_ros.recording.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.recording import Recording
 
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
+from trunk_ros.recording.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.resample import SLOW
 
 BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-MEDIAN_TO_STD = 1.4826
 TRIMMED = 0.98658  # std of a normal variable within three of its std
 REMEMBERED = 0.16  # s that noise is compared over
 LEAST = 1e-9  # a floor for recordings without any noise

@@ -1,4 +1,4 @@
-"""Angles between the counts of an encoder: the smoothest that its readings allow."""
+"""Angles between the counts of an encoder, or within its noise: the smoothest that its readings allow."""
 
 from __future__ import annotations
 
@@ -16,6 +16,13 @@ CURVED = 2  # order of the polynomial in a window
 KINDS = 4  # different steps, in counts, from which a grid of readings is an encoder's and no accident
 ON_GRID = 0.02  # counts
 NEAR = 0.55  # counts that a reading may lie from a curve through it and its neighbours
+CALM = 200  # samples in which a joint may hardly move
+CALMEST = 0.2  # share of such stretches
+HIDDEN = 0.7  # of a count: more than rounding alone scatters by
+REACH = 7.0  # standard deviations of noise that stand for a count: readings lie within four of a curve
+ALTERNATES = -0.3  # correlation of fourth differences' signs with the next ones: -0.6 of white noise
+EXACT = 1e-9  # of the motion: what numbers are rounded by
+MEDIAN_TO_STD = 1.4826
 EVEN = 0.2  # of the usual time between samples
 
 
@@ -23,11 +30,16 @@ def between_counts(series: JointSeries, steps: Floats | None = None) -> JointSer
     """The same series with positions that move on between counts, at most half a count from the reading.
 
     ``steps`` (joints,): what ``counts`` says of it, where that is known.
-    Each is from the longest window in which a parabola passes all readings within half a count. Joints whose
-    readings lie on no grid, and stretches where samples are lost or come unevenly, stay as they are.
+    Each is from the longest window in which a parabola passes all readings within half a count, or within
+    their noise where that is more than a count hides. Joints whose readings lie on no grid and have no noise,
+    and stretches where samples are lost or come unevenly, stay as they are.
     """
+    if len(series.stamp) < WINDOWS[-1]:
+        return series
     steps = counts(series) if steps is None else steps
-    if not any(steps) or len(series.stamp) < WINDOWS[-1]:
+    noise = noises(series)
+    steps = np.where(noise > HIDDEN * steps, REACH * noise, steps)
+    if not any(steps):
         return series
     position, uneven = series.position.copy(), _uneven(series.stamp)
     for j, step in enumerate(steps):
@@ -41,6 +53,21 @@ def between_counts(series: JointSeries, steps: Floats | None = None) -> JointSer
 def counts(series: JointSeries) -> Floats:
     """(joints,) the step of each joint's encoder, 0 where its readings lie on no grid."""
     return np.array([count(column) for column in series.position.T])
+
+
+def noises(series: JointSeries) -> Floats:
+    """(joints,) standard deviation of what the readings of each joint scatter by where it moves least; 0
+    where that goes on from sample to sample, as motion does.
+    """
+    if len(series.stamp) < CALM:
+        return np.zeros(len(series.joints))
+    readings = fill(series.position)
+    fourth = np.diff(readings, 4, axis=0)
+    follows = np.mean(np.sign(fourth[1:]) * np.sign(fourth[:-1]), axis=0)
+    blocks = np.array_split(np.abs(fourth), len(fourth) // CALM + 1)
+    usual = np.array([np.median(block, axis=0) for block in blocks]) * MEDIAN_TO_STD / np.sqrt(70.0)
+    found = np.quantile(usual, CALMEST, axis=0)
+    return np.where((follows < ALTERNATES) & (found > EXACT * np.ptp(readings, axis=0)), found, 0.0)
 
 
 def count(readings: Floats) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.recording.apart import apart
+from trunk_ros.recording.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 
 _GAP = 2.5  # periods
@@ -46,7 +47,7 @@ def quality_of(stamp: Floats, counts: Counts | None = None) -> Quality:
     if not len(step):
         return Quality(*seen, counts.unreadable, 0.0, 0.0, 0.0, 0.0, 0, None, None)
     period = float(np.median(step))
-    jitter = float(1.4826 * np.median(np.abs(step - period)))
+    jitter = float(MEDIAN_TO_STD * np.median(np.abs(step - period)))
     missing = np.maximum(np.rint(step / period) - 1, 0)
     even = jitter < _EVEN * period
     lost = int(missing[step > 1.5 * period].sum()) if even else None
