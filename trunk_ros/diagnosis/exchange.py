@@ -223,6 +223,18 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
     return best if clearly and _tells(search.problem, best, column, nominal) else now
 
 
+def believed(search: Search, now: Fit) -> Fit:
+    """Without the curves that explain too little beside what has come or gone since they were drawn."""
+    for column in now.explanation.curved & set(search.problem.columns):
+        bare = now.explanation
+        for term in now.explanation.on(column):
+            if not effect(term.effect).named and term.effect not in search.problem.known:
+                bare = bare.without(term.effect, column)
+        less = search.refit_column(now, bare, column)
+        now = now if _tells(search.problem, now, column, less.cost[column]) else less
+    return now
+
+
 def _tells(problem: Problem, curved: Fit, column: int, nominal: float) -> bool:
     """Whether a curve leaves so little of what there was without it that it is over what is at work."""
     noise = problem.count(column)

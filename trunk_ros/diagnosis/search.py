@@ -19,7 +19,7 @@ from trunk_ros.effects import Effect, effect
 PROMISING = 4  # local candidates a joint that are refitted in full
 PROMISING_EVERYWHERE = 2
 NEAR_BEST = 0.6  # an effect takes a joint along if it explains this share of what the best one does there
-ROUNDS = 12
+ROUNDS = 8
 MOST = 4  # local effects on one joint
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 UNTOLD = ("reversal", "hold", "time")  # by joints that never come back
@@ -49,6 +49,7 @@ class Search:
                 break
             now = self.settle(grown)
             self.say(describe(now.explanation))
+        now = exchange.believed(self, now)
         return self.written(revise.bystanders(self, revise.slices(self, now)))
 
     def begin(self, start: Explanation | None = None) -> Fit:
