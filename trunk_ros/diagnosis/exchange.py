@@ -11,7 +11,8 @@ from trunk_ros.diagnosis.criterion import need
 from trunk_ros.diagnosis.explanation import Explanation, Term
 from trunk_ros.diagnosis.fit import Fit, fit
 from trunk_ros.diagnosis.problem import Problem
-from trunk_ros.diagnosis.revise import better, drop, forms, members, options
+from trunk_ros.diagnosis.reform import forms, options
+from trunk_ros.diagnosis.revise import better, drop, members
 from trunk_ros.diagnosis.screen import Screen
 from trunk_ros.diagnosis.unnamed import curve_fit
 from trunk_ros.effects import Effect, effect

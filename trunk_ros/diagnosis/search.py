@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from trunk_ros.diagnosis import anew, exchange, revise
+from trunk_ros.diagnosis import anew, exchange, reform, revise
 from trunk_ros.diagnosis.candidates import extended, usable
 from trunk_ros.diagnosis.criterion import SIGNIFICANT, formed_misfits, need, score
 from trunk_ros.diagnosis.explanation import Explanation, Term, bind_column, describe
@@ -119,9 +119,9 @@ class Search:
         self.weigh(now)
         for change in (
             revise.moments,
-            revise.forms,
+            reform.forms,
             revise.members,
-            revise.options,
+            reform.options,
             revise.members,
             revise.incredible,
             revise.sources,
