@@ -22,7 +22,7 @@ AGREED = 1e-6  # rad: what blocks and ticks may differ by, where joints see each
 
 
 def nominal_play(phi: Array, ratio: Array, width: Array) -> Array:
-    """The contract's nominal wire in plain Python."""
+    """The nominal wire of docs/physics.md in plain Python."""
     theta, out = ratio * phi[0], []
     for row in ratio * phi:
         theta = np.clip(theta, row - width, row + width)
@@ -30,7 +30,7 @@ def nominal_play(phi: Array, ratio: Array, width: Array) -> Array:
     return np.array(out)
 
 
-def test_the_nominal_wire_is_the_contracts_play() -> None:
+def test_the_nominal_wire_is_a_play() -> None:
     model = load_model("trunk")
     phi = motion(stamps(30, 100)) / model.arm.ratio
     got, _ = Chain(model, "wire").run(phi, stamps(30, 100))

@@ -37,7 +37,7 @@ def weight(recording: Recording, arm: Arm = NOMINAL.arm) -> Array:
 
 
 def with_torque(recording: Recording, load: Array, noise: float = 2e-4) -> Recording:
-    """The contract's effort: against the load, plus friction in the direction of motion."""
+    """Effort as the topic's users expect it: against the load, plus friction in the direction of motion."""
     gearbox = recording.series["gearbox_states"]
     assert gearbox.velocity is not None
     torque = -0.625 * load + FRICTION * np.sign(gearbox.velocity)

@@ -1,4 +1,4 @@
-"""The servo loop against the contract's equations, stepped in plain Python."""
+"""The servo loop against the equations of docs/physics.md, stepped in plain Python."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def steps_and_sweeps(rate: float) -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize("rows", [1, 2, 5, 10])
-def test_it_is_the_contracts_integration(rows: int) -> None:
+def test_it_is_the_reference_integration(rows: int) -> None:
     stamp, setpoint = steps_and_sweeps(500.0 / rows)
     got = servo(setpoint, stamp)
     for joint in range(2):

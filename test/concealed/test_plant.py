@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from test.concealed.case import draw_case
+from test.concealed.ceiling import errors
 from test.concealed.draws import ALL
 from test.concealed.hidden import Hidden
 from test.concealed.labelled import labelled_truth
@@ -125,3 +127,10 @@ def test_the_labelled_physics_run_from_the_recorded_setpoints_leaves_only_sensor
     first = round((shown.stamp[0] % 10**7) / 2e6)  # the topic's phase, in steps of 2 ms
     left = (shown.angle - motion.theta[first::5])[300:]
     np.testing.assert_allclose(left.std(axis=0), noise, rtol=0.05)
+
+
+def test_on_readings_of_counts_even_the_hidden_physics_leaves_some_of_their_error() -> None:
+    """And it is less than a quarter of the noise; what the servo's course tells is not asked."""
+    case = draw_case(3, effects=["ratio_error"], level=(4.0, 5.0))
+    before, after = errors(case)
+    assert 0.01 < after < 0.25 < before

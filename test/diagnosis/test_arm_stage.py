@@ -102,6 +102,10 @@ def test_wild_poses_are_counted_and_left_out() -> None:
     assert recording.tip is not None
     assert 5 < problem.strays < 30
     assert problem.count == len(recording.tip.stamp) - problem.strays
+    (quality,) = diagnose([recording]).quality.values()
+    said = f"trunk/tip_pose: {problem.strays} poses far from those beside them are left out"
+    assert said in quality["notes"]
+    assert quality["topics"]["tip_pose"]["samples"] == len(recording.tip.stamp)
 
 
 @pytest.mark.parametrize("orientation", [[0.0, 0, 0, 0], [0.0, 0, 0, 1], [np.nan] * 4])
@@ -226,3 +230,9 @@ def test_what_bends_the_tip_up_and_down_is_placed_by_that() -> None:
     assert found.effect == "unknown"
     assert found.depends_on[:2] == ["position", "joint_4"]
     assert found.evidence["strength"] > 20.0
+
+
+def test_joints_and_tip_alone_are_enough_for_the_arm() -> None:
+    result = diagnose([bent(TILT | LONGER)])
+    assert names(result.findings) == BOTH
+    assert [stage for stage, told in result.stages.items() if told["compared"]] == ["arm"]

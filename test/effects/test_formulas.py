@@ -1,4 +1,4 @@
-"""Each effect against its formula of the contract's table, written once more in plain Python."""
+"""Each effect against its formula in docs/effects.md, written once more in plain Python."""
 
 from __future__ import annotations
 
@@ -232,7 +232,7 @@ def test_a_rounded_loop_lags_by_half_its_width_once_it_slides(form: str) -> None
 
 
 def test_plays_spread_over_a_width_slide_fully_after_twice_that_travel() -> None:
-    """The contract's definition of ``width``; at half of the travel half of the plays have turned."""
+    """The definition of ``width``; at half of the travel half of the plays have turned."""
     down = np.concatenate([np.linspace(0, 0.5, 500), 0.5 - np.linspace(0, 0.02, 2001)[1:]])[:, None]
     model = Model(arm_of(1, 1e-3), {"presliding_hysteresis": {"form": "spread", "width": np.full(1, 4e-3)}})
     got = Chain(model, "wire").run(down / 0.625, np.arange(2500.0))[0][500:, 0]

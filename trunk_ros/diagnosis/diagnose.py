@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.diagnosis.against import completed, on_the_clock, shifted
-from trunk_ros.diagnosis.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.evidence import Evidence, spreads
 from trunk_ros.diagnosis.experiment import experiment, proposals
 from trunk_ros.diagnosis.explanation import Explanation
@@ -38,6 +38,7 @@ from trunk_ros.model import Model, Values, load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
+from trunk_ros.recording.topics import TIP_TOPIC
 
 Progress = Callable[[str], None]
 
@@ -72,12 +73,14 @@ class Diagnoser:
         self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
     ):
         self.recordings, self.against, self.say = recordings, against, progress
-        has_joints = any("joint_states" in r.series for r in recordings)
-        servo_alone = not has_joints and all("setpoints" in r.series for r in recordings)
-        spans = [] if servo_alone else [wire_span(r, model) for r in recordings]
-        seen = spans or [servo_span(r, model) for r in recordings]
-        self.joints = seen[0].joints
-        if any(s.joints != self.joints for s in seen):
+        topics = set.intersection(*(set(r.series) for r in recordings))
+        servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
+        tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
+        spans = [] if servo_alone or tip_alone else [wire_span(r, model) for r in recordings]
+        key = "gearbox_states" if servo_alone else "joint_states"
+        seen = [s.joints for s in spans] or [common_joints(r, model, r.require(key)) for r in recordings]
+        self.joints = seen[0]
+        if any(joints != self.joints for joints in seen):
             raise RecordingError("the recordings have different joints: they are not of one arm")
         self.model = model.for_joints(self.joints)
         self.spans = (
@@ -119,7 +122,11 @@ class Diagnoser:
     def servo(self) -> None:
         """Setpoint to gearbox, where setpoints were recorded and nothing else stands for the simulation."""
         spans = (
-            [servo_span(r, self.model) for r in self.recordings if "setpoints" in r.series]
+            [
+                servo_span(r, self.model)
+                for r in self.recordings
+                if {"setpoints", "gearbox_states"} <= set(r.series)
+            ]
             if self.against is None
             else []
         )
@@ -216,6 +223,9 @@ class Diagnoser:
             return
         self.say("arm")
         self.result.stages["arm"], found, values = judged_tip(*best)
+        if strays := self.result.stages["arm"]["strays"]:
+            note = f"{TIP_TOPIC}: {strays} poses far from those beside them are left out"
+            self.recordings[0] = replace(self.recordings[0], notes=(*self.recordings[0].notes, note))
         self.result.findings += found
         self.effects |= values
 

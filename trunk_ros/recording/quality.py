@@ -7,6 +7,7 @@ import numpy as np
 from trunk_ros.recording.apart import apart
 from trunk_ros.recording.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
+from trunk_ros.recording.topics import TIP
 
 _GAP = 2.5  # periods
 _EVEN = 0.3  # of the period: with more spread than this, nothing was expected at a certain time
@@ -77,5 +78,7 @@ def quality_of_series(series: JointSeries, counts: Counts | None = None) -> Qual
 
 
 def quality(recording: Recording) -> dict[str, Quality]:
-    """Quality of every series of a recording, by its key."""
-    return {key: quality_of_series(each, recording.counts.get(key)) for key, each in recording.series.items()}
+    """Quality of every topic of a recording, by its key."""
+    counts = recording.counts
+    seen = {key: quality_of_series(each, counts.get(key)) for key, each in recording.series.items()}
+    return seen if recording.tip is None else {**seen, TIP: quality_of(recording.tip.stamp, counts.get(TIP))}

@@ -58,7 +58,7 @@ def table(finding: Finding) -> dict[str, Any]:
     """Values with spreads: a column per parameter, a row per joint, shared values in a row of their own."""
     names = list(dict.fromkeys(name for held in finding.parameters.values() for name in held))
     rows = [
-        ("all joints" if owner == ALL else owner, [_value(name, held.get(name)) for name in names])
+        ("shared" if owner == ALL else owner, [_value(name, held.get(name)) for name in names])
         for owner, held in sorted(finding.parameters.items(), key=lambda item: item[0] == ALL)
     ]
     return {"names": [(spoken(name), _meaning(finding.effect, name)) for name in names], "rows": rows}
