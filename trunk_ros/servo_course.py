@@ -7,7 +7,7 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from trunk_ros.chain import Chain
 from trunk_ros.model import Model
-from trunk_ros.recording.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID, counts
+from trunk_ros.recording.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
 from trunk_ros.recording.fill import fill, hold
 from trunk_ros.recording.gaps import bridged
 from trunk_ros.recording.recording import Floats, JointSeries, Recording
@@ -43,19 +43,20 @@ def all_setpoints(recording: Recording, joints: tuple[str, ...], model: Model) -
 
 
 def as_the_servo_went(
-    recording: Recording, gearbox: JointSeries, grid: Floats, phi: Floats, model: Model
+    recording: Recording, gearbox: JointSeries, steps: Floats, grid: Floats, phi: Floats, model: Model
 ) -> Floats:
     """Gearbox angles (m, joints) on the grid (m,) s: ``phi``, but those of the model's servo where it
     passes, led by the recorded setpoints alone, all readings near by within their rounding or their noise.
+
+    ``steps`` (joints,): those of the encoders, as ``counts`` has them.
     """
     setpoints = all_setpoints(recording, gearbox.joints, model)
     stamp = gearbox.stamp
     if setpoints is None or len(stamp) < AGREES:
         return phi
     course = servo_course(setpoints, np.union1d(stamp, grid), model)
-    off = _off(
-        course.position[np.searchsorted(course.stamp, stamp)] - fill(gearbox.position), counts(gearbox)
-    )
+    there = course.position[np.searchsorted(course.stamp, stamp)]
+    off = _off(there - fill(gearbox.position), steps)
     before = np.clip(np.searchsorted(stamp, grid + SAME, side="right") - 1, 0, len(stamp) - 1)
     after = np.clip(np.searchsorted(stamp, grid - SAME), 0, len(stamp) - 1)
     went = course.position[np.searchsorted(course.stamp, grid)]

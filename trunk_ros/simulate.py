@@ -8,10 +8,11 @@ import numpy as np
 
 from trunk_ros import __version__
 from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.align import common_joints
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.arguments import Parser
-from trunk_ros.recording.encoder import between_counts
+from trunk_ros.recording.encoder import between_counts, counts
 from trunk_ros.recording.gaps import bridged, missing
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
@@ -48,11 +49,12 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
         there = phi[np.clip(np.searchsorted(grid, wanted - SAME), 0, len(grid) - 1)]
         series["gearbox_states"] = JointSeries(wanted, joints, there)
     else:
-        driven = _as_driven(recording, given, model)
+        steps = counts(given) if model.effects else np.zeros(len(joints))
+        driven = _as_driven(recording, given, steps, model)
         grid, rows, kept = joint_grid(driven.stamp, shown_at, beyond=True)
         phi, velocity = resample(driven, grid)
         if model.effects:
-            phi = as_the_servo_went(recording, given, grid, phi, model)
+            phi = as_the_servo_went(recording, given, steps, grid, phi, model)
     model = model.only(joints)
     known = resistance(model.arm, driven, grid, phi)
     theta, _ = Chain(model, "wire").run(phi, grid, velocity=velocity, resistance=known)
@@ -60,13 +62,13 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
     return Recording(recording.name, recording.start_ns, recording.duration, series, units=recording.units)
 
 
-def _as_driven(recording: Recording, gearbox: JointSeries, model: Model) -> JointSeries:
+def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: Model) -> JointSeries:
     """Gearbox angles between the encoder's counts, and with lost ones as the servo follows the setpoints.
 
     A model without effects stays the formula of the counts.
     """
     if model.effects:
-        gearbox = between_counts(gearbox)
+        gearbox = between_counts(gearbox, steps)
     setpoints = all_setpoints(recording, gearbox.joints, model)
     if setpoints is None:
         return bridged(gearbox, longest=LOST)

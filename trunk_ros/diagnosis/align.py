@@ -71,7 +71,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     steps = counts(gearbox)
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(between_counts(gearbox, steps), grid)
-    phi = as_the_servo_went(recording, gearbox, grid, phi, model)
+    phi = as_the_servo_went(recording, gearbox, steps, grid, phi, model)
     grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
     valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)

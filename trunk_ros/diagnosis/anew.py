@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from trunk_ros.diagnosis.exchange import local_effects
-from trunk_ros.diagnosis.explanation import Explanation
 from trunk_ros.diagnosis.fit import Fit
 from trunk_ros.diagnosis.revise import better
 
@@ -32,15 +31,9 @@ def _column_anew(search: Search, now: Fit, column: int) -> Fit | None:
     own = local_effects(now, column)
     if not own or now.explanation.curved & {column}:
         return None
-    bare = search.refit_column(now, _without(now.explanation, own, column), column)
+    bare = search.refit_column(now, now.explanation.less(own, column), column)
     first = sorted(search.trials(bare, column).values(), key=lambda trial: -trial[0])[:FIRST]
     return min((_grown(search, trial, column) for _, trial in first), key=search.score, default=None)
-
-
-def _without(explanation: Explanation, names: list[str], column: int) -> Explanation:
-    for name in names:
-        explanation = explanation.without(name, column)
-    return explanation
 
 
 def _grown(search: Search, now: Fit, column: int) -> Fit:

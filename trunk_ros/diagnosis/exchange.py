@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.problem import Problem
 from trunk_ros.diagnosis.reform import forms, options
 from trunk_ros.diagnosis.revise import better, drop, members
 from trunk_ros.diagnosis.screen import Screen
-from trunk_ros.diagnosis.unnamed import curve_fit
+from trunk_ros.diagnosis.unnamed import curve_fit, drawn_on
 from trunk_ros.effects import Effect, effect
 
 if TYPE_CHECKING:
@@ -43,9 +43,7 @@ def exchange(search: Search, now: Fit) -> Fit:
 
 
 def _exchanged(search: Search, now: Fit, column: int, gone: tuple[str, ...]) -> Fit:
-    bare = now.explanation
-    for name in gone:
-        bare = bare.without(name, column)
+    bare = now.explanation.less(gone, column)
     screen = Screen(search.problem, bare, [column])
     kinds = [k for k in search.local_kinds() if search.open(k.id, column, bare)]
     for candidate in screen.ranked(kinds, column, REFITTED):
@@ -207,15 +205,10 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
         len(local) < 2 and rest < search.problem.rest(column)
     ):
         return now
-    alone = now.explanation
-    for name in local:
-        alone = alone.without(name, column)
-    nominal = fit(search.problem, alone, [column]).cost[column]
+    nominal = fit(search.problem, now.explanation.less(local, column), [column]).cost[column]
     best = now
     for kept in [(), *((name,) for name in local)]:
-        bare = now.explanation
-        for name in local:
-            bare = bare if name in kept else bare.without(name, column)
+        bare = now.explanation.less([name for name in local if name not in kept], column)
         trial = curve_fit(search.problem, bare, column)
         if trial is not None:
             best = better(search, best, Fit(trial.explanation, now.cost | trial.cost))
@@ -227,11 +220,8 @@ def _unnamed(search: Search, now: Fit, column: int) -> Fit:
 def believed(search: Search, now: Fit) -> Fit:
     """Without the curves that explain too little beside what has come or gone since they were drawn."""
     for column in now.explanation.curved & set(search.problem.columns):
-        bare = now.explanation
-        for term in now.explanation.on(column):
-            if not effect(term.effect).named and term.effect not in search.problem.known:
-                bare = bare.without(term.effect, column)
-        less = search.refit_column(now, bare, column)
+        drawn = [term.effect for term in drawn_on(search.problem, now.explanation, column)]
+        less = search.refit_column(now, now.explanation.less(drawn, column), column)
         now = now if _tells(search.problem, now, column, less.cost[column]) else less
     return now
 

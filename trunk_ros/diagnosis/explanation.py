@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -126,6 +126,13 @@ class Explanation(dict[str, Term]):
             out[name].words.pop(column, None)
         if column is None or not out[name].own:
             del out[name]
+        return out
+
+    def less(self, names: Iterable[str], column: int) -> Explanation:
+        """A copy without some effects on one joint."""
+        out = self
+        for name in names:
+            out = out.without(name, column)
         return out
 
     def model_effects(self, joints: int) -> dict[str, Values]:

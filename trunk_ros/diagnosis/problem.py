@@ -192,8 +192,8 @@ class Problem(ABC):
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.median(judged)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
-        least = np.maximum(self.coarse, self.steps)
-        self.noise = [replace(n, std=max(n.std, float(c))) for n, c in zip(found, least, strict=True)]
+        least = [self.own_steps(column) for column in range(len(self.joints))]
+        self.noise = [replace(n, std=max(n.std, c)) for n, c in zip(found, least, strict=True)]
 
     @property
     def formed(self) -> set[int]:

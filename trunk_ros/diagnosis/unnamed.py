@@ -78,11 +78,16 @@ def curve_fit(problem: Problem, bare: Explanation, column: int) -> Fit | None:
 
 def redrawn(problem: Problem, explanation: Explanation, column: int) -> Explanation:
     """The explanation with its curves on a column drawn anew, over what they were drawn over before."""
-    for term in explanation.on(column):
-        if not effect(term.effect).named and term.effect not in problem.known:
-            bare = explanation.without(term.effect, column)
-            explanation = _alternate(problem, bare, column, _place(term, column)).fit.explanation
+    for term in drawn_on(problem, explanation, column):
+        bare = explanation.without(term.effect, column)
+        explanation = _alternate(problem, bare, column, _place(term, column)).fit.explanation
     return explanation
+
+
+def drawn_on(problem: Problem, explanation: Explanation, column: int) -> list[Term]:
+    """The curves on a column that the model does not have already."""
+    curves = [term for term in explanation.on(column) if not effect(term.effect).named]
+    return [term for term in curves if term.effect not in problem.known]
 
 
 def _place(term: Term, column: int) -> Place:
