@@ -9,7 +9,7 @@ import yaml
 from trunk_ros.description import declared_arm
 from trunk_ros.effects import effect, registry
 from trunk_ros.model import load_model
-from trunk_ros.recording.mapping import load_mapping
+from trunk_ros.recording.importing.mapping import load_mapping
 from trunk_ros.recording.topics import TOPICS
 
 DOCS = Path(__file__).parents[1] / "docs"

@@ -13,7 +13,7 @@ from test.diagnosis.arms import on, recorded, reshaped
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.torque import torque_remarks
+from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.effort import measured_load
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.read import read_recording

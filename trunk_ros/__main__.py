@@ -17,7 +17,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
     "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
     "simulate": ("trunk_ros.simulate", "run a model over a recording"),
-    "import": ("trunk_ros.recording.import_csv", "turn a foreign CSV, or a bag of other topics, into a bag"),
+    "import": (
+        "trunk_ros.recording.importing.csv",
+        "turn a foreign CSV, or a bag of other topics, into a bag",
+    ),
     "recover": ("trunk_ros.recording.recover", "repair a bag whose recorder was killed"),
     "paper": ("trunk_ros.paper", "the paper's tables and figures, as printed and as computed"),
     "servo_driver": ("trunk_ros.nodes.servo_driver", "node: setpoints to gearbox angles"),

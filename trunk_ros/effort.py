@@ -10,8 +10,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.derivatives import HALF_WINDOW, smooth
-from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.fill import fill
 
 MOVES = 5e-3  # rad/s of the shaft, from which on its friction takes a side
 LEAST = 50  # samples in each direction, fewer cannot tell friction from load

@@ -15,8 +15,8 @@ from trunk_ros.compiled import Array
 from trunk_ros.derivatives import smooth
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.effort import measured_load
-from trunk_ros.recording.fill import fill
 from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.fill import fill
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from trunk_ros.chain import Chain
 from trunk_ros.model import Model
-from trunk_ros.recording.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
-from trunk_ros.recording.fill import fill, hold
-from trunk_ros.recording.gaps import bridged
 from trunk_ros.recording.recording import Floats, JointSeries, Recording
-from trunk_ros.recording.resample import SAME, joint_grid
+from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
+from trunk_ros.recording.signal.fill import fill, hold
+from trunk_ros.recording.signal.gaps import bridged
+from trunk_ros.recording.signal.resample import SAME, joint_grid
 
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
 DRIFT = 0.5  # standard deviations of noise: four of the mean over AGREES samples

@@ -9,15 +9,15 @@ import numpy as np
 from trunk_ros import __version__
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import common_joints
+from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.arguments import Parser
-from trunk_ros.recording.encoder import between_counts, counts
-from trunk_ros.recording.gaps import bridged, missing
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
-from trunk_ros.recording.resample import SAME, joint_grid, resample
+from trunk_ros.recording.signal.encoder import between_counts, counts
+from trunk_ros.recording.signal.gaps import bridged, missing
+from trunk_ros.recording.signal.resample import SAME, joint_grid, resample
 from trunk_ros.recording.write import write_recording
 from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import LOST, all_setpoints, as_the_servo_went, servo_course

@@ -10,8 +10,8 @@ import sys
 import time
 from array import array
 
-from trunk_ros.nodes.process import serve_for
-from trunk_ros.nodes.ros import EventsExecutor, JointState, rclpy
+from trunk_ros.nodes.graph.process import serve_for
+from trunk_ros.nodes.graph.ros import EventsExecutor, JointState, rclpy
 
 NAMES = [f"joint_{number}" for number in range(1, 6)]
 WARM = 1.0  # s before counting begins

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rosbags.rosbag2 import Reader
 
 from test.bench.row import Row
-from trunk_ros.recording.metadata import read_metadata
+from trunk_ros.recording.bag.metadata import read_metadata
 
 Array = NDArray[np.float64]
 RATES = (100, 500, 1000)  # Hz

@@ -29,7 +29,7 @@ class LivePlant:
     """Two publishers and two subscriptions on a node; ``truth`` is told to nobody but a file."""
 
     def __init__(self, node: Any, arm: LiveArm, seed: int):
-        from trunk_ros.nodes.ros import Clock, JointState
+        from trunk_ros.nodes.graph.ros import Clock, JointState
 
         self.arm, self.kind = arm, JointState
         self.rng = np.random.default_rng(seed)
@@ -117,7 +117,7 @@ def main(argv: list[str] | None = None) -> int:
 
 def serve(arm: LiveArm, seed: int) -> LivePlant:
     """Run the node until SIGINT or SIGTERM."""
-    from trunk_ros.nodes.ros import EventsExecutor, SignalHandlerOptions, rclpy
+    from trunk_ros.nodes.graph.ros import EventsExecutor, SignalHandlerOptions, rclpy
 
     stop: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):

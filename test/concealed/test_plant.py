@@ -41,7 +41,7 @@ MADE_OF = {"load_elasticity": "wire", "viscoelastic_creep": "one_mode", "thermal
 MAY_USE = {
     "score.py": {"trunk_ros.__main__"},  # the commands, as a user runs them
     "solver.py": {"trunk_ros.__main__"},
-    "live.py": {"trunk_ros.nodes.ros"},  # rclpy itself, and nothing of the arm
+    "live.py": {"trunk_ros.nodes.graph.ros"},  # rclpy itself, and nothing of the arm
 }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.result import Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding, Plots
 from trunk_ros.model import load_model
 
 NOISE = 1e-4  # rad

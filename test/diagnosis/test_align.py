@@ -9,13 +9,13 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.against import on_the_clock
-from trunk_ros.diagnosis.align import Span, servo_span, wire_span
-from trunk_ros.diagnosis.arm_stage import ArmProblem
-from trunk_ros.diagnosis.explanation import Explanation
-from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.data.other_simulator import on_the_clock
+from trunk_ros.diagnosis.hypothesis import Explanation
+from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
-from trunk_ros.diagnosis.tip_data import tip_data
+from trunk_ros.diagnosis.tip.data import tip_data
+from trunk_ros.diagnosis.tip.stage import ArmProblem
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording

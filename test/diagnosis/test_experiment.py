@@ -16,18 +16,18 @@ from test.concealed.sensing import PERIOD, Sensing, record
 from test.concealed.servo import compensated
 from test.diagnosis.arms import recorded
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.align import wire_span
-from trunk_ros.diagnosis.evidence import evidence
-from trunk_ros.diagnosis.excitation import Stretch, _Path, limits_of
-from trunk_ros.diagnosis.experiment import Experiment, experiment, proposals
-from trunk_ros.diagnosis.problem import Problem
-from trunk_ros.diagnosis.result import Diagnosis
-from trunk_ros.diagnosis.search import Search
-from trunk_ros.diagnosis.sides import sides_of
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.evidence.evidence import evidence
+from trunk_ros.diagnosis.experiment.design import Experiment, experiment, proposals
+from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of
+from trunk_ros.diagnosis.experiment.rival_forms import sides_of
+from trunk_ros.diagnosis.search.greedy import Search
+from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.diagnosis.stages import WireProblem
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import load_model
 from trunk_ros.motion import named_trajectory
-from trunk_ros.nodes.plan import plan_of
+from trunk_ros.nodes.run.plan import plan_of
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.trajectory import Limits, load_trajectory

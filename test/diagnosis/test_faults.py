@@ -8,7 +8,7 @@ import pytest
 from test.diagnosis.arms import on, recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis, diagnose
-from trunk_ros.diagnosis.faults import sticks, strays, without_faults
+from trunk_ros.diagnosis.data.sensor_faults import sticks, strays, without_faults
 
 
 def faulty(position: Array) -> Diagnosis:

@@ -9,12 +9,12 @@ import pytest
 
 from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import wire_span
-from trunk_ros.diagnosis.explanation import Explanation, Term
-from trunk_ros.diagnosis.heldout import BLOCKS, held_out
-from trunk_ros.diagnosis.search import Search
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.discrepancy.curves import KNOTS, UNKNOWN, Place, redrawn, with_curve
+from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, held_out
+from trunk_ros.diagnosis.hypothesis import Explanation, Term
+from trunk_ros.diagnosis.search.greedy import Search
 from trunk_ros.diagnosis.stages import WireProblem
-from trunk_ros.diagnosis.unnamed import KNOTS, UNKNOWN, Place, redrawn, with_curve
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
@@ -78,7 +78,7 @@ def test_what_is_judged_does_not_change_its_own_prediction(explanation: Explanat
 
 def held_out_of(search: Search, explanation: Explanation) -> Array:
     """What the first fold's samples are predicted to be."""
-    from trunk_ros.diagnosis.heldout import _unseen
+    from trunk_ros.diagnosis.evidence.cross_validation import _unseen
 
     (errors,) = _unseen(search, explanation, 0)[JOINT]
     span = search.problem.views[0].span

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from trunk_ros.diagnosis.leftover import CELLS, TELLS, accounted
+from trunk_ros.diagnosis.evidence.residual_dependence import CELLS, TELLS, accounted
 
 
 @pytest.mark.parametrize("count", [20 * CELLS, 600, 6000])

@@ -9,8 +9,8 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.align import wire_span
-from trunk_ros.diagnosis.excerpt import BLOCKS, LENGTH, LONG, WARM, excerpt
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.data.excerpt import BLOCKS, LENGTH, LONG, WARM, excerpt
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 

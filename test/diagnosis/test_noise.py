@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from trunk_ros.diagnosis.noise import Noise, noise_of
+from trunk_ros.diagnosis.data.noise import Noise, noise_of
 
 N = 20_000
 EVERYWHERE = np.ones(N, dtype=bool)

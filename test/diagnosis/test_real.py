@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from trunk_ros.diagnosis import Diagnosis, diagnose
-from trunk_ros.recording.import_csv import read_csv
+from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.recording import Recording
 from trunk_ros.share import config_path
 from trunk_ros.simulate import simulate

@@ -13,7 +13,7 @@ import pytest
 
 from test.diagnosis import made
 from trunk_ros.diagnosis.report import render, write
-from trunk_ros.diagnosis.result import Diagnosis, Unexplained
+from trunk_ros.diagnosis.verdict.result import Diagnosis, Unexplained
 
 TRAIN = Path(__file__).parents[3] / "shared" / "concealed" / "dev_two_0" / "train"
 

@@ -10,7 +10,7 @@ from trunk_ros.diagnosis.report.errors import culprit_spans
 from trunk_ros.diagnosis.report.signals import contributions, reversals, signals
 from trunk_ros.diagnosis.report.units import powers, quantity
 from trunk_ros.diagnosis.report.view import cloud, view_of
-from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 
 @pytest.fixture(scope="module")

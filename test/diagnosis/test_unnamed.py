@@ -10,10 +10,10 @@ import pytest
 from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis, diagnose
-from trunk_ros.diagnosis.jumps import jumps, moved_by
+from trunk_ros.diagnosis.discrepancy.curves import smoothed
+from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
+from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.report import render
-from trunk_ros.diagnosis.spectrum import spectrum
-from trunk_ros.diagnosis.unnamed import smoothed
 from trunk_ros.effects.curve import KNOTS, VALUES
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.unknown import Unknown

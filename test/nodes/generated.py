@@ -166,6 +166,6 @@ def link(library: Path, parts: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    from trunk_ros.nodes import ros  # noqa: F401  finds the wheels' packages
+    from trunk_ros.nodes.graph import ros  # noqa: F401  finds the wheels' packages
 
     main(Path(sys.argv[1]))

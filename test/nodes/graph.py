@@ -90,7 +90,7 @@ class Peer:
     """A node of the test's own: publishes, listens, and waits."""
 
     def __init__(self, domain: int):
-        from trunk_ros.nodes.ros import EventsExecutor, rclpy
+        from trunk_ros.nodes.graph.ros import EventsExecutor, rclpy
 
         environment(domain)
         self.context = rclpy.Context()
@@ -166,13 +166,13 @@ class Received:
     """How many messages of a topic a supervised recorder has received, as it says itself."""
 
     def __init__(self, peer: Peer):
-        from trunk_ros.nodes.base import PROGRESS_TOPIC
-        from trunk_ros.nodes.ros import String
+        from trunk_ros.nodes.graph.base import PROGRESS_TOPIC
+        from trunk_ros.nodes.graph.ros import String
 
         self.said = peer.listen(String, PROGRESS_TOPIC)
 
     def __call__(self, topic: str) -> int:
-        from trunk_ros.nodes.progress import Progress
+        from trunk_ros.nodes.graph.progress import Progress
 
         return Progress.from_json(self.said[-1].data).received.get(topic, 0) if self.said else 0
 

@@ -59,7 +59,7 @@ class Client:
         from control_msgs.msg import JointTrajectoryControllerState
         from rclpy.action import ActionClient
 
-        from trunk_ros.nodes.ros import DiagnosticArray, JointState, JointTrajectory
+        from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState, JointTrajectory
 
         self.kind = FollowJointTrajectory
         self.peer = Peer(domain)
@@ -74,7 +74,7 @@ class Client:
         """A goal with one point."""
         from control_msgs.msg import JointTolerance
 
-        from trunk_ros.nodes.messages import trajectory_message
+        from trunk_ros.nodes.graph.messages import trajectory_message
         from trunk_ros.trajectory import Trajectory
 
         path = Trajectory(tuple(joints), np.array([seconds]), np.array([positions], dtype=float))
@@ -203,7 +203,7 @@ def test_a_new_goal_replaces_the_one_under_way(arm):
 
 
 def test_a_trajectory_on_the_topic_ends_the_goal_under_way(arm):
-    from trunk_ros.nodes.ros import JointTrajectory
+    from trunk_ros.nodes.graph.ros import JointTrajectory
 
     handle = arm.send([0.3] * 5, 20.0)
     arm.moving()
@@ -217,8 +217,8 @@ def test_a_trajectory_on_the_topic_ends_the_goal_under_way(arm):
 @pytest.fixture
 def stuck(control_msgs, domain):
     """A compensator whose arm does not move, and a client."""
-    from trunk_ros.nodes.messages import joint_state
-    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.graph.messages import joint_state
+    from trunk_ros.nodes.graph.ros import JointState
 
     with running("compensator", *PATIENT, domain=domain) as process:
         client = Client(domain)

@@ -15,7 +15,7 @@ COUNT = 40
 
 
 def replayed(path):
-    from trunk_ros.nodes.bag_source import BagSource
+    from trunk_ros.nodes.bags.source import BagSource
 
     with BagSource(path) as bag:
         return list(bag.messages({"/joint_states"})), bag

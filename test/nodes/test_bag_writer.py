@@ -8,11 +8,11 @@ from mcap.reader import make_reader
 
 from test.nodes.graph import bag_messages
 from trunk_ros.errors import ArgumentError
-from trunk_ros.nodes import bag_writer
-from trunk_ros.nodes.bag_writer import BagWriter, Channel, Entry, Options
-from trunk_ros.recording.mcap_write import COMPRESSION
-from trunk_ros.recording.message_types import RELIABLE, definition
-from trunk_ros.recording.metadata import read_metadata
+from trunk_ros.nodes.bags import writer as bag_writer
+from trunk_ros.nodes.bags.writer import BagWriter, Channel, Entry, Options
+from trunk_ros.recording.bag.metadata import read_metadata
+from trunk_ros.recording.mcap.write import COMPRESSION
+from trunk_ros.recording.messages.message_types import RELIABLE, definition
 
 STRING = "std_msgs/msg/String"
 BEGIN = 1_750_000_000 * 10**9

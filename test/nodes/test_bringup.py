@@ -12,7 +12,7 @@ import pytest
 
 from test.nodes.graph import JOINTS, bag_messages, ended, needs_ros, running, trunk
 from trunk_ros.model import load_model, save_model
-from trunk_ros.recording.metadata import read_metadata
+from trunk_ros.recording.bag.metadata import read_metadata
 from trunk_ros.recording.read import read_recording
 
 pytestmark = needs_ros
@@ -86,7 +86,7 @@ def payloads(topic, bag):
 
     Nodes that share a topic take turns in any order.
     """
-    from trunk_ros.nodes.ros import DiagnosticArray, String, deserialize_message
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, String, deserialize_message
 
     kind = {"/diagnostics": DiagnosticArray, "/robot_description": String}.get(topic)
     if topic == "/clock":
@@ -107,7 +107,7 @@ def test_real_time_in_several_processes_loses_nothing(tmp_path):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_asked_to_end_it_leaves_a_whole_bag(tmp_path, domain, peer, number):
-    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.graph.ros import JointState
 
     path, joints = tmp_path / "run", peer.listen(JointState, "joint_states")
     with running("bringup", "--output", path, "--seconds", 1000, domain=domain) as process:
@@ -177,8 +177,8 @@ def true_error(path):
 
 
 def test_others_may_stand_in_for_servo_and_wire(tmp_path, domain, peer):
-    from trunk_ros.nodes.messages import joint_state, nanoseconds
-    from trunk_ros.nodes.ros import Clock, JointState
+    from trunk_ros.nodes.graph.messages import joint_state, nanoseconds
+    from trunk_ros.nodes.graph.ros import Clock, JointState
 
     gearbox, joints = (
         peer.publisher(JointState, topic) for topic in ("trunk/gearbox_states", "joint_states")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from test.nodes.graph import JOINTS, needs_ros, running, words
-from trunk_ros.nodes.elapsed import Elapsed
+from trunk_ros.nodes.graph.elapsed import Elapsed
 
 SECOND = 10**9
 
@@ -18,8 +18,8 @@ def test_time_only_goes_on():
 
 @needs_ros
 def test_the_arm_holds_when_time_jumps(domain, peer):
-    from trunk_ros.nodes.messages import joint_state, time_message
-    from trunk_ros.nodes.ros import Clock, DiagnosticArray, JointState
+    from trunk_ros.nodes.graph.messages import joint_state, time_message
+    from trunk_ros.nodes.graph.ros import Clock, DiagnosticArray, JointState
 
     clock, out = peer.publisher(Clock, "/clock"), peer.publisher(JointState, "trunk/setpoints")
     states, said = (
@@ -56,8 +56,8 @@ def test_the_arm_holds_when_time_jumps(domain, peer):
 
 @needs_ros
 def test_a_trajectory_under_way_is_given_up_when_time_jumps(domain, peer):
-    from trunk_ros.nodes.messages import joint_state, time_message, trajectory_message
-    from trunk_ros.nodes.ros import Clock, DiagnosticArray, JointState, JointTrajectory
+    from trunk_ros.nodes.graph.messages import joint_state, time_message, trajectory_message
+    from trunk_ros.nodes.graph.ros import Clock, DiagnosticArray, JointState, JointTrajectory
     from trunk_ros.trajectory import Trajectory
 
     clock, gearbox = peer.publisher(Clock, "/clock"), peer.publisher(JointState, "trunk/gearbox_states")

@@ -8,7 +8,7 @@ import pytest
 from trunk_ros.chain import Chain
 from trunk_ros.model import load_model
 from trunk_ros.nodes.bus import gearbox_limits
-from trunk_ros.nodes.compensation import Compensation
+from trunk_ros.nodes.control.compensation import Compensation
 
 NOMINAL = load_model("trunk")
 LOOSE = replace(NOMINAL, effects={"backlash": {"half_width": np.full(5, 2e-3)}})

@@ -25,7 +25,7 @@ pytestmark = needs_ros
 @pytest.fixture
 def graph(peer):
     """The test's ends of the compensator's topics."""
-    from trunk_ros.nodes.ros import DiagnosticArray, JointState, JointTrajectory
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState, JointTrajectory
 
     class Ends:
         reference = peer.publisher(JointState, "trunk/reference")
@@ -69,8 +69,8 @@ def test_a_foreign_reference_comes_out_as_the_model_run_backward(domain, peer, g
 def test_trajectories_are_followed_stopped_and_refused_as_joint_trajectory_controller_does(
     domain, peer, graph
 ):
-    from trunk_ros.nodes.messages import trajectory_message
-    from trunk_ros.nodes.ros import JointTrajectory
+    from trunk_ros.nodes.graph.messages import trajectory_message
+    from trunk_ros.nodes.graph.ros import JointTrajectory
     from trunk_ros.trajectory import Trajectory
 
     def send(angle, time, joints=("joint_2",)):
@@ -100,7 +100,7 @@ def test_trajectories_are_followed_stopped_and_refused_as_joint_trajectory_contr
 
 
 def test_a_trajectory_begins_at_0_where_after_patience_nobody_says_where_the_arm_stands(domain, peer, graph):
-    from trunk_ros.nodes.messages import trajectory_message
+    from trunk_ros.nodes.graph.messages import trajectory_message
     from trunk_ros.trajectory import Trajectory
 
     path = Trajectory(tuple(JOINTS), np.array([0.5]), np.full((1, 5), 0.1))
@@ -154,8 +154,8 @@ def test_a_model_is_swapped_without_a_jump_and_another_arms_is_refused(domain, p
 
 
 def test_a_state_stamped_by_another_clock_counts_from_its_arrival(domain, peer, graph):
-    from trunk_ros.nodes.messages import joint_state, nanoseconds
-    from trunk_ros.nodes.ros import JointState, JointTrajectoryControllerState
+    from trunk_ros.nodes.graph.messages import joint_state, nanoseconds
+    from trunk_ros.nodes.graph.ros import JointState, JointTrajectoryControllerState
 
     hour = 3600 * 10**9
     shown = peer.listen(JointState, "trunk/controller_state/feedback")

@@ -17,9 +17,9 @@ def info(number, stamp=7):
 @pytest.fixture
 def ear():
     """Two subscriptions of one topic, and what each has in store."""
-    from trunk_ros.nodes.ear import Ear
-    from trunk_ros.nodes.losses import Tally
-    from trunk_ros.nodes.ros import QoSProfile
+    from trunk_ros.nodes.graph.losses import Tally
+    from trunk_ros.nodes.graph.ros import QoSProfile
+    from trunk_ros.nodes.graph.topic_subscription import Ear
 
     def subscription(messages):
         taken = deque(messages)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trunk_ros.nodes.follower import Follower, state_at
+from trunk_ros.nodes.control.follower import Follower, state_at
 from trunk_ros.trajectory import Limits, Trajectory, TrajectoryError
 
 JOINTS = ("a", "b")

@@ -13,8 +13,8 @@ def test_a_message_is_our_own_by_stamp_and_angles():
     from rclpy.serialization import serialize_message
 
     from trunk_ros.model import load_model
-    from trunk_ros.nodes.foreign import ForeignReference
-    from trunk_ros.nodes.messages import joint_state
+    from trunk_ros.nodes.control.foreign import ForeignReference
+    from trunk_ros.nodes.graph.messages import joint_state
 
     at, angles, other = 12 * SECOND + 5, np.linspace(-0.1, 0.1, 5), np.full(5, 0.2)
     references = ForeignReference(load_model("trunk").arm)
@@ -29,8 +29,8 @@ def test_a_message_is_our_own_by_stamp_and_angles():
 
 
 def test_in_simulated_time_a_foreign_reference_of_the_same_stamp_has_precedence(domain, peer):
-    from trunk_ros.nodes.messages import joint_state, nanoseconds, time_message, trajectory_message
-    from trunk_ros.nodes.ros import Clock, JointState, JointTrajectory
+    from trunk_ros.nodes.graph.messages import joint_state, nanoseconds, time_message, trajectory_message
+    from trunk_ros.nodes.graph.ros import Clock, JointState, JointTrajectory
     from trunk_ros.trajectory import Trajectory
 
     clock, gearbox = peer.publisher(Clock, "/clock"), peer.publisher(JointState, "trunk/gearbox_states")

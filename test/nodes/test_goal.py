@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from trunk_ros.nodes.goal import Code, Goal, GoalError, State, Tolerance, overlaid
+from trunk_ros.nodes.control.goal import Code, Goal, GoalError, State, Tolerance, overlaid
 
 JOINTS = ("a", "b")
 NONE = Tolerance.same(2, 0.0)

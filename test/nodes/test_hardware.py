@@ -53,7 +53,7 @@ def box(tmp_path, monkeypatch):
 
 
 def test_the_bus_of_the_page_drives_motors_survives_their_silence_and_leaves_them_holding(box, domain, peer):
-    from trunk_ros.nodes.ros import DiagnosticArray, JointState
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState
 
     out = peer.publisher(JointState, "trunk/setpoints")
     states = peer.listen(JointState, "trunk/gearbox_states")

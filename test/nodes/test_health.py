@@ -1,7 +1,7 @@
 """What a node says about itself."""
 
-from trunk_ros.nodes.elapsed import SECOND
-from trunk_ros.nodes.health import OK, WARN, Health, Stream
+from trunk_ros.nodes.graph.elapsed import SECOND
+from trunk_ros.nodes.graph.health import OK, WARN, Health, Stream
 
 
 def test_a_stream_is_stale_only_after_it_has_begun():

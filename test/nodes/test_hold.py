@@ -18,7 +18,7 @@ PATIENT = ("--ros-args", "-p", "timeout:=5.0")  # streams that a busy machine de
 @pytest.fixture
 def ends(peer):
     """The test's ends of all topics of the compensator."""
-    from trunk_ros.nodes.ros import DiagnosticArray, JointState, JointTrajectory
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState, JointTrajectory
 
     class Ends:
         gearbox = peer.publisher(JointState, "trunk/gearbox_states")
@@ -32,7 +32,7 @@ def ends(peer):
 
         @staticmethod
         def go(angle, seconds):
-            from trunk_ros.nodes.messages import trajectory_message
+            from trunk_ros.nodes.graph.messages import trajectory_message
             from trunk_ros.trajectory import Trajectory
 
             path = Trajectory(tuple(JOINTS), np.array([seconds]), np.full((1, 5), angle))
@@ -40,7 +40,7 @@ def ends(peer):
 
         @staticmethod
         def state(publisher, names, values):
-            from trunk_ros.nodes.ros import JointState
+            from trunk_ros.nodes.graph.ros import JointState
 
             message = JointState(name=list(names), position=[float(value) for value in values])
             message.header.stamp = peer.now()
@@ -67,7 +67,7 @@ def odd_messages():
 
 
 def test_no_message_brings_a_node_down(domain, peer, ends):
-    from trunk_ros.nodes.ros import JointTrajectory, JointTrajectoryPoint
+    from trunk_ros.nodes.graph.ros import JointTrajectory, JointTrajectoryPoint
 
     with ExitStack() as stack:
         names = ("servo_driver", "wire_elasticity", "compensator")
@@ -174,8 +174,8 @@ def test_a_compensator_whose_model_is_of_another_arm_refuses_to_move_it(
 ):
     from dataclasses import replace
 
-    from trunk_ros.nodes.qos import LATCHED
-    from trunk_ros.nodes.ros import String
+    from trunk_ros.nodes.graph.qos import LATCHED
+    from trunk_ros.nodes.graph.ros import String
     from trunk_ros.urdf import urdf
 
     arm = load_model("trunk").arm
@@ -217,8 +217,8 @@ def test_an_arm_that_does_not_say_where_it_stands_is_not_moved(domain, peer, end
 
 
 def test_an_arm_that_shows_late_where_it_stands_is_led_from_there(domain, peer):
-    from trunk_ros.nodes.messages import joint_state
-    from trunk_ros.nodes.ros import DiagnosticArray, JointState
+    from trunk_ros.nodes.graph.messages import joint_state
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState
 
     reference, setpoints = (
         peer.publisher(JointState, "trunk/reference"),

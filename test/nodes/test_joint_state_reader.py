@@ -19,7 +19,7 @@ SAMPLE = st.tuples(st.integers(0, 2**62), TEXT, st.lists(TEXT, max_size=4), NUMB
 def test_any_sequence_of_joint_states_is_read_as_rclpy_reads_it(samples):
     from rclpy.serialization import serialize_message
 
-    from trunk_ros.nodes.joint_state_reader import JointStateReader
+    from trunk_ros.nodes.graph.joint_state_reader import JointStateReader
 
     reader = JointStateReader()
     for message in [made(*each) for sample in samples for each in (sample, (sample[0] + 7, *sample[1:]))]:
@@ -29,7 +29,7 @@ def test_any_sequence_of_joint_states_is_read_as_rclpy_reads_it(samples):
 def test_values_of_a_known_layout_are_read_anew_each_time():
     from rclpy.serialization import serialize_message
 
-    from trunk_ros.nodes.joint_state_reader import JointStateReader
+    from trunk_ros.nodes.graph.joint_state_reader import JointStateReader
 
     reader = JointStateReader()
     for step in range(3):
@@ -38,8 +38,8 @@ def test_values_of_a_known_layout_are_read_anew_each_time():
 
 
 def made(ns, frame, names, position, velocity, effort):
-    from trunk_ros.nodes.messages import set_time
-    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.graph.messages import set_time
+    from trunk_ros.nodes.graph.ros import JointState
 
     message = JointState(name=names, position=position, velocity=velocity, effort=effort)
     message.header.frame_id = frame

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trunk_ros.nodes.joints import JointMatcher, MessageError
+from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
 
 
 def test_order_does_not_matter():

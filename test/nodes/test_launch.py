@@ -113,8 +113,8 @@ def test_the_description_is_that_of_a_model_whose_path_has_spaces_and_quotes(des
 
 @needs_ros
 def test_the_wire_beside_a_replayed_bag_publishes_on_none_of_the_bags_topics(described, domain, peer):
-    from trunk_ros.nodes.messages import joint_state
-    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.graph.messages import joint_state
+    from trunk_ros.nodes.graph.ros import JointState
 
     (wire,) = [
         call.kwargs

@@ -10,7 +10,7 @@ def test_without_autostart_a_node_waits_for_its_manager(domain, peer):
     from lifecycle_msgs.msg import Transition
     from lifecycle_msgs.srv import ChangeState
 
-    from trunk_ros.nodes.ros import DiagnosticArray, JointState
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState
 
     said = peer.listen(DiagnosticArray, "diagnostics")
     states = peer.listen(JointState, "trunk/gearbox_states")

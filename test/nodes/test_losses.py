@@ -1,6 +1,6 @@
 """Losses are counted from the publishers' own numbers."""
 
-from trunk_ros.nodes.losses import Tally, in_words
+from trunk_ros.nodes.graph.losses import Tally, in_words
 
 
 def tally(numbers, publishers=1):

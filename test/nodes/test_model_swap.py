@@ -16,7 +16,7 @@ ARM = load_model("trunk").arm
 
 
 def check(text, arm=ARM):
-    from trunk_ros.nodes.model_swap import check_description
+    from trunk_ros.nodes.control.model_swap import check_description
 
     check_description(text, arm)
 
@@ -49,7 +49,7 @@ def test_another_arms_description_is_refused_with_the_difference(text, words):
 
 
 def test_after_a_model_that_could_not_be_shown_others_are_still_taken(monkeypatch):
-    from trunk_ros.nodes import model_swap
+    from trunk_ros.nodes.control import model_swap
 
     class Node(SimpleNamespace):
         def add_on_set_parameters_callback(self, asked):
@@ -81,7 +81,7 @@ def test_after_a_model_that_could_not_be_shown_others_are_still_taken(monkeypatc
     ],
 )
 def test_another_arms_model_is_refused_at_a_swap(change, words):
-    from trunk_ros.nodes.model_swap import check_same_arm
+    from trunk_ros.nodes.control.model_swap import check_same_arm
 
     with pytest.raises(ModelError, match=words):
         check_same_arm(replace(ARM, **change), ARM)

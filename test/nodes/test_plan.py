@@ -3,7 +3,7 @@
 import pytest
 
 from trunk_ros.errors import TrunkError
-from trunk_ros.nodes.plan import plan_of
+from trunk_ros.nodes.run.plan import plan_of
 
 
 def refused(*arguments):

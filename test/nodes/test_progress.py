@@ -1,6 +1,6 @@
 """A step of simulated time ends when everybody has acted and nothing is under way."""
 
-from trunk_ros.nodes.progress import Ledger, Progress
+from trunk_ros.nodes.graph.progress import Ledger, Progress
 
 
 def ledger(sent, received, stamp=5, lag=0):

@@ -10,7 +10,7 @@ import pytest
 from test.nodes.graph import Received, bag_messages, ended, needs_ros, running, trunk, values
 from test.recording.kill import kill_once
 from trunk_ros import __version__
-from trunk_ros.recording.metadata import read_metadata
+from trunk_ros.recording.bag.metadata import read_metadata
 
 pytestmark = needs_ros
 
@@ -26,7 +26,7 @@ def recorder(domain, peer, tmp_path):
 
 
 def numbered(count):
-    from trunk_ros.nodes.ros import String
+    from trunk_ros.nodes.graph.ros import String
 
     return [String(data=f"message {number}") for number in range(count)]
 
@@ -36,7 +36,7 @@ def texts(messages):
 
 
 def test_every_quality_of_service_is_matched_and_latched_messages_are_kept(recorder):
-    from trunk_ros.nodes.ros import DurabilityPolicy, QoSProfile, ReliabilityPolicy, String
+    from trunk_ros.nodes.graph.ros import DurabilityPolicy, QoSProfile, ReliabilityPolicy, String
 
     process, path, peer, received = recorder
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -59,7 +59,7 @@ def test_every_quality_of_service_is_matched_and_latched_messages_are_kept(recor
 
 
 def test_publishers_of_all_qualities_on_one_topic_are_heard_once_each(domain, peer, tmp_path):
-    from trunk_ros.nodes.ros import DurabilityPolicy, QoSProfile, ReliabilityPolicy, String
+    from trunk_ros.nodes.graph.ros import DurabilityPolicy, QoSProfile, ReliabilityPolicy, String
 
     latched = QoSProfile(depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     careless = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -97,7 +97,7 @@ def test_publishers_of_all_qualities_on_one_topic_are_heard_once_each(domain, pe
 def test_the_bag_carries_what_ros2_bag_needs(recorder):
     import yaml
 
-    from trunk_ros.nodes.ros import String
+    from trunk_ros.nodes.graph.ros import String
 
     process, path, peer, received = recorder
     out = peer.publisher(String, "some/topic")
@@ -133,7 +133,7 @@ def test_the_bag_says_how_it_was_made(domain, peer, tmp_path):
 
 
 def test_what_was_sent_before_the_end_is_recorded_and_nothing_that_comes_after(domain, peer, tmp_path):
-    from trunk_ros.nodes.ros import DiagnosticArray, String
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, String
 
     path, said = tmp_path / "bag", peer.listen(DiagnosticArray, "diagnostics")
     given = ("-p", f"output:={path}", "-p", "topics:=['/numbers']")
@@ -155,7 +155,7 @@ def test_what_was_sent_before_the_end_is_recorded_and_nothing_that_comes_after(d
 
 
 def test_messages_of_a_mebibyte_are_kept_byte_for_byte(recorder):
-    from trunk_ros.nodes.ros import String
+    from trunk_ros.nodes.graph.ros import String
 
     process, path, peer, received = recorder
     out = peer.publisher(String, "large")
@@ -169,7 +169,7 @@ def test_messages_of_a_mebibyte_are_kept_byte_for_byte(recorder):
 
 
 def test_while_the_clock_has_not_begun_messages_wait_in_the_room_there_is(domain, peer, tmp_path):
-    from trunk_ros.nodes.ros import String
+    from trunk_ros.nodes.graph.ros import String
 
     path, count, size = tmp_path / "bag", 30, 10_000
     given = ("-p", f"output:={path}", "-p", "use_sim_time:=true", "-p", "buffer_size:=0.1")

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from test.nodes.graph import ROOT, Received, bag_messages, ended, environment, needs_ros, values, words
-from trunk_ros.recording.metadata import read_metadata
+from trunk_ros.recording.bag.metadata import read_metadata
 
 pytestmark = needs_ros
 
@@ -65,7 +65,7 @@ def publish_noise(peer, over, most: int = 10_000, received=None) -> int:
 
     ``received``: how many the recorder has; then no more are under way than its queues hold.
     """
-    from trunk_ros.nodes.ros import String
+    from trunk_ros.nodes.graph.ros import String
 
     out = peer.publisher(String, "noise")
     peer.meets(out, node="_recorder_taker")
@@ -135,7 +135,7 @@ def test_a_quota_that_is_reached_leaves_a_whole_bag(domain, peer, tmp_path):
 
 STANDING = """
 import os, time
-from trunk_ros.recording.mcap_write import ChunkWriter
+from trunk_ros.recording.mcap.write import ChunkWriter
 append = ChunkWriter._append
 
 def wait_and_append(self, data):
@@ -149,7 +149,7 @@ ChunkWriter._append = wait_and_append
 
 def test_a_slow_disk_is_buffered_up_to_a_bound_and_then_counted_as_loss(domain, peer, tmp_path):
     """A disk that stands still until the recorder has said so, whatever the speed of this machine."""
-    from trunk_ros.nodes.ros import DiagnosticArray
+    from trunk_ros.nodes.graph.ros import DiagnosticArray
 
     said = peer.listen(DiagnosticArray, "/diagnostics")
     path, stands = tmp_path / "bag", tmp_path / "stands"

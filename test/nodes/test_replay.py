@@ -35,7 +35,7 @@ PATIENT = ("--wait", 60)  # s until the test's ends are found, on the slowest ma
 
 
 def raw(peer: Peer, topic: str) -> list[bytes]:
-    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.graph.ros import JointState
 
     heard: list[bytes] = []
     peer.node.create_subscription(JointState, topic, heard.append, 1000, raw=True)
@@ -81,7 +81,7 @@ def test_it_keeps_the_pace_of_the_recording_and_makes_up_for_delays(monkeypatch,
 
 
 def test_it_is_not_faster_than_the_recording(domain, peer, bag):
-    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.graph.ros import JointState
 
     heard = []
     peer.node.create_subscription(
@@ -94,7 +94,7 @@ def test_it_is_not_faster_than_the_recording(domain, peer, bag):
 
 
 def test_it_plays_a_part_and_tells_the_time(domain, peer, bag):
-    from trunk_ros.nodes.ros import Clock
+    from trunk_ros.nodes.graph.ros import Clock
 
     gearbox, clock = raw(peer, "/trunk/gearbox_states"), peer.listen(Clock, "/clock")
     part = (
@@ -117,7 +117,7 @@ def test_it_plays_a_part_and_tells_the_time(domain, peer, bag):
 
 
 def test_step_by_step_each_line_gives_one_message(domain, peer, bag):
-    from trunk_ros.nodes.ros import DiagnosticArray
+    from trunk_ros.nodes.graph.ros import DiagnosticArray
 
     gearbox, said = raw(peer, "/trunk/gearbox_states"), peer.listen(DiagnosticArray, "diagnostics")
     with running("replay", bag, "--step", "--topics", "/trunk/gearbox_states", domain=domain) as process:
@@ -162,7 +162,7 @@ def test_what_cannot_be_played_is_refused_in_one_line(bag, arguments, told):
 
 
 def test_paused_it_stands_still_until_the_service_lets_it_go_on(domain, peer, bag):
-    from trunk_ros.nodes.ros import DiagnosticArray, SetBool, Trigger
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, SetBool, Trigger
 
     gearbox, said = raw(peer, "/trunk/gearbox_states"), peer.listen(DiagnosticArray, "diagnostics")
     pause = peer.node.create_client(SetBool, "/replay/pause")

@@ -2,7 +2,7 @@
 
 import time
 
-from trunk_ros.nodes.run_notes import WallClock, command
+from trunk_ros.nodes.bags.run_notes import WallClock, command
 
 SECOND = 10**9
 

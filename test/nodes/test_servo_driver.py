@@ -11,7 +11,7 @@ pytestmark = needs_ros
 @pytest.fixture
 def driver(domain, peer):
     """A running driver, what it publishes, and a way to ask it for angles."""
-    from trunk_ros.nodes.ros import DiagnosticArray, JointState
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState
 
     out = peer.publisher(JointState, "trunk/setpoints")
     states, said = (
@@ -72,8 +72,8 @@ def test_it_holds_and_says_so_when_setpoints_dry_up(driver):
 
 
 def test_before_it_is_known_where_the_shafts_stand_a_setpoint_has_to_name_all_joints(peer):
-    from trunk_ros.nodes.joints import MessageError
-    from trunk_ros.nodes.ros import JointState
+    from trunk_ros.nodes.graph.joints import MessageError
+    from trunk_ros.nodes.graph.ros import JointState
     from trunk_ros.nodes.servo_driver import ServoDriver
 
     node = ServoDriver(context=peer.context)

@@ -7,10 +7,10 @@ import pytest
 
 from trunk_ros.chain import Chain
 from trunk_ros.model import load_model
-from trunk_ros.nodes.compensation import Compensation
-from trunk_ros.nodes.goal import State
-from trunk_ros.nodes.observation import Observation
-from trunk_ros.nodes.slow_feedback import Settings, SlowFeedback
+from trunk_ros.nodes.control.compensation import Compensation
+from trunk_ros.nodes.control.goal import State
+from trunk_ros.nodes.control.observation import Observation
+from trunk_ros.nodes.control.slow_feedback import Settings, SlowFeedback
 
 STEP, SECOND = 0.01, 10**9
 NOMINAL = load_model("trunk")

@@ -17,8 +17,8 @@ END = 1_700_000_000.585  # s, before the last sample
 
 
 def test_late_joint_readings_make_neither_tip_nor_load_nor_wires_late(domain, peer, tmp_path):
-    from trunk_ros.nodes.messages import joint_state
-    from trunk_ros.nodes.ros import JointState, PoseStamped
+    from trunk_ros.nodes.graph.messages import joint_state
+    from trunk_ros.nodes.graph.ros import JointState, PoseStamped
 
     nominal = load_model("trunk")
     effects = {"sensor_delay": {"delay": DELAY}, "zero_offset": {"offset": np.full(5, ZERO)}}

@@ -56,8 +56,8 @@ class Sender:
     def __init__(self) -> None:
         import numpy as np
 
-        from trunk_ros.nodes.messages import joint_state
-        from trunk_ros.nodes.ros import JointState, rclpy
+        from trunk_ros.nodes.graph.messages import joint_state
+        from trunk_ros.nodes.graph.ros import JointState, rclpy
 
         self.context = rclpy.Context()
         self.context.init()

@@ -52,7 +52,7 @@ def send(publisher: Any, messages: list[bytearray], rate: float, seconds: float)
 
 def main(argv: list[str] | None = None) -> int:
     """Wait for a subscriber, publish, and stay until all is delivered."""
-    from trunk_ros.nodes.ros import JointState, QoSProfile, rclpy
+    from trunk_ros.nodes.graph.ros import JointState, QoSProfile, rclpy
 
     asked = argparse.ArgumentParser(prog="python -m test.recording.load", description=__doc__)
     asked.add_argument("--rate", type=float, default=1000.0, help="messages per s")

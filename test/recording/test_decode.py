@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from test.recording.bags import NOETIC, STORE, joint_state, motion, pose
-from trunk_ros.recording.block import block_of
-from trunk_ros.recording.decode import Decoder
-from trunk_ros.recording.layout import joint_layout, pose_layout
+from trunk_ros.recording.messages.block import block_of
+from trunk_ros.recording.messages.decode import Decoder
+from trunk_ros.recording.messages.layout import joint_layout, pose_layout
 
 KIND = "sensor_msgs/msg/JointState"
 NAMES = st.lists(

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from trunk_ros.recording.encoder import HIDDEN, between_counts, count, noises
 from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.encoder import HIDDEN, between_counts, count, noises
 
 STEP = 2 * np.pi / 2**14
 T = np.arange(0.0, 40.0, 0.01)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trunk_ros.recording.expression import column, parse
+from trunk_ros.recording.importing.expression import column, parse
 
 TABLE = {"a": np.array([1.0, 2.0, 4.0]), "b": np.array([0.5, 0.0, -1.0])}
 

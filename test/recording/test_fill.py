@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trunk_ros.recording.fill import fill, hold
+from trunk_ros.recording.signal.fill import fill, hold
 
 NAN = np.nan
 SEEN = np.array([[NAN, 1.0], [2.0, NAN], [NAN, NAN], [4.0, 7.0], [NAN, NAN]])

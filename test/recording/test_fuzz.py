@@ -17,9 +17,9 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 from test.recording.bags import NOETIC, motion, only_file, pose, write_bag, write_ros1
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import load_model
-from trunk_ros.nodes.bag_source import BagSource
-from trunk_ros.recording.import_bag import read_bag
-from trunk_ros.recording.import_csv import read_csv
+from trunk_ros.nodes.bags.source import BagSource
+from trunk_ros.recording.importing.bag import read_bag
+from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recover import recover
 from trunk_ros.trajectory import load_trajectory

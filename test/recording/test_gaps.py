@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from trunk_ros.recording.gaps import bridged, gaps, missing
 from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.gaps import bridged, gaps, missing
 
 T = np.arange(0.0, 10.0, 0.01)
 LOST = (T > 4.0) & (T < 5.2)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from trunk_ros.errors import ArgumentError, RecordingError
-from trunk_ros.recording.import_csv import main, read_csv
-from trunk_ros.recording.mapping import parse_mapping
+from trunk_ros.recording.importing.csv import main, read_csv
+from trunk_ros.recording.importing.mapping import parse_mapping
 from trunk_ros.recording.read import read_recording
 
 REAL = Path(__file__).resolve().parents[2].parent / "shared/real"

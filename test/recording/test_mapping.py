@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.mapping import load_mapping, parse_mapping
+from trunk_ros.recording.importing.mapping import load_mapping, parse_mapping
 from trunk_ros.share import config_names
 
 GOOD = """

@@ -15,8 +15,8 @@ from rosbags.highlevel import AnyReader
 
 from test.recording.bags import KIND, STORE, motion, only_file
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.mcap_write import ChunkWriter
-from trunk_ros.recording.message_types import RELIABLE, definition, qos_text
+from trunk_ros.recording.mcap.write import ChunkWriter
+from trunk_ros.recording.messages.message_types import RELIABLE, definition, qos_text
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recover import main, recover, unfinished
 

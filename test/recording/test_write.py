@@ -124,7 +124,7 @@ def test_the_mcap_tools_read_it_with_checksums_indexes_and_schemas(bag):
 
 
 def test_chunks_carry_checksums(bag):
-    from trunk_ros.recording import mcap_records as mcap
+    from trunk_ros.recording.mcap import records as mcap
 
     data = only_file(bag).read_bytes()
     chunks = [each for each in mcap.records(data, 8, len(data)) if each.kind == mcap.CHUNK]

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from trunk_ros import __version__
 from trunk_ros.diagnosis.diagnose import diagnose
-from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import load_model
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import new_folder, prepare_output

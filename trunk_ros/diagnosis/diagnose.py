@@ -9,29 +9,29 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.against import completed, on_the_clock, shifted
-from trunk_ros.diagnosis.align import Span, common_joints, servo_span, wire_span
-from trunk_ros.diagnosis.evidence import Evidence, spreads
-from trunk_ros.diagnosis.experiment import experiment, proposals
-from trunk_ros.diagnosis.explanation import Explanation
-from trunk_ros.diagnosis.faults import without_faults
-from trunk_ros.diagnosis.findings import (
+from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
+from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.data.sensor_faults import without_faults
+from trunk_ros.diagnosis.evidence.cross_validation import held_out
+from trunk_ros.diagnosis.evidence.evidence import Evidence, spreads
+from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
+from trunk_ros.diagnosis.experiment.design import experiment, proposals
+from trunk_ros.diagnosis.hypothesis import Explanation
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.greedy import Search
+from trunk_ros.diagnosis.search.long import searched
+from trunk_ros.diagnosis.search.revise import STRONG
+from trunk_ros.diagnosis.stage import LEAST, Problem
+from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.findings import (
     findings,
     is_known,
     left_over,
     without_a_name,
 )
-from trunk_ros.diagnosis.fit import Fit
-from trunk_ros.diagnosis.heldout import held_out
-from trunk_ros.diagnosis.leftover import rests as powers
-from trunk_ros.diagnosis.long import searched
-from trunk_ros.diagnosis.problem import LEAST, Problem
-from trunk_ros.diagnosis.quality import quality_of_recording
-from trunk_ros.diagnosis.result import STAGES, Diagnosis, Finding, Plots
-from trunk_ros.diagnosis.revise import STRONG
-from trunk_ros.diagnosis.search import Search
-from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
-from trunk_ros.diagnosis.tip import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model

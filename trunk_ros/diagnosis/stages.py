@@ -6,10 +6,10 @@ import numpy as np
 
 from trunk_ros.chain import Chain, run_servo, wire_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.align import Span
-from trunk_ros.diagnosis.explanation import Explanation, payload_of
-from trunk_ros.diagnosis.noise import Noise
-from trunk_ros.diagnosis.problem import Problem
+from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.hypothesis import Explanation, payload_of
+from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model

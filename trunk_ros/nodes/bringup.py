@@ -9,8 +9,8 @@ from collections.abc import Callable
 from typing import Any
 
 from trunk_ros.errors import TrunkError
-from trunk_ros.nodes.plan import PARTS, PUBLISHED, Plan, plan_of
-from trunk_ros.recording.metadata import read_metadata
+from trunk_ros.nodes.run.plan import PARTS, PUBLISHED, Plan, plan_of
+from trunk_ros.recording.bag.metadata import read_metadata
 
 LAG = 500  # messages of a topic that the recorder may be behind
 CHAIN = [part for part in PARTS if part != "recorder"]
@@ -19,8 +19,8 @@ CHAIN = [part for part in PARTS if part != "recorder"]
 def main(argv: list[str]) -> int:
     """Run and record: 0 when done or asked to end, 1 when a node gave up. Raises TrunkError at first."""
     plan = plan_of(argv)
-    from trunk_ros.nodes.process import Stop, start_ros
-    from trunk_ros.nodes.ros import rclpy
+    from trunk_ros.nodes.graph.process import Stop, start_ros
+    from trunk_ros.nodes.graph.ros import rclpy
 
     if plan.trajectory is not None and plan.trajectory.duration > plan.seconds:
         say(f"the trajectory takes {plan.trajectory.duration:.4g} s, the run ends after {plan.seconds:g} s")
@@ -43,8 +43,8 @@ def say(text: str) -> None:
 
 def make_pacer(plan: Plan) -> Any:
     """The node that gives the run its time."""
-    from trunk_ros.nodes.pacer import Pace, Pacer
-    from trunk_ros.nodes.progress import Ledger
+    from trunk_ros.nodes.graph.progress import Ledger
+    from trunk_ros.nodes.run.pacer import Pace, Pacer
     from trunk_ros.urdf import urdf
 
     foreign = tuple(topic for part, topic in PUBLISHED.items() if part not in plan.parts)
@@ -60,9 +60,9 @@ def make_pacer(plan: Plan) -> Any:
 
 def run_together(plan: Plan, stop: Any) -> str:
     """All nodes in this process; returns why it ended early, "" otherwise."""
-    from trunk_ros.nodes.base import DELIVERY
-    from trunk_ros.nodes.process import serve_for
-    from trunk_ros.nodes.ros import EventsExecutor
+    from trunk_ros.nodes.graph.base import DELIVERY
+    from trunk_ros.nodes.graph.process import serve_for
+    from trunk_ros.nodes.graph.ros import EventsExecutor
 
     make_room(plan)
     pacer = make_pacer(plan)
@@ -90,8 +90,8 @@ def run_together(plan: Plan, stop: Any) -> str:
 def make_node(part: str, parameters: dict[str, Any]) -> Any:
     """One of the nodes with parameters."""
     from trunk_ros.nodes.compensator import Compensator
+    from trunk_ros.nodes.graph.ros import Parameter
     from trunk_ros.nodes.recorder import Recorder
-    from trunk_ros.nodes.ros import Parameter
     from trunk_ros.nodes.servo_driver import ServoDriver
     from trunk_ros.nodes.wire_elasticity import WireElasticity
 
@@ -103,8 +103,8 @@ def make_node(part: str, parameters: dict[str, Any]) -> Any:
 
 def run_apart(plan: Plan, stop: Any) -> str:
     """Each node in a process of its own; returns why it ended early, "" otherwise."""
-    from trunk_ros.nodes.apart import Processes
-    from trunk_ros.nodes.ros import EventsExecutor
+    from trunk_ros.nodes.graph.ros import EventsExecutor
+    from trunk_ros.nodes.run.child_processes import Processes
 
     make_room(plan)
     pacer = make_pacer(plan)
@@ -140,7 +140,7 @@ def recorder_of(pacer: Any) -> list[str]:
 
 def pump(executor: Any, pacer: Any, stop: Any, trouble: Callable[[], str], over: Callable[[], bool]) -> None:
     """Serve callbacks until it is over, somebody asks to end, or something is wrong."""
-    from trunk_ros.nodes.process import serve
+    from trunk_ros.nodes.graph.process import serve
 
     def ended() -> bool:
         pacer.fault = pacer.fault or trouble()

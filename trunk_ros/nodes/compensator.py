@@ -8,21 +8,21 @@ import numpy as np
 
 from trunk_ros.errors import ModelError, TrunkError
 from trunk_ros.model import Model
-from trunk_ros.nodes.action import FollowAction
-from trunk_ros.nodes.base import TrunkNode
-from trunk_ros.nodes.compensation import Compensation
-from trunk_ros.nodes.compensator_parameters import FEEDBACK, OWN
-from trunk_ros.nodes.controller_state import ControllerState
-from trunk_ros.nodes.elapsed import SECOND
-from trunk_ros.nodes.follower import Follower, limits_of
-from trunk_ros.nodes.foreign import ForeignReference
-from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import nanoseconds, state_of, trajectory_of
-from trunk_ros.nodes.model_swap import ModelSwap, check_description
-from trunk_ros.nodes.observation import Observation
-from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.ros import FollowJointTrajectory, JointState, JointTrajectory, String
-from trunk_ros.nodes.slow_feedback import Settings
+from trunk_ros.nodes.control.action import FollowAction
+from trunk_ros.nodes.control.compensation import Compensation
+from trunk_ros.nodes.control.controller_state import ControllerState
+from trunk_ros.nodes.control.follower import Follower, limits_of
+from trunk_ros.nodes.control.foreign import ForeignReference
+from trunk_ros.nodes.control.model_swap import ModelSwap, check_description
+from trunk_ros.nodes.control.observation import Observation
+from trunk_ros.nodes.control.parameters import FEEDBACK, OWN
+from trunk_ros.nodes.control.slow_feedback import Settings
+from trunk_ros.nodes.graph.base import TrunkNode
+from trunk_ros.nodes.graph.elapsed import SECOND
+from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
+from trunk_ros.nodes.graph.messages import nanoseconds, state_of, trajectory_of
+from trunk_ros.nodes.graph.process import run_node
+from trunk_ros.nodes.graph.ros import FollowJointTrajectory, JointState, JointTrajectory, String
 from trunk_ros.trajectory import Array
 
 LONGEST_STEP = 0.1  # s that the output may move on after a pause

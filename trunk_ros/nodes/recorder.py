@@ -7,17 +7,17 @@ import time
 from typing import Any
 
 from trunk_ros.errors import TrunkError
-from trunk_ros.nodes.bag_writer import BagWriter, Channel, Entry
-from trunk_ros.nodes.base import TrunkNode
-from trunk_ros.nodes.ear import Ear, subscribe
-from trunk_ros.nodes.health import ERROR
-from trunk_ros.nodes.interfaces import message_class, message_definition
-from trunk_ros.nodes.losses import Tally, in_words
-from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.qos import hearing_all, latches, stricter, unique
-from trunk_ros.nodes.recorder_parameters import MIB, PARAMETERS, bag_options
-from trunk_ros.nodes.ros import LifecycleState, TransitionCallbackReturn, rclpy
-from trunk_ros.nodes.run_notes import WallClock, manifest
+from trunk_ros.nodes.bags.recorder_parameters import MIB, PARAMETERS, bag_options
+from trunk_ros.nodes.bags.run_notes import WallClock, manifest
+from trunk_ros.nodes.bags.writer import BagWriter, Channel, Entry
+from trunk_ros.nodes.graph.base import TrunkNode
+from trunk_ros.nodes.graph.health import ERROR
+from trunk_ros.nodes.graph.interfaces import message_class, message_definition
+from trunk_ros.nodes.graph.losses import Tally, in_words
+from trunk_ros.nodes.graph.process import run_node
+from trunk_ros.nodes.graph.qos import hearing_all, latches, stricter, unique
+from trunk_ros.nodes.graph.ros import LifecycleState, TransitionCallbackReturn, rclpy
+from trunk_ros.nodes.graph.topic_subscription import Ear, subscribe
 
 LOOK = 0.1  # s between two looks at the graph
 TURNS = 20  # looks after which a topic's publishers are asked for their QoS again

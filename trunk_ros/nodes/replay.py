@@ -11,17 +11,17 @@ from typing import Any
 
 from trunk_ros.errors import ArgumentError, TrunkError
 from trunk_ros.model import Declaration
-from trunk_ros.nodes.bag_source import BagSource, Topic
-from trunk_ros.nodes.base import TrunkNode
-from trunk_ros.nodes.elapsed import SECOND
-from trunk_ros.nodes.interfaces import message_class
-from trunk_ros.nodes.messages import time_message
-from trunk_ros.nodes.plan import split_ros
-from trunk_ros.nodes.process import Stop, start_ros
-from trunk_ros.nodes.qos import recorded
-from trunk_ros.nodes.replay_arguments import parser
-from trunk_ros.nodes.ros import Clock, EventsExecutor, SetBool, Trigger, rclpy
-from trunk_ros.nodes.through import through
+from trunk_ros.nodes.bags.replay_arguments import parser
+from trunk_ros.nodes.bags.source import BagSource, Topic
+from trunk_ros.nodes.bags.through import through
+from trunk_ros.nodes.graph.base import TrunkNode
+from trunk_ros.nodes.graph.elapsed import SECOND
+from trunk_ros.nodes.graph.interfaces import message_class
+from trunk_ros.nodes.graph.messages import time_message
+from trunk_ros.nodes.graph.process import Stop, start_ros
+from trunk_ros.nodes.graph.qos import recorded
+from trunk_ros.nodes.graph.ros import Clock, EventsExecutor, SetBool, Trigger, rclpy
+from trunk_ros.nodes.run.plan import split_ros
 
 LAST_PARTNER = 1.0  # s without a new subscriber after which no more are expected
 SETTLE = 0.5  # s after which partners know each other, and have what was sent

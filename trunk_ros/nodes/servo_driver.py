@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.model import Declaration
-from trunk_ros.nodes.base import TrunkNode
 from trunk_ros.nodes.bus import SIMULATED, Bus, bus_of, gearbox_limits
-from trunk_ros.nodes.elapsed import Elapsed
-from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.ros import JointState
+from trunk_ros.nodes.graph.base import TrunkNode
+from trunk_ros.nodes.graph.elapsed import Elapsed
+from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
+from trunk_ros.nodes.graph.process import run_node
+from trunk_ros.nodes.graph.ros import JointState
 from trunk_ros.trajectory import Array
 
 ROUNDING = 1e-9  # rad

@@ -8,13 +8,13 @@ import numpy as np
 
 from trunk_ros.chain import Chain, State
 from trunk_ros.model import Declaration
-from trunk_ros.nodes.base import TrunkNode
-from trunk_ros.nodes.elapsed import SECOND, Elapsed
-from trunk_ros.nodes.joints import JointMatcher, MessageError
-from trunk_ros.nodes.messages import fill_pose, nanoseconds
-from trunk_ros.nodes.process import run_node
-from trunk_ros.nodes.qos import LATCHED
-from trunk_ros.nodes.ros import JointState, PoseStamped, String
+from trunk_ros.nodes.graph.base import TrunkNode
+from trunk_ros.nodes.graph.elapsed import SECOND, Elapsed
+from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
+from trunk_ros.nodes.graph.messages import fill_pose, nanoseconds
+from trunk_ros.nodes.graph.process import run_node
+from trunk_ros.nodes.graph.qos import LATCHED
+from trunk_ros.nodes.graph.ros import JointState, PoseStamped, String
 from trunk_ros.trajectory import Array
 from trunk_ros.urdf import urdf
 

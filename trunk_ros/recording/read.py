@@ -5,13 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from trunk_ros.errors import RecordingError, one_line
-from trunk_ros.recording.apart import HELD, brought_together
-from trunk_ros.recording.assemble import first_stamp, joint_series
-from trunk_ros.recording.bag import read_blocks
-from trunk_ros.recording.block import Contents, DamageError, Progress
+from trunk_ros.recording.bag.bag import read_blocks
 from trunk_ros.recording.check import checked
-from trunk_ros.recording.decode import Decoder
-from trunk_ros.recording.layout import joint_layout, pose_layout
+from trunk_ros.recording.child_process import HELD, brought_together
+from trunk_ros.recording.messages.assemble import first_stamp, joint_series
+from trunk_ros.recording.messages.block import Contents, DamageError, Progress
+from trunk_ros.recording.messages.decode import Decoder
+from trunk_ros.recording.messages.layout import joint_layout, pose_layout
 from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.recording import Counts, JointSeries, PoseSeries, Recording
 from trunk_ros.recording.remarks import loss_remarks, recorder_remarks, series_remarks

@@ -14,11 +14,8 @@ from mcap.reader import make_reader
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.arguments import Parser
-from trunk_ros.recording.bag import mcap_files
-from trunk_ros.recording.block import DamageError, mapped
-from trunk_ros.recording.mcap_records import HEADER, MAGIC, record_at
-from trunk_ros.recording.mcap_repair import is_whole, repair
-from trunk_ros.recording.metadata import (
+from trunk_ros.recording.bag.bag import mcap_files
+from trunk_ros.recording.bag.metadata import (
     FILE,
     BagFile,
     BagMetadata,
@@ -27,6 +24,9 @@ from trunk_ros.recording.metadata import (
     read_metadata,
     write_metadata,
 )
+from trunk_ros.recording.mcap.records import HEADER, MAGIC, record_at
+from trunk_ros.recording.mcap.repair import is_whole, repair
+from trunk_ros.recording.messages.block import DamageError, mapped
 from trunk_ros.recording.output import new_file
 
 

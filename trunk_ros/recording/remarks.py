@@ -2,8 +2,8 @@
 
 import json
 
-from trunk_ros.recording.block import Contents
-from trunk_ros.recording.decode import Decoder
+from trunk_ros.recording.messages.block import Contents
+from trunk_ros.recording.messages.decode import Decoder
 from trunk_ros.recording.quality import quality_of_series
 from trunk_ros.recording.recording import Counts, JointSeries
 from trunk_ros.recording.topics import TOPICS

@@ -5,7 +5,7 @@ from pathlib import Path
 from trunk_ros.diagnosis.report.errors import figure_before_after, figure_over_time
 from trunk_ros.diagnosis.report.page import render
 from trunk_ros.diagnosis.report.signature import figure_signature
-from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 __all__ = ["figure_before_after", "figure_over_time", "figure_signature", "render", "write"]
 

@@ -10,7 +10,7 @@ from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import powers, quantity, spoken, times
 from trunk_ros.diagnosis.report.verdict import place
-from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 from trunk_ros.effects import effect, registry
 
 ALL = "arm"  # owner of shared values

@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.report.signals import Signal, entries, signals
 from trunk_ros.diagnosis.report.units import quantity, significant
-from trunk_ros.diagnosis.result import STAGES, Diagnosis
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis
 
 SAME = "same"
 BLOCKS = 20  # of time, whose errors are taken as independent: what lasts is one error, not many

@@ -26,7 +26,7 @@ from trunk_ros.diagnosis.report.style import (
     styled,
 )
 from trunk_ros.diagnosis.report.units import multiple
-from trunk_ros.diagnosis.result import STAGES, Diagnosis
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis
 
 WIDTH = 9.4  # inches
 WELL_ABOVE = 3.0  # times the noise, over a window

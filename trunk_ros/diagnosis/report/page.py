@@ -23,7 +23,7 @@ from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import listed, spoken
 from trunk_ros.diagnosis.report.verdict import sentence, verdict_word
 from trunk_ros.diagnosis.report.where import maps, not_compared
-from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 TEMPLATES = Path(__file__).parent
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.result import STAGES, Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding
 from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
 

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.report.errors import WIDTH
 from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
 from trunk_ros.diagnosis.report.style import ACCENT, GREY, LINE, MUTED, PLAIN, label, limits, styled
 from trunk_ros.diagnosis.report.view import Cloud, cloud, view_of
-from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 
 WIDE = 5  # panels in a row
 MOST = 10

@@ -5,7 +5,7 @@ from __future__ import annotations
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import entries
 from trunk_ros.diagnosis.report.units import listed, spoken, times
-from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 
 ABOVE = 1.15  # times the noise: what is more is said to be left
 

@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.report.signals import Signal, joint_angle, load, reversals, signals
 from trunk_ros.diagnosis.report.units import multiple
-from trunk_ros.diagnosis.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 from trunk_ros.effects.curve import SPEED_OF
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 

@@ -8,7 +8,7 @@ from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import concerns, entries
 from trunk_ros.diagnosis.report.units import spoken, times
 from trunk_ros.diagnosis.report.verdict import ABOVE
-from trunk_ros.diagnosis.result import Diagnosis
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 HEAT = (1.15, 2.0, 4.0, 8.0, 16.0)  # times the noise, where the next shade begins
 SILENT = "hardly moves or is hardly measured: nothing can be said"

@@ -1,0 +1,1 @@
+"""Recordings before they are explained: aligned, freed of faulty readings, with their noise."""

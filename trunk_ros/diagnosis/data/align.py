@@ -1,0 +1,196 @@
+"""Topics of a recording on one time grid, ready to be compared with a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.motion_content import comes_back, is_wide, turned
+from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.recording.signal.encoder import between_counts, counts, noises
+from trunk_ros.recording.signal.fill import hold
+from trunk_ros.recording.signal.resample import (
+    LONGEST_GAP,
+    SAME,
+    SLOW,
+    joint_grid,
+    longest_gap,
+    resample,
+    wide_gaps,
+)
+from trunk_ros.resistance import Resistance, resistance
+from trunk_ros.servo_course import as_the_servo_went
+
+FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
+SETTLING = 0.3  # s in which a servo forgets how it began
+MOVED = 3e-4  # rad
+BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
+STANDS = 1e-4  # rad, more than the encoder's steps
+FIRST = 1200  # samples that the angle at the start is the median of: of fewer the error shows in a long stand
+LONG = 100  # samples that a joint has to stand before it moves for them to tell anything
+
+
+@dataclass(frozen=True)
+class Span:
+    """One stage of one recording. ``grid`` (m,) is where the model is computed, ``rows`` (n,) which of it
+    was measured.
+
+    ``source`` (m, joints) is the input, ``target`` (n, joints) what was measured, ``valid`` (n, joints) what
+    counts.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    grid: Array
+    source: Array
+    velocity: Array
+    rows: np.ndarray
+    target: Array
+    valid: np.ndarray
+    gearbox: Array
+    start: tuple[np.ndarray, ...]
+    """Rows of the target at which each joint stands as it began; none where that is not known."""
+    resistance: Resistance | None = None
+    """What the recording tells of the load, where the model takes it from there."""
+    held: float = 0.0
+    """Time [s] for which the sensor of the target repeats each reading; the repeats are left out."""
+    counts: Array | None = None
+    """(joints,) rad of the gearbox per step of its encoder, 0 where readings lie on no grid; more where noise
+    scatters them more than such steps."""
+
+    @property
+    def stamp(self) -> Array:
+        """(n,) s, of the measured rows."""
+        return np.asarray(self.grid[self.rows])
+
+
+def wire_span(recording: Recording, model: Model) -> Span:
+    """Gearbox angles against joint angles. Raises RecordingError where a topic or all common joints are
+    missing.
+    """
+    gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
+    joints = common_joints(recording, model, gearbox, measured)
+    gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
+    steps = counts(gearbox)
+    grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
+    phi, velocity = resample(between_counts(gearbox, steps), grid)
+    phi = as_the_servo_went(recording, gearbox, steps, grid, phi, model)
+    grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
+    valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
+    target = np.where(valid, measured.position[kept], 0.0)
+    arm = model.for_joints(joints).arm.only(joints)
+    u = phi * arm.ratio
+    start = _start(u, rows, target, valid)
+    least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))
+    least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
+    valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, least)[rows]
+    if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
+        valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
+    known = resistance(arm, gearbox, grid, phi)
+    return Span(
+        recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
+    )
+
+
+def _beside_wide_loops(u: Array, speed: Array, target: Array, valid: np.ndarray) -> np.ndarray:
+    """(n, joints): from the first turn on where the loop is wide: its play is not as forgetful as a narrow
+    one.
+    """
+    out = np.ones_like(valid)
+    for j, seen in enumerate(valid.T):
+        if is_wide(u[seen, j], speed[seen, j], (target - u)[seen, j]):
+            out[:, j] = turned(u[:, j])
+    return out
+
+
+def _goes_on(u: Array) -> np.ndarray:
+    """(joints,): where a joint moves, and one way only."""
+    return np.array([not comes_back(column) and float(np.ptp(column)) > MOVED for column in u.T])
+
+
+def servo_span(recording: Recording, model: Model) -> Span:
+    """Setpoints against gearbox angles."""
+    setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
+    joints = common_joints(recording, model, setpoints, gearbox)
+    setpoints, gearbox = setpoints.select(joints), gearbox.select(joints)
+    grid, rows, kept = joint_grid(setpoints.stamp, gearbox.stamp, fine=False)
+    held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
+    source = hold(setpoints.position)[held]
+    measured = gearbox.position[kept]
+    unsettled = _after_gaps(setpoints, grid, model.for_joints(joints).arm.v_max) | (grid < grid[0] + SETTLING)
+    valid = np.isfinite(measured) & ~unsettled[rows][:, None]
+    phi, velocity = resample(gearbox, grid)
+    target = np.where(valid, measured, 0.0)
+    unknown = (np.empty(0, dtype=int),) * len(joints)
+    known = resistance(model.for_joints(joints).arm.only(joints), gearbox, grid, phi)
+    return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
+
+
+def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:
+    """Joints that all the topics and the model have, in the model's order."""
+    known = model.for_joints(series[0].joints).arm.joints if model.any_joints else model.arm.joints
+    joints = tuple(j for j in known if all(j in s.joints for s in series))
+    if not joints:
+        have = "; ".join(", ".join(s.joints) for s in series)
+        raise RecordingError(
+            f"{recording.name}: no joint of the model ({', '.join(known)}) is in the recording ({have}): "
+            "give the arm's own --model, or --model direct"
+        )
+    return joints
+
+
+def in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
+    """(m, joints): where the input is guessed across a gap too long to be bridged."""
+    out = np.zeros((len(grid), len(series.joints)), dtype=bool)
+    usual = longest_gap(series.stamp)
+    for j in range(len(series.joints)):
+        known = series.stamp[np.isfinite(series.position[:, j])]
+        for k in np.flatnonzero(np.diff(known) > usual):
+            out[(grid > known[k] + SAME) & (grid < known[k + 1] - SAME), j] = True
+    return out
+
+
+def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray:
+    """(m,): where setpoints may have been lost, and until the servo has caught up with those after."""
+    stamp, position = setpoints.stamp, hold(setpoints.position)
+    out = np.zeros(len(grid), dtype=bool)
+    usual = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
+    for k in np.flatnonzero(np.diff(stamp) > usual):
+        catching_up = 2.0 * float(np.abs(position[k + 1] - position[k]).max()) / v_max
+        out[(grid > stamp[k] + usual / 2) & (grid < stamp[k + 1] + SETTLING + catching_up)] = True
+    return out
+
+
+def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:
+    """(n, joints): where the state of the play is known: from where a joint has moved enough for that at
+    the start
+    to be forgotten, and before where it was seen to stand as it began. A joint that hardly moves counts
+    nowhere.
+    """
+    far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
+    engaged = far > least
+    standing = (far < STANDS) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
+    return np.asarray((engaged | standing)[rows])
+
+
+def _forgotten(u: Array, grid: Array, stamp: Array, least: Array) -> np.ndarray:
+    """(m, joints): where the state of the play is unknown after a gap, until the joint has moved on."""
+    out = np.zeros(u.shape, dtype=bool)
+    for _, before in wide_gaps(stamp):
+        if stamp[before] - stamp[before - 1] > FORGETS:
+            first = int(np.searchsorted(grid, stamp[before] - SAME))
+            far = np.maximum.accumulate(np.abs(u[first:] - u[first]), axis=0)
+            out[first:] |= far < least
+    return out
+
+
+def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The first rows of the target at which each joint stands, if it stands long before it moves."""
+    still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
+    seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(target.shape[1])]
+    return tuple(s[:FIRST] if len(s) >= LONG else s[:0] for s in seen)

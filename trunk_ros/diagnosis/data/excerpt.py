@@ -1,0 +1,58 @@
+"""A part of a long recording that stands for the whole while effects are searched for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.align import Span
+
+LONG = 600.0  # s from which on a recording is not searched as a whole
+BLOCKS = 6
+LENGTH = 55.0  # s of a block
+WARM = 15.0  # s of it after which it has forgotten what went before
+SHARE = 0.15  # of a joint's range that it has to move in a block before it counts
+
+
+def excerpt(span: Span) -> Span:
+    """Blocks spread over a span, with their own stamps and gaps between them; a short span as it is.
+
+    The first block begins with the recording, the last one ends with it.
+    """
+    if span.grid[-1] - span.grid[0] < LONG:
+        return span
+    starts = np.linspace(span.grid[0], span.grid[-1] - LENGTH, BLOCKS)
+    steps = [slice(*np.searchsorted(span.grid, (s, s + LENGTH)).tolist()) for s in starts]
+    chosen = np.zeros(len(span.grid), dtype=bool)
+    forgotten = np.zeros(span.gearbox.shape, dtype=bool)
+    for step in steps:
+        chosen[step] = True
+    for step in steps[1:]:
+        forgotten[step] = ~_warm(span.grid[step], span.gearbox[step], np.ptp(span.gearbox, axis=0))
+    return _taken(span, chosen, forgotten)
+
+
+def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
+    """The ``chosen`` (m,) steps of a span; those that are ``forgotten`` (m, joints) do not count."""
+    seen, at = chosen[span.rows], np.cumsum(chosen) - 1
+    known = span.resistance
+    return replace(
+        span,
+        grid=span.grid[chosen],
+        source=span.source[chosen],
+        velocity=span.velocity[chosen],
+        rows=at[span.rows[seen]],
+        target=span.target[seen],
+        valid=(span.valid & ~forgotten[span.rows])[seen],
+        gearbox=span.gearbox[chosen],
+        start=tuple(rows[seen[rows]] for rows in span.start),
+        resistance=None if known is None else known.part(chosen),
+    )
+
+
+def _warm(grid: Array, gearbox: Array, reach: Array) -> np.ndarray:
+    """(m, joints) where a block counts: after some time, and once a joint has moved in it."""
+    far = np.maximum.accumulate(np.abs(gearbox - gearbox[0]), axis=0)
+    return np.asarray((far > SHARE * reach) & (grid > grid[0] + WARM)[:, None])

@@ -1,0 +1,39 @@
+"""What the data are like: rates, gaps, losses, damage."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from trunk_ros.diagnosis.data.torque import torque_remarks
+from trunk_ros.model import Model
+from trunk_ros.recording.quality import quality
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import TOPICS
+
+COMPARED = ("gearbox_states", "joint_states")
+
+
+def left_out(recording: Recording, model: Model) -> list[str]:
+    """Joints of a topic that are not compared, since the other topic or the model lacks them."""
+    compared = [recording.series[key] for key in COMPARED if key in recording.series]
+    known = compared[0].joints if model.any_joints and compared else model.arm.joints
+    both = set(known).intersection(*(series.joints for series in compared))
+    asked = recording.series.get("setpoints")
+    unasked = [] if asked is None else [j for j in known if j in both and j not in asked.joints]
+    return [
+        *(
+            f"{TOPICS[key]}: {', '.join(missing)} not compared: not in every topic and in the model"
+            for key in COMPARED
+            if key in recording.series
+            and (missing := [j for j in recording.series[key].joints if j not in both])
+        ),
+        *([f"{TOPICS['setpoints']}: {', '.join(unasked)} not there: servos not compared"] if unasked else []),
+    ]
+
+
+def quality_of_recording(recording: Recording, model: Model) -> dict[str, Any]:
+    """Rates and gaps by topic, what the reader had to say, and what the motors' torque says of the load."""
+    topics = {key: asdict(value) for key, value in quality(recording).items()}
+    notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model)]
+    return {"duration": recording.duration, "topics": topics, "notes": notes}

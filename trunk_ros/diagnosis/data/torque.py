@@ -1,0 +1,82 @@
+"""What the motors' torque says of the load that a model computes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.effort import MeasuredLoad, measured_load
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.recording.signal.fill import fill
+from trunk_ros.resistance import swung
+
+DIFFERS = 0.1  # of the computed moment, from which on a difference is worth a remark
+EXPLAINS = 0.5  # of a difference may be left by what is said to explain it
+
+
+def torque_remarks(recording: Recording, model: Model) -> list[str]:
+    """What is to be said of recorded effort: how it was used, and whether the weight agrees with it."""
+    gearbox = recording.series.get("gearbox_states")
+    if gearbox is None:
+        return []
+    joints = common_joints(recording, model, gearbox)
+    arm, gearbox = model.for_joints(joints).loaded_arm().only(joints), gearbox.select(joints)
+    if gearbox.effort is None:
+        unmet = arm.load_from == "effort" and arm.has_load
+        return ["no effort in gearbox_states: the load is the computed weight"] if unmet else []
+    measured = measured_load(gearbox, arm.ratio)
+    used = [_use(arm, measured)] if arm.load_from == "effort" else []
+    return used + (_against_weight(arm, gearbox, measured) if arm.has_load else [])
+
+
+def _use(arm: Arm, measured: MeasuredLoad) -> str:
+    joints, told = arm.joints, np.isfinite(measured.friction)
+    friction = [f"{j} {f:.3g}" for j, f in zip(joints, measured.friction, strict=True) if np.isfinite(f)]
+    silent = [j for j, known in zip(joints, told, strict=True) if not known]
+    said = f"load from the motors' torque, less friction [N m at the shaft]: {', '.join(friction) or 'none'}"
+    instead = "computed weight" if arm.has_load else "all of the torque"
+    return said + (f"; {instead} on {', '.join(silent)}: no motion both ways" if silent else "")
+
+
+def _against_weight(arm: Arm, gearbox: JointSeries, measured: MeasuredLoad) -> list[str]:
+    """A remark where the computed weight is not the measured one, whatever part of the inertia it shows."""
+    phi, seen = fill(gearbox.position), measured.moving
+    if not seen.any():
+        return []
+    theta, inertia = phi * arm.ratio, swung(arm, gearbox.stamp, phi).load(replace(arm, gravity=0.0), phi)
+    computed, lever = arm.load(theta), arm.lever(theta)[seen]
+    if not computed[seen].any():  # without gravity
+        return []
+    both = np.column_stack([lever, inertia[seen]])
+    (payload, swings), *_ = np.linalg.lstsq(both, (measured.moment - computed)[seen], rcond=1e-9)
+    measured = replace(measured, moment=measured.moment - swings * inertia)
+    off = (measured.moment - computed)[seen]
+    if _rms(off) < DIFFERS * _rms(computed[seen]):
+        return []
+    share = f"{100 * _rms(off) / _rms(computed[seen]):.0f} %"
+    said = f"the motors' torque and the computed weight on the joints differ by {share}"
+    if _rms(off - payload * lever) < EXPLAINS * _rms(off):
+        way = "more" if payload > 0.0 else "less"
+        return [f"{said}: {abs(1e3 * payload):.0f} g {way} at the tip would explain it"]
+    return [f"{said}, on {_worst(arm, measured, computed)}: check masses, lengths and the torque's unit"]
+
+
+def _worst(arm: Arm, measured: MeasuredLoad, computed: Array) -> str:
+    """The joint on which they differ most, with how much."""
+    off = np.where(measured.moving, measured.moment - computed, 0.0)
+    joint = int(np.argmax((off**2).sum(axis=0)))
+    seen = measured.moving[:, joint]
+    own = computed[seen, joint]
+    if not own.any():
+        return f"{arm.joints[joint]} most, where none was computed"
+    times = float(own @ measured.moment[seen, joint] / (own @ own))
+    return f"{arm.joints[joint]} most, {times:.2f} times the computed one"
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

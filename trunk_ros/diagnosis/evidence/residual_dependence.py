@@ -1,0 +1,81 @@
+"""What remains after all findings: how much, and what it still depends on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.discrepancy.curves import variables
+from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.diagnosis.hypothesis import Explanation
+from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.effects.curve import abscissa, words_of
+from trunk_ros.recording.signal.resample import SLOW
+
+CELLS = 20
+COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
+TELLS = 0.05  # share of the rest's power that a variable must account for
+PERIODIC = 0.2  # likewise, a period of time
+
+
+def rests(problem: Problem, explanation: Explanation) -> dict[int, float]:
+    """Columns whose residual is above the noise: power over the noise's, less one."""
+    power = {c: float(np.mean(problem.whitened(explanation, c) ** 2)) - 1.0 for c in problem.columns}
+    return {c: p for c, p in power.items() if p > problem.rest(c) and _coherent(problem, explanation, c)}
+
+
+def _coherent(problem: Problem, explanation: Explanation, column: int) -> bool:
+    """Whether a residual goes on from sample to sample, which outliers do not."""
+    if problem.step >= SLOW:
+        return True
+    noise, products = problem.noise[column], []
+    for i, view in enumerate(problem.views):
+        rest, follows = problem.residual(i, explanation, column), view.follows[:, column]
+        products.append((rest[1:] * rest[:-1])[follows[1:]])
+    own = noise.correlation * (noise.std**2 - noise.white**2)
+    excess = float(np.mean(np.concatenate(products))) - own
+    return excess > COHERENT * problem.rest(column) * noise.std**2
+
+
+def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[str]:
+    """Words for what the residual of a column still varies with, the strongest first."""
+    scores: dict[str, float] = {}
+    residual = np.concatenate(
+        [
+            problem.residual(i, explanation, column)[v.span.valid[:, column]]
+            for i, v in enumerate(problem.views)
+        ]
+    )
+    if len(residual) < 20 * CELLS or not np.any(residual):
+        return []
+    for name in ("direction", *variables(problem, column)):
+        parts = []
+        for i, view in enumerate(problem.views):
+            now = problem.now(i, column, 0.0)
+            values = np.sign(now.speed[:, 0]) if name == "direction" else abscissa(name, now, 0)
+            parts.append(values[view.span.rows][view.span.valid[:, column]])
+        scores[name] = accounted(np.concatenate(parts), residual, problem.noise[column].correlation)
+    index = problem.telling(column)[0]
+    _, share = spectrum(problem.views[index].span.stamp, problem.residual(index, explanation, column))
+    if share > PERIODIC:
+        scores.setdefault("time", 0.0)
+        scores["time"] = max(scores["time"], share)
+    told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > TELLS][:3]
+    return list(dict.fromkeys(word for name in told for word in words_of(name)))
+
+
+def accounted(x: Array, residual: Array, correlation: float = 0.0) -> float:
+    """Share of a residual's power in its means over cells of ``x``, less what chance gives (Kelley 1935, PNAS
+    21(9)); ``correlation``: of the noise, of which so much less is by chance alone.
+    """
+    edges = np.quantile(x, np.linspace(0, 1, CELLS + 1)[1:-1])
+    cell = np.searchsorted(edges, x)
+    counts = np.bincount(cell, minlength=CELLS)
+    sums = np.bincount(cell, weights=residual, minlength=CELLS)
+    between = float(np.sum(sums[counts > 0] ** 2 / counts[counts > 0]) - residual.sum() ** 2 / len(residual))
+    total = float(np.sum((residual - residual.mean()) ** 2))
+    if total == 0.0:
+        return 0.0
+    share, free = between / total, len(residual) * (1.0 - correlation) / (1.0 + correlation)
+    chance = (np.count_nonzero(counts) - 1) / max(free - 1.0, 1.0)
+    return max((share - chance) / max(1.0 - chance, 0.5), 0.0)

@@ -1,0 +1,190 @@
+"""The motion that tells rivals apart: simulate both and take the one on which they differ most.
+
+Source: Atkinson & Fedorov (1975), "The design of experiments for discriminating between two rival models",
+Biometrika 62: a T-optimal design maximises over the motion what is least over the rival's values. The rival
+is refitted to the new motion together with the recordings at hand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.evidence.evidence import Evidence
+from trunk_ros.diagnosis.experiment.discrimination import HOPELESS, Difference, Duel, expected, span_of
+from trunk_ros.diagnosis.experiment.motions import Stretch, limits_of, motion, stretches
+from trunk_ros.diagnosis.experiment.rival_forms import sides_of
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.greedy import Search
+from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.trajectory import Trajectory
+
+MOST = 4  # stretches of a motion
+AGAIN = 6  # stretches that are tried once more beside the best one
+SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
+AMPLE = 10.0  # likewise: no further stretch is added; each joint is to be told by itself
+REPEATS = 4  # of a motion that is too short
+TRIALS, FEWEST = 48, 8  # simulations of rivals in the local search; motions that it tries at least
+STANDS = 1e-3  # rad/s
+LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
+FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A motion, and what is to be seen in it of each pair of rivals."""
+
+    motion: Trajectory
+    pairs: list[tuple[str, str]]
+    duels: list[Duel]
+    seen: list[Difference]
+    mutual: list[bool]
+    """Whether the other, taken for the truth, rules the duel's truth out as well."""
+
+
+def experiment(search: Search, state: Fit, found: dict[str, Evidence]) -> Experiment | None:
+    """The motion that best tells the effects found from their equivalents; None where there are none."""
+    sides = [
+        sides_of(search, state, name, rival, evidence)
+        for name, evidence in found.items()
+        for rival in evidence.equivalents
+    ]
+    done = Design(search.problem, sides).run() if sides else None
+    search.problem.look_again(state.explanation)
+    return done
+
+
+class Design:
+    """A search over motions for one that tells all rivals apart."""
+
+    def __init__(self, problem: Problem, sides: list[list[Duel]]):
+        """``sides``: of each pair, the one to be told first if a motion can."""
+        self.problem, self.sides = problem, sides
+        self.duels = [duels[0] for duels in sides]
+        self.own = {c for duel in self.duels for c in duel.columns}
+        self.limits = limits_of(problem)
+
+    def run(self) -> Experiment:
+        """Stretch by stretch, then in small steps; repeated where that is not enough."""
+        pairs = [(duel.truth, duel.other) for duel in self.duels]
+        ranked, faced = self.ranked()
+        parts = self.polished(self.grown(ranked)) if self.duels else ranked[:1]
+        if self.duels and self.ratios(parts).min() < SURE:
+            parts = max((parts, parts * REPEATS), key=self.score)
+        there = self.motion(parts)
+        seen = [duel.seen_in(self.problem, there) for duel in faced]
+        mutual = [self.back(duel, duels, there) for duel, duels in zip(faced, self.sides, strict=True)]
+        return Experiment(there, pairs, faced, seen, mutual)
+
+    def back(self, faced: Duel, duels: list[Duel], there: Trajectory) -> bool:
+        """Whether a motion rules out the truth of ``faced`` if it is the other, in whatever form."""
+        turned = [duel for duel in duels if duel.truth == faced.other]
+        return all(duel.seen_in(self.problem, there).ratio >= SURE for duel in turned)
+
+    def motion(self, parts: list[Stretch]) -> Trajectory:
+        """Stretches as a trajectory of all joints."""
+        return motion(self.problem, self.limits, parts, self.own)
+
+    def ratios(self, parts: list[Stretch]) -> Array:
+        """(duels,) misfit of each refitted rival, over what it takes to rule it out."""
+        span = span_of(self.problem, self.motion(parts))
+        bases = {id(duel.base): duel.base for duel in self.duels}
+        told = {key: expected(self.problem, base, span) for key, base in bases.items()}
+        return np.array([duel.ratio(told[id(duel.base)]) for duel in self.duels])
+
+    def score(self, parts: list[Stretch]) -> float:
+        """How far all rivals together are apart; logarithms, so that the nearest count most."""
+        return float(np.sum(np.log1p(self.ratios(parts))))
+
+    def ranked(self) -> tuple[list[Stretch], list[Duel]]:
+        """The stretches that tell most, and each pair from the side that shows most. ``duels`` become all
+        that a motion may decide.
+        """
+        candidates = stretches(len(self.problem.joints), self.own)
+        self.duels = [duel for duels in self.sides for duel in duels]
+        ratios = np.array([self.ratios([part]) for part in candidates])
+        peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
+        told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
+        faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
+        self.duels = [self.duels[k] for k in all_told if peaks[k] > HOPELESS]
+        order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
+        return [candidates[k] for k in order[:AGAIN]], faced
+
+    def grown(self, ranked: list[Stretch]) -> list[Stretch]:
+        """The best stretch, then the best after it, and so on until every rival is ruled out."""
+        parts = ranked[:1]
+        while len(parts) < MOST and self.ratios(parts).min() < AMPLE:
+            parts = max(([*parts, part] for part in ranked), key=self.score)
+        return parts
+
+    def polished(self, parts: list[Stretch]) -> list[Stretch]:
+        """The last stretch moved to where its neighbours are no better."""
+        *before, last = parts
+        start = np.array([last.centre, last.size, last.speed, last.hold])
+
+        def loss(x: Array) -> float:
+            return -self.score([*before, _at(last, x)])
+
+        simplex = np.vstack([start, start + np.diag(np.where(start + FIRST > HIGH, -FIRST, FIRST))])
+        tries = max(TRIALS // sum(len(duel.others) for duel in self.duels), FEWEST)
+        found = minimize(
+            loss, start, method="Nelder-Mead", bounds=list(zip(LOW, HIGH, strict=True)),
+            options={"maxfev": tries, "initial_simplex": simplex},
+        )  # fmt: skip
+        return max((parts, [*before, _at(last, found.x)]), key=self.score)
+
+
+def _told(peaks: Array, sides: range) -> list[int]:
+    """The sides of a pair to design for: the first if a motion tells it, or all that one tells, or the one
+    that shows most.
+    """
+    order = sorted(sides, key=lambda k: -float(peaks[k]))
+    sure = [k for k in order if peaks[k] >= SURE]
+    return [sides[0]] if sides[0] in sure else sure or order[:1]
+
+
+def _at(part: Stretch, x: Array) -> Stretch:
+    centre, size, speed, hold = (float(value) for value in np.clip(x, LOW, HIGH))
+    return replace(part, centre=centre, size=size, speed=speed, hold=hold)
+
+
+def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[str, Any]]:
+    """What ``diagnosis.json`` says of an experiment, an entry for each pair of rivals.
+
+    ``trajectory`` is empty where no motion within the limits tells a pair apart.
+    """
+    return [
+        {
+            "separates": list(pair),
+            "statement": statement(duel, seen, mutual, done.motion, units),
+            "trajectory": file if seen.ratio >= SURE else "",
+        }
+        for pair, duel, seen, mutual in zip(done.pairs, done.duels, done.seen, done.mutual, strict=True)
+    ]
+
+
+def statement(duel: Duel, seen: Difference, mutual: bool, there: Trajectory, units: dict[str, str]) -> str:
+    """What to look for, and what its absence means."""
+    joint = there.joints[seen.column]
+    unit = units.get(joint, "rad")
+    gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
+    if seen.ratio < SURE:
+        return (
+            f"No motion within the limits tells {duel.truth} from {duel.other}: fitted anew, the two would "
+            f"differ by no more than {gap}, {times}, on {joint}."
+        )
+    moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
+    where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
+    form = duel.base[duel.truth].form
+    truth = f"the {form} {duel.truth}" if form else duel.truth
+    told = (
+        f"In {there.duration:.0f} s of motion look at {where}: with {truth} as it fits best now it reads "
+        f"{gap} {'more' if seen.gap > 0 else 'less'}, {times}, than with any {duel.other} that fits these "
+        f"data; over the whole motion they differ by {seen.rms:.2g} times the noise."
+    )
+    absent = f" Without that both are left: {duel.truth} can do what {duel.other} does."
+    return told if mutual else told + absent

@@ -1,0 +1,229 @@
+"""How far apart a motion brings an explanation and a rival of it that is refitted to that motion as well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.hypothesis import Explanation, bounds
+from trunk_ros.diagnosis.search.fit import Residuals, minimise
+from trunk_ros.diagnosis.search.greedy import Search
+from trunk_ros.diagnosis.search.score import need
+from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.recording.signal.resample import SLOW
+from trunk_ros.trajectory import Trajectory
+
+CONTROL = 0.01  # s between setpoints, as bringup gives them
+BLIND = 1e-9  # squared change of the unit-noise residual per value that neither motion shows
+ROUNDS = 6  # of the full refit
+HOPELESS = 0.1  # of what it takes to rule a rival out, in one stretch: four of them would not do
+
+
+@dataclass
+class Difference:
+    """What is left between an explanation and its refitted rival where it shows most.
+
+    ``time`` s, ``angle`` rad and ``speed`` rad/s of the joint, ``gap`` rad, ``noise`` rad; ``rms`` in units
+    of the noise. ``ratio``: squared unit-noise misfit over what it takes to rule the rival out.
+    """
+
+    column: int
+    time: float
+    angle: float
+    speed: float
+    gap: float
+    noise: float
+    rms: float
+    ratio: float
+
+
+class Pinned(Residuals):
+    """Residuals on a new motion; the values are held as firmly as earlier recordings hold them."""
+
+    def __init__(self, there: Problem, explanation: Explanation, columns: list[int], normal: Array):
+        """``normal`` (free, free): curvature of half the cost of the earlier recordings."""
+        super().__init__(there, explanation, columns)
+        self.at = np.clip(explanation.get(self.free), *bounds(self.free))
+        values, directions = np.linalg.eigh(normal)
+        self.root = np.sqrt(np.maximum(values, 0.0))[:, None] * directions.T
+
+    def __call__(self, x: Array) -> Array:
+        return np.concatenate([super().__call__(x), self.root @ (x - self.at)])
+
+    def jacobian(self, x: Array) -> Array:
+        return np.vstack([super().jacobian(x), self.root])
+
+    def unfitted(self) -> float:
+        """Squared misfit with the values as they are."""
+        rest = self(self.at)
+        return float(rest @ rest)
+
+    def linear(self) -> float:
+        """Squared misfit after one step of a refit."""
+        rest = self(self.at)
+        if not self.free:
+            return float(rest @ rest)
+        jacobian = self.jacobian(self.at)
+        size = np.linalg.norm(jacobian, axis=0)
+        scaled = jacobian[:, size > BLIND] / size[size > BLIND]
+        slope = scaled.T @ rest
+        step = np.linalg.solve(scaled.T @ scaled + BLIND * np.eye(len(slope)), slope)
+        return max(float(rest @ rest - slope @ step), 0.0)
+
+    def refitted(self) -> tuple[float, Explanation]:
+        """Squared misfit after a full refit, and the values there."""
+        x = minimise(self, self.at, ROUNDS) if self.free else self.at
+        rest = self(x)
+        return float(rest @ rest), self.explanation.put(self.free, x)
+
+
+@dataclass
+class Other:
+    """A rival in one form, fitted to the recordings at hand."""
+
+    search: Search
+    explanation: Explanation
+    loss: float
+    """By how much it explains them worse, in squared unit noise."""
+
+    @cached_property
+    def groups(self) -> list[tuple[list[int], Array]]:
+        """Joints that are refitted together, with how firmly the recordings at hand hold their values."""
+        problem, out = self.search.problem, []
+        problem.look_again(self.explanation)
+        for group in self.search.groups(self.explanation):
+            residuals = Residuals(problem, self.explanation, group)
+            x = np.clip(self.explanation.get(residuals.free), *bounds(residuals.free))
+            jacobian = residuals.jacobian(x)
+            out.append((group, jacobian.T @ jacobian))
+        return out
+
+    def pinned(self, there: Problem, columns: list[int]) -> list[Pinned]:
+        """The rival on an expected recording, by groups of joints."""
+        there.look_again(self.explanation)
+        groups = [(group, normal) for group, normal in self.groups if set(group) & set(columns)]
+        return [Pinned(there, self.explanation, group, normal) for group, normal in groups]
+
+    def refitted(self, there: Problem, columns: list[int]) -> tuple[float, Explanation]:
+        """Squared misfit after a full refit, and the values there."""
+        misfit, fitted = 0.0, self.explanation
+        for pinned in self.pinned(there, columns):
+            cost, values = pinned.refitted()
+            misfit += cost
+            for column in pinned.columns:
+                fitted = _with(fitted, column, values)
+        return misfit, fitted
+
+
+@dataclass
+class Duel:
+    """An effect taken for the truth, and another one in its place that explains the recordings as well."""
+
+    truth: str
+    other: str
+    true: Other
+    """With the truth."""
+    others: list[Other]
+    """With the other, in the forms that explain the recordings as well."""
+
+    @property
+    def base(self) -> Explanation:
+        """The explanation with the truth."""
+        return self.true.explanation
+
+    @cached_property
+    def columns(self) -> list[int]:
+        """Joints on which the two differ."""
+        best = self.others[0]
+        return [c for c in best.search.problem.columns if self.base.key(c) != best.explanation.key(c)]
+
+    def ratio(self, there: Problem) -> float:
+        """Squared misfit of the other on an expected recording over what it takes to rule it out."""
+        return min(self._ratio(there, other) for other in self.others)
+
+    def _ratio(self, there: Problem, other: Other) -> float:
+        pinned, wanted = other.pinned(there, self.columns), self.wanted(there, other)
+        unfitted = sum(p.unfitted() for p in pinned) / wanted  # a refit can but lower it
+        return unfitted if unfitted < HOPELESS else sum(p.linear() for p in pinned) / wanted
+
+    def wanted(self, there: Problem, other: Other) -> float:
+        """The misfit at which it is no equivalent any more, both runs taken together."""
+        problems = (other.search.problem, there)
+        each = [need(p, c) for p in problems for c in self.base[self.truth].columns if c in self.columns]
+        return max(sum(each) - (other.loss - self.true.loss), 1.0)
+
+    def seen_in(self, problem: Problem, motion: Trajectory) -> Difference:
+        """Where it shows most in a motion, after a full refit of each form."""
+        there = expected(problem, self.base, span_of(problem, motion))
+        fits = [(other, *other.refitted(there, self.columns)) for other in self.others]
+        ratio, fitted = min(
+            ((misfit / self.wanted(there, other), fitted) for other, misfit, fitted in fits),
+            key=lambda one: one[0],
+        )
+        there.look_again(fitted)
+        rests = {c: there.residual(0, fitted, c) / there.noise[c].std for c in self.columns}
+        column = max(rests, key=lambda c: float(np.abs(rests[c]).max()))
+        row = int(np.argmax(np.abs(rests[column])))
+        time, noise = float(there.views[0].span.stamp[row]), there.noise[column].std
+        angle, speed, _ = motion.sample([time])
+        return Difference(
+            column,
+            time,
+            float(angle[0, column]),
+            float(speed[0, column]),
+            float(rests[column][row] * noise),
+            noise,
+            float(np.sqrt(np.mean(rests[column] ** 2))),
+            ratio,
+        )
+
+
+def _with(explanation: Explanation, column: int, values: Explanation) -> Explanation:
+    out = explanation.copy()
+    out.take(column, values)
+    for name, term in out.items():
+        if column in term.own:
+            term.shared = dict(values[name].shared)
+    return out
+
+
+def span_of(problem: Problem, motion: Trajectory) -> Span:
+    """The motion as the stage would see it; what is measured is left at 0."""
+    recording = recorded(problem, motion)
+    return (servo_span if problem.stage == "servo" else wire_span)(recording, problem.model)
+
+
+def expected(problem: Problem, explanation: Explanation, span: Span) -> Problem:
+    """The stage with what an explanation leads to expect in the place of what is measured, free of noise."""
+    there = problem.over([span])
+    there.look_again(explanation)
+    target = span.target.copy()
+    for column in problem.columns:
+        target[:, column] = there.predict(0, explanation, column)
+    there.views = [replace(there.views[0], span=replace(span, target=target))]
+    return there
+
+
+def recorded(problem: Problem, motion: Trajectory) -> Recording:
+    """Setpoints and gearbox angles of a motion by the nominal servo, at the rates of the recordings."""
+    often = problem.step if problem.step > SLOW else min(problem.step, CONTROL)
+    every = max(round(problem.step / often), 1)
+    stamp = np.arange(0.0, motion.duration, often)
+    setpoints = motion.sample(stamp)[0] / problem.arm.ratio
+    phi, _ = Chain(Model(problem.arm), "servo").run(setpoints, stamp)
+    velocity = np.gradient(phi, stamp, axis=0)
+    kept = slice(None, None, every if problem.stage == "servo" else 1)
+    seen = stamp[::every]
+    series = {
+        "setpoints": JointSeries(stamp, problem.joints, setpoints),
+        "gearbox_states": JointSeries(stamp[kept], problem.joints, phi[kept], velocity[kept]),
+        "joint_states": JointSeries(seen, problem.joints, np.zeros((len(seen), len(problem.joints)))),
+    }
+    return Recording("experiment", 0, motion.duration, series)

@@ -1,0 +1,151 @@
+"""Motions to choose an experiment from: stretches of to and fro, within the limits of the arm."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from itertools import product
+from math import copysign, inf, sqrt
+from typing import Literal
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.description import ANY_ANGLE
+from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
+from trunk_ros.trajectory import Limits, Trajectory
+
+SECONDS = 8.0  # of one stretch
+SAMPLES = 200  # of one stretch at least
+MOMENT = 1e-3  # s: too short for a piece of a motion
+TURNS = 60  # of a stretch at most
+BEND = 5.7735  # peak acceleration of a rest-to-rest quintic, times its time squared over its way
+GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
+UNSEEN = 4.0  # noise over squared sample time: a line between samples is off by half the noise
+ROOM = 0.95  # of a limit
+APART, GOLDEN = 0.3, 0.618  # speeds differ by up to this share, so that no two joints move alike
+CARRIED = 0.3  # of the top speed: a joint that takes its place
+LEAST = 0.03  # of a stretch's first turn: the smallest one
+REACHES = 0.999  # of the recorded accelerations: beyond are steps of the encoder
+
+Movers = Literal["own", "others", "all"]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """To and fro about a posture; lengths in parts of the reach, speeds in parts of the top speed, holds in
+    s.
+    """
+
+    movers: Movers
+    """``own``: the joints in question move and the others stand; ``others``: the reverse."""
+    centre: float
+    size: float
+    speed: float
+    hold: float = 0.0
+    shrink: float = 1.0
+    """Each turn over the one before."""
+
+
+SHAPES = {  # size, speed, hold, shrink: the sections of trunk_ros/motion.py, and what lies between them
+    "sweeps": (0.9, 0.4, 0.0, 1.0),
+    "fast": (0.55, 0.9, 0.0, 1.0),
+    "short": (0.1, 0.9, 0.0, 1.0),
+    "reversals": (0.3, 0.25, 0.0, 0.6),
+    "holds": (0.75, 0.5, 1.5, 1.0),
+    "slow": (0.3, 0.05, 0.0, 1.0),
+}
+MOVERS: tuple[Movers, ...] = ("own", "others", "all")
+CENTRES = (0.0, -0.5, 0.5)
+
+
+def stretches(joints: int, own: Collection[int]) -> list[Stretch]:
+    """All stretches that are worth a look for joints ``own`` of an arm."""
+    movers = MOVERS if len(own) < joints else ("all",)
+    return [Stretch(who, centre, *shape) for who, centre, shape in product(movers, CENTRES, SHAPES.values())]
+
+
+def limits_of(problem: Problem) -> Limits:
+    """The arm's own limits; for joints that have none, what they did in the recordings.
+
+    Accelerations stay as they were, or where samples still show what lies between them; setpoints hold
+    between theirs.
+    """
+    arm, views = problem.arm, problem.views
+    seen = np.concatenate([view.span.gearbox * arm.ratio for view in views])
+    speed = np.concatenate([np.abs(view.span.velocity * arm.ratio) for view in views])
+    bend = np.concatenate([_bend(view.span.velocity * arm.ratio, view.span.grid) for view in views])
+    done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))
+    noise = np.array([each.std for each in problem.noise])
+    shown = GENTLE * np.ones(len(noise)) if problem.stage == "servo" else UNSEEN * noise / step**2
+    stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)
+    return Limits(
+        np.where(stated, arm.lower, seen.min(axis=0)),
+        np.where(stated, arm.upper, seen.max(axis=0)),
+        np.minimum(arm.v_max * np.abs(arm.ratio), np.where(stated, np.inf, speed.max(axis=0))),
+        np.where(stated, np.clip(np.maximum(done, shown), 0.0, GENTLE), done),
+    )
+
+
+def _bend(speed: Array, stamp: Array) -> Array:
+    return np.abs(np.gradient(speed, stamp, axis=0)) if len(stamp) > 1 else np.zeros_like(speed)
+
+
+def motion(problem: Problem, limits: Limits, parts: list[Stretch], own: Collection[int]) -> Trajectory:
+    """The stretches one after the other, from rest at 0, as one trajectory."""
+    paths, seconds = [], max(SECONDS, SAMPLES * problem.step)
+    for joint in range(len(problem.joints)):
+        path = _Path(limits, joint)
+        for number, part in enumerate(parts, start=1):
+            path.follow(part, joint in own, path.begin + number * seconds)
+        paths.append(np.array(path.points))
+    return merge(problem.joints, paths)
+
+
+class _Path:
+    """Postures at rest (time s, angle rad) of one joint."""
+
+    def __init__(self, limits: Limits, joint: int):
+        low, high = float(limits.lower[joint]), float(limits.upper[joint])
+        self.centre, self.reach = (low + high) / 2, (high - low) / 2 * ROOM
+        self.top, self.bend = float(limits.speed[joint]) * ROOM, float(limits.acceleration[joint]) * ROOM
+        self.side = 1.0 if joint % 2 else -1.0
+        self.pace = 1.0 - APART * (joint * GOLDEN % 1.0)
+        start = 0.0 if self.top > 0.0 and self.bend > 0.0 else self.centre  # what never moved stays
+        self.points = [(0.0, start), (LEAD_IN, start)]
+        self.begin = LEAD_IN
+        if not low <= start <= high:
+            self._go(self.centre, CARRIED, inf)
+            self.begin = self.points[-1][0]
+
+    def follow(self, part: Stretch, mine: bool, end: float) -> None:
+        """One stretch, until ``end`` s."""
+        size, side = part.size, self.side
+        if part.movers != "all" and mine != (part.movers == "own"):
+            self._go(self.centre + part.centre * self.reach, CARRIED, end)
+            size = 0.0
+        turns = 0
+        while size > 0.0 and turns < TURNS:
+            target = min(max(part.centre + side * size, -1.0), 1.0)
+            self._go(self.centre + target * self.reach, part.speed * self.pace, end)
+            self._stay(min(self.points[-1][0] + part.hold, end))
+            size, side, turns = size * part.shrink, -side, turns + 1
+            size = size if size > LEAST * part.size else part.size
+        self._stay(end)
+
+    def _go(self, angle: float, speed: float, end: float) -> None:
+        """Move to an angle, or as far towards it as there is time for."""
+        begin, here = self.points[-1]
+        if self.bend <= 0.0:
+            return
+        way = min(abs(angle - here), max(end - begin, 0.0) * self.top * speed / PEAK)
+        if way <= 0.0:
+            return
+        took = max(PEAK * way / (self.top * speed), sqrt(BEND * way / self.bend), QUICKEST)
+        if begin + took <= end + MOMENT:
+            self.points.append((begin + took, here + copysign(way, angle - here)))
+
+    def _stay(self, until: float) -> None:
+        if until > self.points[-1][0] + MOMENT:
+            self.points.append((until, self.points[-1][1]))

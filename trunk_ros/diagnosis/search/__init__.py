@@ -1,0 +1,1 @@
+"""The search for the hypothesis that explains a stage best for its price."""

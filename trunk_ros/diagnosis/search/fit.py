@@ -1,0 +1,123 @@
+"""Least squares of an explanation's free values, joint by joint or together where values are shared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.hypothesis import Explanation, bounds, scales
+from trunk_ros.diagnosis.stage import Problem
+
+STEP = 0.005  # of a parameter's usual size, for derivatives
+ROUNDS = 12
+SURE = 2  # rounds after which gains only get smaller
+TRIES = 6  # dampings a round
+DAMPING = 1e-3
+ENOUGH = 0.05  # squared unit-noise residuals: a gain that ends the fit
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted explanation and what is left of the squared unit-noise residual, by column."""
+
+    explanation: Explanation
+    cost: dict[int, float]
+    """Sum of squares by column."""
+
+    @property
+    def total(self) -> float:
+        """Sum of squares over the fitted columns."""
+        return float(sum(self.cost.values()))
+
+
+class Residuals:
+    """The residual vector of some columns as a function of the free values, and its derivative."""
+
+    def __init__(self, problem: Problem, explanation: Explanation, columns: list[int]):
+        self.problem, self.explanation, self.columns = problem, explanation, columns
+        self.free = explanation.free(columns)
+        self.scale = scales(self.free)
+        self._at: tuple[bytes, list[Array]] | None = None
+
+    def parts(self, x: Array) -> list[Array]:
+        """Residuals by column."""
+        if self._at is None or self._at[0] != x.tobytes():
+            there = self.explanation.put(self.free, x)
+            self._at = x.tobytes(), [self.problem.whitened(there, c) for c in self.columns]
+        return self._at[1]
+
+    def __call__(self, x: Array) -> Array:
+        """All residuals, joined."""
+        return np.concatenate(self.parts(x))
+
+    def jacobian(self, x: Array) -> Array:
+        """(rows, free) by forward differences; a joint's own value touches only its own rows."""
+        base = self.parts(x)
+        ends = np.cumsum([0, *(len(part) for part in base)])
+        out = np.zeros((ends[-1], len(x)))
+        _, high = bounds(self.free)
+        for k, f in enumerate(self.free):
+            step = STEP * self.scale[k] * (1.0 if x[k] + STEP * self.scale[k] <= high[k] else -1.0)
+            moved = x.copy()
+            moved[k] += step
+            there = self.explanation.put(self.free, moved)
+            touched = self.explanation[f.effect].columns if f.column is None else [f.column]
+            for i, column in enumerate(self.columns):
+                if column in touched or f.parameter.name == "payload":
+                    out[ends[i] : ends[i + 1], k] = (self.problem.whitened(there, column) - base[i]) / step
+        return out
+
+
+def fit(problem: Problem, explanation: Explanation, columns: list[int], goal: float = np.inf) -> Fit:
+    """Fit what is free on ``columns``; given up where the squared residuals will not come down to ``goal``.
+
+    Shared values move only where all joints that they act on are among the columns.
+    """
+    residuals = Residuals(problem, explanation, columns)
+    x = explanation.get(residuals.free)
+    if len(x):
+        x = minimise(residuals, np.clip(x, *bounds(residuals.free)), ROUNDS, goal)
+    cost = {c: float(part @ part) for c, part in zip(columns, residuals.parts(x), strict=True)}
+    return Fit(explanation.put(residuals.free, x), cost)
+
+
+def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) -> Array:
+    """Levenberg-Marquardt within bounds. Values that are good enough stay as they are, so that what is known
+    of them stays true.
+
+    Few values against many samples: the normal equations cost a tenth of the decompositions that
+    ``scipy.optimize.least_squares`` makes of the whole derivative.
+    """
+    low, high = bounds(residuals.free)
+    rest = residuals(x)
+    cost, damping = float(rest @ rest), DAMPING
+    first, start = cost, x
+    for done in range(1, rounds + 1):
+        jacobian = residuals.jacobian(x)
+        slope, normal = jacobian.T @ rest, jacobian.T @ jacobian
+        before = cost
+        for _ in range(TRIES):
+            trial = np.clip(x - _step(normal, slope, damping, x, low, high), low, high)
+            there = residuals(trial)
+            if float(there @ there) < cost:
+                x, rest, cost, damping = trial, there, float(there @ there), damping / 5.0
+                break
+            damping = max(damping, 1e-6) * 6.0
+        enough = max(ENOUGH, ENOUGH * 1e-4 * cost)
+        hopeless = done > SURE and (rounds - done) * (before - cost) < cost - goal
+        if before - cost < enough or hopeless:
+            break
+    return x if first - cost >= enough else start
+
+
+def _step(normal: Array, slope: Array, damping: float, x: Array, low: Array, high: Array) -> Array:
+    """A damped step; values at a bound that it would cross stay."""
+    size = np.sqrt(np.maximum(np.diag(normal), 1e-30))
+    moving = ~(((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0)))
+    out = np.zeros_like(x)
+    scaled = normal[np.ix_(moving, moving)] / np.outer(size[moving], size[moving])
+    scaled = scaled + (damping + 1e-9) * np.eye(len(scaled))
+    out[moving] = np.linalg.solve(scaled, slope[moving] / size[moving]) / size[moving]
+    return out

@@ -1,0 +1,250 @@
+"""A cheap first look at how much each effect would explain, and with which values it may start."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.hypothesis import Explanation
+from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, seen_forms, taken
+from trunk_ros.diagnosis.search.score import need
+from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.effects import Effect
+from trunk_ros.parameter import Parameter
+
+NEAR = 0.85  # of the best form's gain: forms that are refitted as well
+SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
+FREED = 0.5  # of what an effect must gain on a joint: a linear look does not see all of it
+
+BAGS = 2  # of an arm's recordings that give an effect its starts
+
+Products = dict[int, tuple[float, float]]
+"""By column: (rest . d, d . d) of a change d of the prediction."""
+
+
+class Screen:
+    """What is left of each column, with the directions already fitted projected out."""
+
+    def __init__(self, problem: Problem, explanation: Explanation, columns: list[int] | None = None):
+        self.problem, self.explanation = problem, explanation
+        columns = problem.columns if columns is None else columns
+        self.base = {c: problem.predictions(explanation, c) for c in columns}
+        self.rest = {c: problem.whitened(explanation, c) for c in columns}
+        self.basis = {c: self._basis(c) for c in columns}
+
+    def _basis(self, column: int) -> Array:
+        from trunk_ros.diagnosis.search.fit import Residuals
+
+        residuals = Residuals(self.problem, self.explanation, [column])
+        local = self.explanation.free([column])
+        if not local:
+            return np.zeros((len(self.rest[column]), 0))
+        jacobian = residuals.jacobian(self.explanation.get(local))
+        size = np.linalg.norm(jacobian, axis=0)
+        return np.asarray(np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0])
+
+    def products(self, candidate: Candidate, column: int) -> tuple[float, float]:
+        """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot
+        follow it.
+        """
+        there = extended(self.problem, self.explanation, candidate)
+        changes = [
+            a - b for a, b in zip(self.problem.predictions(there, column), self.base[column], strict=True)
+        ]
+        d = self.problem.whiten_change(changes, column)
+        q = self.basis[column]
+        d = d - q @ (q.T @ d)
+        return float(self.rest[column] @ d), float(d @ d)
+
+    def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
+        """The best start of each form that comes near the best one."""
+        found = [c for c in (self.local_form(kind, form, column) for form in self._forms(kind, column)) if c]
+        best = max((c.gain for c in found), default=0.0)
+        return [c for c in found if c.gain > NEAR * best]
+
+    def ranked(self, kinds: list[type[Effect]], column: int, most: int) -> list[Candidate]:
+        """The most promising effects, each in its promising forms."""
+        found = sorted(
+            (f for f in (self.forms(k, column) for k in kinds) if f), key=lambda f: -max(c.gain for c in f)
+        )
+        return [candidate for forms in found[:most] for candidate in forms]
+
+    def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
+        """The most promising start of an effect on one column."""
+        best: Candidate | None = None
+        for start in self._starts(kind, form, column):
+            trial = Candidate(kind.id, form, column, start)
+            rd, dd = self.products(trial, column)
+            better = _scaled(kind, trial, rd, dd)
+            if better is not None and (best is None or better.gain > best.gain):
+                best = better
+        return best
+
+    def _forms(self, kind: type[Effect], column: int) -> tuple[str, ...]:
+        """The forms to try: that of the effect on other joints, if it is there."""
+        if kind.id in self.explanation:
+            return (self.explanation[kind.id].form,)
+        return tuple(form for form in seen_forms(self.problem, kind, column) if form not in kind.refined)
+
+    def everywhere(self, kind: type[Effect]) -> Candidate | None:
+        """The most promising start of an effect that acts on all joints alike."""
+        return max(self.all_everywhere(kind), key=lambda c: c.gain, default=None)
+
+    def all_everywhere(
+        self, kind: type[Effect], only: str | None = None, also: dict[str, float] | None = None
+    ) -> list[Candidate]:
+        """The same with values that the arm's description states, and with values of each joint's own.
+
+        ``only``: in one form; ``also``: start values of what is optional.
+        """
+        found: dict[bool, Candidate] = {}
+        for form in kind.forms if only is None else (only,):
+            for trial, each in self._on_all(kind, form, also or {}):
+                for free in self._freedoms(kind, form):
+                    better = self._on_those_that_gain(kind, replace(trial, free=free), each)
+                    if better and (free not in found or better.gain > found[free].gain):
+                        found[free] = better
+        return list(found.values())
+
+    def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
+        """Whether a joint's size may be its own: where it is stated, both ways are tried."""
+        lead = kind.own_parameters(form)[0]
+        return (False, True) if kind.scalable and lead.name in given(kind, self.problem) else (False,)
+
+    def _on_all(
+        self, kind: type[Effect], form: str, also: dict[str, float]
+    ) -> Iterator[tuple[Candidate, Products]]:
+        """Each choice of the shared values, with every joint's best choice of its own."""
+        columns = self.problem.columns
+        starts = {c: list(self._starts(kind, form, c)) for c in columns}
+        names = [p.name for p in kind.own_parameters(form) if p.shared]
+        shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
+        for values in _different(shared):
+            own, products = {}, {}
+            for c in columns:
+                options = _different([{**s, **values} for s in starts[c]])
+                looks = [self.products(Candidate(kind.id, form, c, s), c) for s in options]
+                best = max(range(len(looks)), key=lambda k: _merit(kind, form, *looks[k]))
+                own[c], products[c] = options[best], looks[best]
+            yield Candidate(kind.id, form, None, own[columns[0]], own=own), products
+
+    def _on_those_that_gain(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:
+        """On all joints; where a joint has values of its own, on those that a linear look finds better
+        off.
+        """
+        each = {c: found for c, found in each.items() if not taken(kind, self.explanation, c)}
+        if trial.free:
+            return self._each_by_itself(kind, trial, each)
+        if any(not p.shared for p in kind.own_parameters(trial.form)):
+            size = _too_large(list(each.values())) if kind.scalable else 1.0
+            shared = _lead(kind, trial).shared
+            each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > size * dd or shared}
+        if not each:
+            return None
+        sums = np.sum(list(each.values()), axis=0)
+        found = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.problem))
+        if found is None:
+            return None
+        lead = _lead(kind, trial).name
+        own = {
+            c: {**start, lead: found.start[lead]} if kind.scalable else start
+            for c, start in trial.own.items()
+        }
+        return replace(found, columns=tuple(each), own=own)
+
+    def _each_by_itself(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:
+        """Every joint at its own optimum, where that is worth an effect."""
+        found = {c: _scaled(kind, replace(trial, start=trial.own[c]), *each[c]) for c in each}
+        named = [c for c in found if c not in self.explanation.curved]
+        chosen = {c: f for c in named if (f := found[c]) and f.gain > FREED * need(self.problem, c)}
+        if not chosen:
+            return None
+        own = {c: f.start for c, f in chosen.items()}
+        gain = sum(f.gain for f in chosen.values())
+        return replace(trial, start=next(iter(own.values())), gain=gain, columns=tuple(chosen), own=own)
+
+    def _residual(self, column: int, index: int) -> Array:
+        """(m,) residual of a recording over its whole grid."""
+        span = self.problem.views[index].span
+        valid = span.valid[:, column]
+        off = span.target[valid, column] - self.base[column][index][valid]
+        return np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
+
+    def _starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
+        """Where an effect may begin on a column, by the recordings with most to explain."""
+        telling = self.problem.telling(column)[:BAGS]
+        return _different([s for index in telling for s in self._starts_in(index, kind, form, column)])
+
+    def _starts_in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
+        problem = self.problem
+        rest = None if column in problem.wide else self._residual(column, index)
+        for start in kind({}, {}, form).starts(problem.shown(column, index), 0, rest):
+            if not kind.texts:
+                yield start
+                yield from self._wide_starts(index, kind, form, column, start)
+                continue
+            words = self.explanation.get_words(kind.id, column)
+            for joint in problem.joints:
+                if joint != problem.joints[column] and joint not in words:
+                    yield {**start, kind.texts[0]: joint}
+
+    def _wide_starts(
+        self, index: int, kind: type[Effect], form: str, column: int, start: dict[str, Any]
+    ) -> Iterator[dict[str, Any]]:
+        """Starts far from null for what makes a wide loop: a linear look does not reach that far."""
+        if column in self.problem.wide and kind.regime == "reversal":
+            now, lead = self.problem.now(index, column, 0.0), kind.own_parameters(form)[0]
+            for share in SHARES:
+                yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}
+
+
+def _too_large(products: list[tuple[float, float]]) -> float:
+    """By what a start has to be made smaller to fit the joints that it helps; 1 where it is not too large."""
+    helped = [(rd, dd) for rd, dd in products if rd > 0.0 and dd > 0.0]
+    return min(1.0, sum(rd for rd, _ in helped) / sum(dd for _, dd in helped)) if helped else 1.0
+
+
+def _lead(kind: type[Effect], trial: Candidate) -> Parameter:
+    return kind.own_parameters(trial.form)[0]
+
+
+def _different(starts: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return list({tuple(start.items()): start for start in starts}.values())
+
+
+def _merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
+    """How well a start fits a joint, whatever its size where that can be scaled."""
+    if not kind.scalable:
+        return 2 * rd - dd
+    along = rd / np.sqrt(max(dd, 1e-12))
+    return float(along if kind.own_parameters(form)[0].shared else abs(along))
+
+
+def _scaled(
+    kind: type[Effect], trial: Candidate, rd: float, dd: float, known: Collection[str] = ()
+) -> Candidate | None:
+    """The candidate with its leading parameter scaled to the optimum of a linear look; None where it
+    cannot help.
+    """
+    if dd <= 1e-12:
+        return None
+    lead = _lead(kind, trial)
+    off = lead.null
+    if kind.vanishes is not None:
+        lead, off = kind.parameter(kind.vanishes[0]), kind.vanishes[1]
+    if not kind.scalable or lead.name in known:
+        return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None
+    factor = rd / dd
+    value = off + (trial.start[lead.name] - off) * factor
+    low, high = lead.bounds
+    if not low <= value <= high:
+        value = min(max(value, low), high)
+        factor = (value - off) / (trial.start[lead.name] - off)
+    gain = factor * (2 * rd - factor * dd)
+    if gain <= 0.0 or factor == 0.0:
+        return None
+    return replace(trial, start={**trial.start, lead.name: value}, gain=gain)

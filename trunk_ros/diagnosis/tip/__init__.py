@@ -1,0 +1,1 @@
+"""The arm stage: joint angles to the tip."""

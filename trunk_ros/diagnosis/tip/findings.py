@@ -1,0 +1,171 @@
+"""What the arm stage found, in the words of ``diagnosis.json``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.evidence.evidence import likely
+from trunk_ros.diagnosis.evidence.residual_dependence import accounted
+from trunk_ros.diagnosis.tip.stage import UNITS, ArmFit, ArmProblem
+from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key
+from trunk_ros.diagnosis.verdict.findings import ARM, SURE, UNNAMED_SURE, statement_of, unchanged, value_of
+from trunk_ros.diagnosis.verdict.result import Finding
+from trunk_ros.effects import effect
+
+UNKNOWN = "unknown"
+FRAMES = "a camera's frame, a marker's place or a joint sensor's zero makes one"
+Losses = dict[str, float]
+
+
+def arm_findings(problem: ArmProblem, done: ArmFit) -> list[Finding]:
+    """Findings of the arm stage: what the model does not have already."""
+    new = [k for k in sorted(done.values) if not _is_known(problem, done, k)]
+    names = dict.fromkeys(name for name, _ in new if name not in NAMELESS)
+    out = [_named(problem, done, [k for k in new if k[0] == name]) for name in names]
+    rest = [k for k in new if k[0] in NAMELESS]
+    return [*out, _nameless(problem, done, rest)] if rest else out
+
+
+def _is_known(problem: ArmProblem, done: ArmFit, key: Key) -> bool:
+    told = value_of(done.values[key], done.std[key], "")
+    return key in problem.known and unchanged(told, problem.known[key])
+
+
+def _named(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
+    kind, joints = effect(mine[0][0]), problem.arm.joints
+    p, named = kind.parameters[0], [joints[c] for _, c in mine if c >= 0]
+    parameters = {
+        (joints[k[1]] if k[1] >= 0 else ARM): {p.name: value_of(done.values[k], done.std[k], p.unit)}
+        for k in mine
+    }
+    rivals, elsewhere = _rivals(problem, done, mine), _elsewhere(problem, done, mine)
+    said = [statement_of(kind, ", ".join(named) or "the arm", parameters)]
+    said += [f"The model has {problem.known[k]:.4g} {p.unit}." for k in mine if k in problem.known]
+    near = _near(problem, rivals)
+    if UNKNOWN in near:
+        said.append(f"A constant error of the readings would look the same: {FRAMES}.")
+    same = [joint for joint, loss in elsewhere.items() if loss < problem.need]
+    said += [f"On {' or '.join(same)} it would look the same."] if same else []
+    if kind.everywhere and problem.zeros[0]:
+        near.append("zero_offset")
+        said.append(f"A zero error of {joints[0]}'s sensor would look the same.")
+    return Finding(
+        kind.id, "arm", named, kind.regime,
+        _confidence(problem, done, mine, [*rivals.values(), *elsewhere.values()]),
+        near, parameters, [], " ".join(said), _evidence(problem, done, mine, rivals, kind.signature),
+    )  # fmt: skip
+
+
+def _nameless(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
+    """A constant error of readings is neither a length nor a tilt, and no model holds it."""
+    values: dict[str, dict[str, Any]] = {}
+    said = []
+    for name, c in mine:
+        owner, what = (ARM, problem.signals[c]) if name == SHIFT else (problem.arm.joints[c], ZERO)
+        side = 1.0 if name == SHIFT else -1.0  # what a reading is off by, and not what it lacks
+        told = value_of(side * done.values[name, c], done.std[name, c], UNITS.get(what, "rad"))
+        values.setdefault(owner, {})[what] = told
+        of = f"the tip's {what}" if name == SHIFT else f"the zero of {owner}"
+        said.append(f"{of} by {told['value']:.4g} {told['unit']}")
+    rivals = _rivals(problem, done, mine)
+    zeros = [problem.arm.joints[c] for name, c in mine if name == ZERO]
+    return Finding(
+        UNKNOWN, "arm", zeros, "always", _confidence(problem, done, mine, list(rivals.values())),
+        _near(problem, rivals) + (["zero_offset"] if zeros else []), values, [],
+        f"Readings are off by a constant, {', '.join(said)}: {FRAMES}. No model holds that.",
+        _evidence(problem, done, mine, rivals, "The tip is off by the same constants in every posture."),
+    )  # fmt: skip
+
+
+def _near(problem: ArmProblem, rivals: Losses) -> list[str]:
+    """Rivals that these data cannot rule out, the likeliest first."""
+    return [
+        rival
+        for loss, rival in sorted((loss, rival) for rival, loss in rivals.items())
+        if loss < problem.need
+    ]
+
+
+def _rivals(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
+    """What is lost where all that another name can do stands in the place of some values, or the zero of one
+    joint's sensor.
+    """
+    others, cost = [k for k in done.values if k not in mine], problem.solve(list(done.values))[2]
+    free = [k for k in problem.candidates if k not in others and k[0] not in {name for name, _ in mine}]
+    names = dict.fromkeys(name for name, _ in free if name != ZERO)
+    trials = [[k for k in free if k[0] == name] for name in names] + [[k] for k in free if k[0] == ZERO]
+    out: Losses = {}
+    for keys in trials:
+        told = UNKNOWN if keys[0][0] in NAMELESS else keys[0][0]
+        out[told] = min(problem.solve([*others, *keys])[2] - cost, out.get(told, np.inf))
+    return out
+
+
+def _elsewhere(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
+    """What is lost where another joint has one of these values, by joint."""
+    cost = problem.solve(list(done.values))[2]
+    out: Losses = {}
+    for key in mine:
+        others = [k for k in done.values if k != key]
+        free = [k for k in problem.candidates if k[0] == key[0] and k not in done.values]
+        for k in free:
+            loss, joint = problem.solve([*others, k])[2] - cost, problem.arm.joints[k[1]]
+            out[joint] = min(loss, out.get(joint, np.inf))
+    return out
+
+
+def _confidence(problem: ArmProblem, done: ArmFit, mine: list[Key], losses: list[float]) -> float:
+    """As in the wires; less where no value is well above its spread."""
+    sure = likely(problem.need * len(mine), sum(done.gain[k] for k in mine), losses)
+    sizes = [abs(done.values[k] - problem.known.get(k, 0.0)) / max(done.std[k], 1e-300) for k in mine]
+    return round(min(sure, 1.0 if max(sizes) > SURE else 0.5), 3)
+
+
+def _evidence(
+    problem: ArmProblem, done: ArmFit, mine: list[Key], rivals: Losses, signature: str
+) -> dict[str, Any]:
+    gain = sum(done.gain[k] for k in mine)
+    strength = float(np.sqrt(gain / (len(problem.signals) * problem.count)))
+    return {"strength": strength, "gain": {ARM: gain}, "rivals": rivals, "form": "", "signature": signature}
+
+
+def _varies(problem: ArmProblem, off: Array, angles: Array) -> Array:
+    """(joints,) of the power of what is off (n, signals), in units of the noise, what goes with angles (n,
+    joints).
+    """
+    told = [sum(accounted(angle, signal) * signal.var() for signal in off.T) for angle in angles.T]
+    return np.array(told)
+
+
+def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
+    """The tip is off in a way that neither lengths nor tilt explain: with which link's direction it varies
+    most, and on which joints' angles it depends.
+    """
+    off = np.concatenate(problem.residual(problem.known)) / problem.noise
+    theta = np.concatenate([d.theta for d in problem.data])
+    told = _varies(problem, off, theta)
+    varies = [problem.arm.joints[c] for c in np.argsort(-told, kind="stable")[:2]]
+    bent = problem.arm.joints[int(np.argmax(_varies(problem, off, theta.cumsum(axis=1))))]
+    said = f"the tip is off in a way that no name fits, most with the direction of the link of {bent}"
+    said += f" and the angle of {' and '.join(varies)}"
+    return Finding(
+        effect=UNKNOWN,
+        stage="arm",
+        joints=[bent],
+        regime="posture",
+        confidence=UNNAMED_SURE,
+        equivalents=[],
+        parameters={},
+        depends_on=["position", *varies],
+        statement=f"{said}; {share:.0%} of it is left by lengths and tilt.",
+        evidence={
+            "strength": float(np.sqrt(np.mean(off**2))),
+            "gain": {},
+            "rivals": {},
+            "form": "",
+            "signature": "The tip is not where the joints put it.",
+        },
+    )

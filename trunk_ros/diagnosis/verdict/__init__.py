@@ -1,0 +1,1 @@
+"""Findings and the result, in words and as data."""

@@ -1,0 +1,96 @@
+"""What ``diagnosis.json`` says of a curve without a name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.diagnosis.hypothesis import Term
+from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.effects import effect
+from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, words_of
+from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
+from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
+
+REGIME_OF = {
+    "position": "posture",
+    "load": "posture",
+    "speed": "high_speed",
+    "time": "time",
+    "direction": "reversal",
+}
+
+
+def by_variable(term: Term) -> list[Term]:
+    """A curve over time and one over position are two findings."""
+    over: dict[str, list[int]] = {}
+    for column in term.columns:
+        over.setdefault(variable_of(term, column), []).append(column)
+    return [
+        replace(term, own={c: term.own[c] for c in columns}, words={c: term.words[c] for c in columns})
+        for columns in over.values()
+    ]
+
+
+def kind_of(term: Term) -> type[Curve]:
+    """The kind of curve."""
+    kind = effect(term.effect)
+    assert issubclass(kind, Curve)
+    return kind
+
+
+def variable_of(term: Term, column: int) -> str:
+    """What a column's curve is drawn over."""
+    return term.words[column]["on"]
+
+
+def regime_of(kind: type[Curve], variable: str) -> str:
+    """When a curve matters."""
+    if kind.regime != "posture":
+        return kind.regime
+    return REGIME_OF.get(words_of(variable)[-1], "posture")
+
+
+def statement(term: Term, where: str) -> str:
+    """One sentence."""
+    kind = kind_of(term)
+    if kind is UnknownCycle:
+        rates = {f"{1.0 / term.own[c]['high']:.3g} Hz" for c in term.columns}
+        return (
+            f"{where}: the angle swings with {' and '.join(sorted(rates))}, whether the joint moves or not, "
+            "in a way that no name fits; a smooth curve over one period stands in for it."
+        )
+    if issubclass(kind, UnknownJumps):
+        count = max(sum(p.name in term.own[c] for p in MOMENTS) for c in term.columns)
+        return f"{where}: the zero jumps {count} times, which no name fits; levels stand in for it."
+    of = f"{kind.of} " if kind.of != Curve.of else ""
+    on = variable_of(term, term.columns[0])
+    return f"{where}: {of}depends on {on} in a way that no name fits; a smooth curve stands in for it."
+
+
+def told(problem: Problem, term: Term) -> dict[str, Any]:
+    """The curves by joint, with what they are over and of, and their units."""
+    kind, variable = kind_of(term), variable_of(term, term.columns[0])
+    own = problem.units.get(problem.joints[term.columns[0]], "rad")
+    other = variable.removeprefix(SPEED_OF)
+    over = problem.units.get(other, "rad") if other in problem.joints else own
+    slope = "/s" if "speed" in words_of(variable) else ""
+    return {
+        "on": variable,
+        "of": kind.of,
+        "x_unit": {"time": "s", "load": "N*m"}.get(variable, over + slope),
+        "y_unit": unit_of(kind.parameter(VALUES[0].name).unit, own),
+        "joints": {problem.joints[c]: _points(kind, term.own[c]) for c in term.columns},
+    }
+
+
+def _points(kind: type[Curve], values: dict[str, float]) -> dict[str, Any]:
+    low, high = values["low"], values["high"]
+    if issubclass(kind, UnknownJumps):
+        at = [low, *(values[p.name] for p in MOMENTS if p.name in values)]
+        return {"x": np.array(at), "y": np.array([values[p.name] for p in VALUES[: len(at)]])}
+    x = np.linspace(low, high, KNOTS)
+    return {"x": x, "y": kind.basis(x, low, high) @ np.array([values[p.name] for p in VALUES])}

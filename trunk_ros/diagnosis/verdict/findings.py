@@ -1,0 +1,222 @@
+"""Explanations in the words of ``diagnosis.json``."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.diagnosis.evidence.evidence import Evidence
+from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
+from trunk_ros.diagnosis.hypothesis import Explanation, Term
+from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.verdict import curve_words
+from trunk_ros.diagnosis.verdict.result import Finding, Unexplained
+from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.curve import Curve, words_of
+
+VARIES_WITH: dict[str, list[str]] = {
+    "always": [],
+    "posture": ["position"],
+    "reversal": ["direction"],
+    "hold": ["time"],
+    "low_speed": ["speed"],
+    "high_speed": ["speed"],
+    "time": ["time"],
+}
+ARM = "arm"
+UNCHANGED = 0.05  # of a value that a model has: a change that is none
+SURE = 4.0  # spreads that the size of an effect must have on one joint
+MOSTLY = 0.5  # share of the misfit
+UNNAMED_SURE = 0.7  # confidence in what has no name and no curve
+NO_CURVE = "No effect and no curve explains it."
+LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
+
+Spreads = dict[tuple[str, str, int | None], float]
+
+
+def findings(
+    problem: Problem, explanation: Explanation, found: dict[str, Evidence], std: Spreads
+) -> list[Finding]:
+    """One finding per effect, with all its joints."""
+    out = []
+    for name in explanation:
+        for term in [explanation[name]] if effect(name).named else curve_words.by_variable(explanation[name]):
+            out.append(_finding(problem, term, found[name], std))
+    return sorted(out, key=lambda f: -f.evidence["strength"])
+
+
+def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Finding:
+    kind = effect(term.effect)
+    joints = [problem.joints[c] for c in _touched(problem, kind, term)]
+    where, parameters = ", ".join(joints) if joints else "the arm", {}
+    if issubclass(kind, Curve):
+        variable = curve_words.variable_of(term, term.columns[0])
+        varies, regime = [*kind.also, *words_of(variable)], curve_words.regime_of(kind, variable)
+        statement, curve = curve_words.statement(term, where), curve_words.told(problem, term)
+    else:
+        parameters = _parameters(problem, kind, term, std)
+        varies, regime = _varies_with(kind, term), kind.regime
+        statement, curve = statement_of(kind, where, parameters), {}
+    return Finding(
+        effect=term.effect if kind.named else "unknown",
+        stage=kind.stage,
+        joints=joints,
+        regime=regime,
+        confidence=round(min(found.confidence, _settled(kind, term, std)), 3),
+        equivalents=found.equivalents,
+        parameters=parameters,
+        depends_on=varies,
+        statement=statement,
+        evidence={
+            "strength": found.strength,
+            "gain": {problem.joints[c]: g for c, g in found.gain.items()},
+            "rivals": found.rivals,
+            "form": term.form,
+            "signature": kind.signature,
+        },
+        curve=curve,
+    )
+
+
+def _touched(problem: Problem, kind: type[Effect], term: Term) -> list[int]:
+    """The joints of a term; what all joints share by nature is also on those that said nothing."""
+    shared = kind.everywhere and all(p.shared for p in kind.own_parameters(term.form))
+    whole = shared and set(term.columns) >= set(problem.columns)
+    return list(range(len(problem.joints))) if whole else term.columns
+
+
+def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
+    """1 where the effect's size is well above its spread on its surest joint, less where it is not."""
+    lead = kind.own_parameters(term.form)[0]
+    sizes = [
+        abs(values[lead.name] - lead.null) / max(std.get((term.effect, lead.name, c), 0.0), 1e-300)
+        for c, values in term.own.items()
+        if lead.name in values and not term.given
+    ]
+    return 1.0 if not sizes or max(sizes) > SURE else 0.5
+
+
+def _varies_with(kind: type[Effect], term: Term) -> list[str]:
+    sources = sorted({w for words in term.words.values() for w in words.values() if w})
+    load = ["load"] if "load" in kind.needs else []
+    return sources or load or list(VARIES_WITH[kind.regime])
+
+
+def _parameters(
+    problem: Problem, kind: type[Effect], term: Term, std: Spreads
+) -> dict[str, dict[str, dict[str, Any]]]:
+    out: dict[str, dict[str, dict[str, Any]]] = {}
+    for p in kind.own_parameters(term.form):
+        if p.name in term.shared:
+            out.setdefault(ARM, {})[p.name] = value_of(
+                term.shared[p.name], std.get((term.effect, p.name, None)), p.unit
+            )
+        for c in term.columns:
+            if p.name in term.own[c]:
+                unit = unit_of(p.unit, problem.units.get(problem.joints[c], "rad"))
+                value = value_of(term.own[c][p.name], std.get((term.effect, p.name, c)), unit)
+                out.setdefault(problem.joints[c], {})[p.name] = value
+    for c, words in term.words.items():
+        for text, word in words.items():
+            out[problem.joints[c]][text] = {"value": word, "std": None, "unit": ""}
+    return out
+
+
+def value_of(value: float, std: float | None, unit: str) -> dict[str, Any]:
+    return {"value": value, "std": std if std is not None and np.isfinite(std) else None, "unit": unit}
+
+
+def title(kind: type[Effect]) -> str:
+    """What an effect is, in the first line of its file."""
+    module = sys.modules.get(kind.__module__)
+    text = (module and module.__doc__) or kind.__doc__ or kind.id
+    return text.strip().split("\n")[0].rstrip(".")
+
+
+def statement_of(kind: type[Effect], where: str, parameters: dict[str, dict[str, dict[str, Any]]]) -> str:
+    values = [f"{owner} {_said(name, v)}" for owner, named in parameters.items() for name, v in named.items()]
+    what = f"{title(kind)[0].lower()}{title(kind)[1:]}"
+    return f"{where}: {what}" + (f" ({'; '.join(values)})." if values else ".")
+
+
+def _said(name: str, value: dict[str, Any]) -> str:
+    """A parameter as one reads it."""
+    if isinstance(value["value"], str):
+        return f"{name} {value['value']}"
+    spread = "" if value["std"] is None else f" ± {value['std']:.2g}"
+    unit = "" if value["unit"] == "1" else f" {value['unit']}"
+    return f"{name} = {value['value']:.4g}{spread}{unit}"
+
+
+def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
+    """What is above the noise after all findings, joints that vary with the same thing together."""
+    out: dict[tuple[str, ...], Unexplained] = {}
+    for column, power in rests(problem, explanation).items():
+        varies = depends_on(problem, explanation, column)
+        before = float(np.mean(problem.whitened(problem.known, column) ** 2))
+        share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
+        if share < LITTLE and power < 1.0:
+            continue
+        joint = problem.joints[column]
+        if tuple(varies) in out:
+            rest = out[tuple(varies)]
+            rest.joints.append(joint)
+            rest.share = max(rest.share, share)
+        else:
+            regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
+            out[tuple(varies)] = Unexplained(problem.stage, [joint], regime, share, varies, "")
+    for rest in out.values():
+        on = f", and varies with {' and '.join(rest.depends_on)}" if rest.depends_on else ""
+        rest.statement = f"{', '.join(rest.joints)}: {rest.share:.1%} of the misfit is left{on}."
+    return list(out.values())
+
+
+def is_known(problem: Problem, finding: Finding) -> bool:
+    """Whether the model has the effect already, on these joints and in this size."""
+    if finding.effect not in problem.known:
+        return False
+    term = problem.known[finding.effect]
+    if {problem.joints[c] for c in term.columns} != set(finding.joints):
+        return False
+    believed = {ARM: term.shared} | {problem.joints[c]: own for c, own in term.own.items()}
+    return all(
+        unchanged(found, believed.get(owner, {}).get(name))
+        for owner, named in finding.parameters.items()
+        for name, found in named.items()
+    )
+
+
+def unchanged(found: dict[str, Any], believed: float | None) -> bool:
+    """Whether a value is the one that the model has, within its spread."""
+    if believed is None or isinstance(found["value"], str):
+        return True
+    near = max(SURE * (found["std"] or 0.0), UNCHANGED * abs(believed))
+    return bool(abs(found["value"] - believed) <= near)
+
+
+def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Finding]:
+    """Rests that are most of the misfit are a finding, even where no curve could stand in for them; they
+    add to what is ``known`` of the same stage to have no name.
+    """
+    rests = [rest for rest in rests if rest.share >= MOSTLY]
+    if not rests:
+        return known
+    joints = sorted({joint for rest in rests for joint in rest.joints})
+    varies = list(dict.fromkeys(on for rest in rests for on in rest.depends_on))
+    statement = f"{', '.join(joints)}: physics that no name and no smooth curve fits"
+    statement += f"; it varies with {' and '.join(varies)}." if varies else "."
+    for number, finding in enumerate(known):
+        if finding.effect == "unknown":
+            both = sorted({*finding.joints, *joints})
+            on = list(dict.fromkeys([*finding.depends_on, *varies]))
+            said = f"{finding.statement} {statement}"
+            joined = replace(finding, joints=both, depends_on=on, statement=said)
+            return [*known[:number], joined, *known[number + 1 :]]
+    evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": "", "signature": NO_CURVE}
+    stage, regime = rests[0].stage, rests[0].regime
+    told = Finding("unknown", stage, joints, regime, UNNAMED_SURE, [], {}, varies, statement, evidence)
+    return [*known, told]

@@ -1,0 +1,1 @@
+"""What recorder and replay are made of."""

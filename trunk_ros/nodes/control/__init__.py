@@ -1,0 +1,1 @@
+"""What the compensator is made of."""

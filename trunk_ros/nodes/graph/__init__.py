@@ -1,0 +1,1 @@
+"""What every node shares with the ROS graph: streams, clock, parameters, diagnostics."""

@@ -1,0 +1,108 @@
+"""The life of a process: ROS arguments in, signals to a flag, one node until its end."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.graph import parameters
+from trunk_ros.nodes.graph.base import COMMON, DELIVERY, TrunkNode, steady_clock
+from trunk_ros.nodes.graph.ros import EventsExecutor, Future, SignalHandlerOptions, rclpy
+
+MOMENT = 0.05  # s after which it is noticed that somebody asks to end
+LONG = 1e5  # s; without a timeout the events executor does not see that the future is done, and while
+# callbacks queue up it sees no timeout
+
+
+class Stop:
+    """Turns SIGINT and SIGTERM into a flag, so that a process ends in good order."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, *_: Any) -> None:
+        self.asked = True
+
+
+def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
+    """The life of a process with one node: 0 when asked to end, 2 (a TrunkError) when it cannot start."""
+    if "-h" in argv or "--help" in argv:
+        print(usage(kind))
+        return 0
+    stop = Stop()
+    start_ros(argv)
+    try:
+        node = kind()
+        if node.value("autostart"):
+            node.start()
+        executor = EventsExecutor()
+        executor.add_node(node)
+        serve(executor, node, lambda: stop.asked or node.fault)
+        node.retire()
+        serve_for(DELIVERY, executor, node)
+        node.end()
+        if node.fault:
+            raise TrunkError(f"{node.get_name()}: {node.fault}")
+    finally:
+        rclpy.try_shutdown()
+    return 0
+
+
+def serve(executor: Any, node: Any, over: Callable[[], Any]) -> None:
+    """Serve callbacks until it is over, as a timer of ``node`` finds: cheaper than to look after each."""
+    ended = Future()
+
+    def look() -> None:
+        if over() and not ended.done():
+            ended.set_result(None)
+
+    timer = node.create_timer(MOMENT, look, clock=steady_clock())
+    try:
+        while not ended.done():
+            executor.spin_until_future_complete(ended, timeout_sec=LONG)
+    finally:
+        node.destroy_timer(timer)
+
+
+def serve_for(seconds: float, executor: Any, node: Any) -> None:
+    """Serve callbacks for a while."""
+    end = time.monotonic() + seconds
+    serve(executor, node, lambda: time.monotonic() > end)
+
+
+def usage(kind: type[TrunkNode]) -> str:
+    """What a node does, and its own parameters."""
+    module = sys.modules[kind.__module__]
+    lines = [
+        str(module.__doc__),
+        "",
+        f"usage: {kind.NAME} [--ros-args [--params-file FILE] [-p NAME:=VALUE] ...]",
+        "",
+    ]
+    for declaration in (*COMMON, *kind.OWN, *([parameters.MODEL] if kind.needs_model else [])):
+        described = parameters.descriptor(declaration)
+        bounds = f", {described.additional_constraints}" if described.additional_constraints else ""
+        lines.append(
+            f"  {declaration.name:18}{described.description}{bounds}; default {declaration.default!r}"
+        )
+    return "\n".join(lines + (["  and every parameter of a model file"] if kind.needs_model else []))
+
+
+def start_ros(argv: list[str]) -> None:
+    """Initialise ROS with a command's ``--ros-args``. Raises TrunkError for others."""
+    try:
+        rclpy.init(args=["trunk_ros", *argv], signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:
+        raise TrunkError(f"bad ROS arguments: {' '.join(str(error).split())}") from None
+    rest = rclpy.utilities.remove_ros_args(["trunk_ros", *argv])[1:]
+    if rest:
+        rclpy.try_shutdown()
+        raise TrunkError(
+            f"unknown argument {rest[0]!r}: a node takes --ros-args (--help shows its parameters)"
+        )

@@ -1,0 +1,1 @@
+"""What bringup is made of."""

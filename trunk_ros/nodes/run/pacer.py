@@ -1,0 +1,230 @@
+"""What gives a run its time: waits for all nodes, sends the trajectory, steps the clock or waits."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from trunk_ros.nodes.graph.base import PROGRESS_TOPIC, steady_clock
+from trunk_ros.nodes.graph.elapsed import SECOND
+from trunk_ros.nodes.graph.health import WARN
+from trunk_ros.nodes.graph.messages import nanoseconds, time_message, trajectory_message
+from trunk_ros.nodes.graph.progress import Ledger, Progress
+from trunk_ros.nodes.graph.qos import LATCHED
+from trunk_ros.nodes.graph.ros import (
+    Clock,
+    DiagnosticArray,
+    JointState,
+    JointTrajectory,
+    Node,
+    String,
+    deserialize_message,
+)
+from trunk_ros.nodes.graph.streams import DEPTH
+from trunk_ros.trajectory import Trajectory
+
+BEGIN = 1_750_000_000 * SECOND  # ns, where simulated time begins, so that equal runs have equal stamps
+CONNECT = 5.0  # s for all partners to be connected once everybody is there; some never match
+SETTLED = 3  # looks in a row at which all partners are connected
+START = 120.0  # s for our nodes to appear, on the slowest machine: one that ends is noticed at once
+FIND = 30.0  # s for all to find each other, and what others publish
+PATIENCE = 30.0  # s for nodes to answer
+SLOW = 2.0  # s without progress after which the clock is said again
+LOST = 3.0  # s without progress after which messages under way are given up
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What a run is to do. ``foreign``: topics that others publish, waited for in each simulated step."""
+
+    seconds: float
+    rate: float
+    simulated: bool
+    trajectory: Trajectory | None
+    foreign: tuple[str, ...] = ()
+    description: str = ""
+
+
+class Pacer(Node):
+    """Phases: ``gather``, ``announce``, ``run``, ``drain`` (simulated time), ``done``; ``fault``: why not."""
+
+    def __init__(self, pace: Pace, ledger: Ledger, say: Callable[[str], None]):
+        super().__init__("bringup")
+        self.pace, self.ledger, self.say = pace, ledger, say
+        self.phase, self.fault = "gather", ""
+        self.step, self.steps = 0, round(pace.seconds * pace.rate)
+        self.progress = Progress(self.get_fully_qualified_name(), stamp=2**63)
+        self.moved = self.begun = time.monotonic()
+        self.settled = 0
+        self.complete = self.begun
+        self.told: set[str] = set()
+        self.create_subscription(DiagnosticArray, "diagnostics", self.pass_on, DEPTH)
+        if pace.simulated:
+            self.clock = self.create_publisher(Clock, "/clock", DEPTH)
+            self.progress.sent["/clock"] = 0
+        self.trajectory_topic = self.resolve_topic_name("trunk/joint_trajectory")
+        if pace.trajectory is not None:
+            self.send = self.create_publisher(JointTrajectory, "trunk/joint_trajectory", DEPTH)
+            self.progress.sent[self.send.topic_name] = 0
+        if pace.description:
+            self.create_publisher(String, "robot_description", LATCHED).publish(String(data=pace.description))
+        self.create_subscription(
+            String, PROGRESS_TOPIC, lambda m: self.note(Progress.from_json(m.data)), DEPTH
+        )
+        self.watched = [self.watch_foreign(topic) for topic in pace.foreign]
+        self.create_timer(0.05, self.look, clock=steady_clock())
+        ledger.note(self.progress)
+
+    def watch_foreign(self, topic: str) -> str:
+        """Keep an eye on a topic that no node of ours publishes."""
+        name = self.resolve_topic_name(topic)
+
+        def seen(raw: bytes) -> None:
+            self.note(Progress(name, stamp=nanoseconds(deserialize_message(raw, JointState).header.stamp)))
+
+        self.create_subscription(JointState, topic, seen, DEPTH, raw=True)
+        return name
+
+    def note(self, progress: Progress) -> None:
+        """A node says how far it is."""
+        self.ledger.note(progress)
+        self.advance()
+
+    def pass_on(self, message: Any) -> None:
+        """Say what a node warns of, each thing once."""
+        for status in message.status:
+            words = f"{status.name.lstrip('/')}: {status.message}"
+            if status.level[0] >= WARN and words not in self.told:
+                self.told.add(words)
+                self.say(words)
+
+    def advance(self) -> None:
+        """Go on where everybody is ready for it."""
+        if self.phase == "announce" and not any(
+            way.startswith(self.trajectory_topic) for way in self.ledger.in_flight()
+        ):
+            self.enter("run")
+            if self.pace.simulated:
+                self.tell_time()
+        elif self.phase == "run" and self.pace.simulated and self.ledger.complete(self.stamp):
+            self.step += 1
+            self.moved = time.monotonic()
+            if self.step < self.steps:
+                self.tell_time()
+            else:
+                self.enter("drain")
+
+    @property
+    def stamp(self) -> int:
+        """The simulated time of the step under way [ns]."""
+        return BEGIN + round(self.step * SECOND / self.pace.rate)
+
+    def tell_time(self) -> None:
+        """Publish the clock."""
+        self.progress.sent["/clock"] += 1
+        self.clock.publish(Clock(clock=time_message(self.stamp)))
+
+    def enter(self, phase: str) -> None:
+        """Begin a phase."""
+        self.phase, self.moved, self.begun = phase, time.monotonic(), time.monotonic()
+
+    def look(self) -> None:
+        """What has to happen by the wall's clock."""
+        silent = time.monotonic() - self.moved
+        if self.phase == "gather":
+            self.gather(silent)
+        elif self.phase == "announce":
+            self.advance()
+            self.give_up_on_lost(silent)
+        elif self.phase == "run" and self.pace.simulated:
+            self.nudge(silent)
+        elif self.is_over(silent):
+            self.enter("done")
+
+    def is_over(self, silent: float) -> bool:
+        """Whether the time is up, and in simulated time everything recorded."""
+        if self.phase == "drain":
+            return silent > LOST or not self.ledger.in_flight(strict=True)
+        return self.phase == "run" and silent >= self.pace.seconds
+
+    def gather(self, silent: float) -> None:
+        """Wait until all nodes are there and connected."""
+        there = not self.ledger.missing() and not self.unrecorded() and not self.unheard()
+        self.settled = self.settled + 1 if there and not self.loose() else 0
+        if not there:
+            self.complete = time.monotonic()
+        ready = self.settled >= SETTLED or (there and time.monotonic() - self.complete > CONNECT)
+        if not ready and silent < (START if self.ledger.missing() else FIND):
+            return
+        if self.ledger.missing():
+            missing = ", ".join(name.lstrip("/") for name in self.ledger.missing())
+            self.fault = f"not there after {START:.0f} s: {missing}"
+            return
+        if self.settled < SETTLED:
+            what = self.unheard() or self.unrecorded() or self.loose()
+            self.say(f"beginning although {what} has not found all its partners")
+        self.ledger.nodes += [topic for topic in self.watched if self.count_publishers(topic)]
+        self.enter("announce")
+        if self.pace.trajectory is not None:
+            self.progress.sent[self.send.topic_name] += 1
+            self.send.publish(trajectory_message(self.pace.trajectory))
+        self.advance()
+
+    def unheard(self) -> str:
+        """A topic of others that nobody publishes yet."""
+        return next((topic for topic in self.watched if not self.count_publishers(topic)), "")
+
+    def loose(self) -> str:
+        """A topic that lacks a partner, "" where there is none."""
+        for progress in self.ledger.progress.values():
+            for end, count in progress.matched.items():
+                side, topic = end[0], end[1:]
+                there = self.count_subscribers(topic) if side == ">" else self.count_publishers(topic)
+                if count < there:
+                    return topic
+        return ""
+
+    def unrecorded(self) -> str:
+        """A topic of ours that the recorder has not found yet."""
+        for recorder in self.ledger.lagging:
+            known = self.ledger.progress[recorder].received
+            for progress in self.ledger.progress.values():
+                for topic in progress.sent:
+                    if topic not in known:
+                        return topic
+        return ""
+
+    def nudge(self, silent: float) -> None:
+        """Say the time again where a step takes long, give up what was lost, and end where nobody answers."""
+        if silent > PATIENCE:
+            late = [name for name in self.ledger.nodes if self.stamp_of(name) < self.stamp]
+            self.fault = f"no answer from {', '.join(late) or 'anybody'} for {PATIENCE:.0f} s"
+        elif silent > SLOW and any(self.stamp_of(name) < self.stamp for name in self.ledger.nodes):
+            foreign = [
+                name
+                for name in self.watched
+                if name in self.ledger.nodes and self.stamp_of(name) < self.stamp
+            ]
+            if foreign and silent > LOST:
+                self.say(f"{foreign[0]} does not keep up with the clock: not waited for any longer")
+                self.ledger.nodes.remove(foreign[0])
+                self.ledger.progress.pop(foreign[0], None)
+                self.advance()
+            else:
+                self.clock.publish(Clock(clock=time_message(self.stamp)))
+        else:
+            self.give_up_on_lost(silent)
+
+    def stamp_of(self, name: str) -> int:
+        """How far a node is, -1 where it has not been heard of."""
+        progress = self.ledger.progress.get(name)
+        return -1 if progress is None else progress.stamp
+
+    def give_up_on_lost(self, silent: float) -> None:
+        """Go on without messages that do not arrive, and say so."""
+        if silent > LOST:
+            for way, count in self.ledger.excuse().items():
+                self.say(f"lost {count} on {way}")
+            self.advance()

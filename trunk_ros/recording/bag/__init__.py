@@ -1,0 +1,1 @@
+"""Bags of rosbag2 and ROS 1."""

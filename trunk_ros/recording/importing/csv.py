@@ -1,0 +1,118 @@
+"""`import`: a table, or a bag with other topics, that others recorded becomes a bag of ours."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from trunk_ros.errors import RecordingError
+from trunk_ros.recording.arguments import Parser
+from trunk_ros.recording.bag.bag import is_recording
+from trunk_ros.recording.check import checked
+from trunk_ros.recording.importing.bag import read_bag
+from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
+from trunk_ros.recording.importing.table import read_table
+from trunk_ros.recording.importing.units import UNITS
+from trunk_ros.recording.messages.block import Whole
+from trunk_ros.recording.output import BAG_FILES, prepare_output
+from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
+from trunk_ros.recording.remarks import series_remarks
+from trunk_ros.recording.topics import TOPICS
+from trunk_ros.recording.write import write_recording
+from trunk_ros.share import config_names
+
+_LATEST_NS = (2**31) * 10**9
+
+
+def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
+    """The table at `path` as a recording in SI units. mapping: a file, a name in config/import, or loaded.
+
+    Of rows with the same stamp the first counts. RecordingError in one line.
+    """
+    path = Path(path)
+    mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
+    if mapping.of_bag:
+        raise RecordingError(f"{path}: is a table: give `time: {{column: …, unit: s}}` or `rate_hz`")
+    table, remarks = read_table(path, mapping.columns, mapping.delimiter)
+    stamp_ns, rows, timing = _times(path, mapping, table)
+    start_ns = int(stamp_ns[0])
+    stamp = (stamp_ns - start_ns) / 1e9
+    series = {
+        key: _series(stamp, mapping.joints, {n: _values(q, table)[rows] for n, q in topic.items()})
+        for key, topic in mapping.topics.items()
+    }
+    full = {key: Counts(len(stamp), not_finite=_not_finite(each)) for key, each in series.items()}
+    notes = tuple(remarks + timing + series_remarks(series, full))
+    units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
+    whole = Recording(str(path), start_ns, float(stamp[-1]), series, None, notes, units, counts=full)
+    return checked(whole)
+
+
+def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whole, Whole, list[str]]:
+    """Stamps in ns (rising, unique), the rows that they belong to, and remarks."""
+    count = len(next(iter(table.values())))
+    if mapping.time is None:
+        seconds = np.arange(count) / mapping.rate_hz
+    else:
+        seconds = mapping.time[0].evaluate(table) * mapping.time[1]
+    known = np.flatnonzero(np.isfinite(seconds))
+    if not len(known):
+        raise RecordingError(f"{path}: the time has no finite value")
+    remarks = [f"{count - len(known)} rows have no time and are left out"] if len(known) < count else []
+    seconds = seconds[known]
+    if seconds.min() < 0:
+        remarks.append(f"time begins at {seconds.min():g} s: moved to begin at 0")
+        seconds = seconds - seconds.min()
+    if seconds.max() * 1e9 >= _LATEST_NS:
+        raise RecordingError(f"{path}: the time reaches {seconds.max():.3g} s: is its unit right?")
+    every = np.rint(seconds * 1e9).astype(np.int64)
+    stamp_ns, first = np.unique(every, return_index=True)
+    if len(every) > len(stamp_ns):
+        remarks.append(f"{len(every) - len(stamp_ns)} rows repeated a stamp: the first of each counts")
+    if disorder := int((np.diff(every) < 0).sum()):
+        remarks.append(f"{disorder} rows out of order, sorted by stamp")
+    return stamp_ns, known[first], remarks
+
+
+def _values(quantity: Quantity, table: dict[str, Floats]) -> Floats:
+    """(rows, joints) in SI."""
+    values = np.column_stack([each.evaluate(table) for each in quantity.columns])
+    values[~np.isfinite(values)] = np.nan
+    scaled: Floats = values * np.array([UNITS[unit][1] for unit in quantity.units])
+    return scaled
+
+
+def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats]) -> JointSeries:
+    return JointSeries(stamp, joints, values["position"], values.get("velocity"), values.get("effort"))
+
+
+def _not_finite(series: JointSeries) -> int:
+    values = [each for each in (series.position, series.velocity, series.effort) if each is not None]
+    return sum(int(np.isnan(each).sum()) for each in values)
+
+
+def parser() -> argparse.ArgumentParser:
+    """Arguments of `import`."""
+    names = ", ".join(name.removeprefix("import/") for name in config_names("import"))
+    made = Parser(prog="import", description="Turn a foreign recording into a rosbag2 folder.")
+    made.add_argument("csv", metavar="CSV|BAG", type=Path, help="a table, or a bag whose topics are others")
+    made.add_argument("--mapping", metavar="MAP", required=True, help=f"MAP.yaml, or one of {names}")
+    made.add_argument("--output", metavar="BAG", required=True, type=Path, help="the folder to write")
+    made.add_argument("--overwrite", action="store_true", help="replace BAG if it exists")
+    return made
+
+
+def main(argv: list[str]) -> int:
+    """`import CSV|BAG --mapping MAP.yaml --output BAG [--overwrite]`; says what was odd."""
+    asked = parser().parse_args(argv)
+    prepare_output(asked.output, asked.overwrite, BAG_FILES)
+    if not asked.csv.exists():
+        raise RecordingError(f"{asked.csv}: does not exist")
+    read = read_bag if is_recording(asked.csv) else read_csv
+    recording = read(asked.csv, asked.mapping)
+    write_recording(asked.output, recording, asked.overwrite)
+    for note in recording.notes:
+        print(f"{asked.csv}: {note}")
+    topics = ", ".join(f"/{TOPICS[key]} ({len(each.stamp)})" for key, each in recording.series.items())
+    print(f"{asked.output}: {recording.duration:.6g} s, {topics}")
+    return 0

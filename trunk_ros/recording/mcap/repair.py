@@ -1,0 +1,157 @@
+"""Writes what is whole of an MCAP file anew, with index and footer, and says what is missing."""
+
+import struct
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mcap.reader import make_reader
+from mcap.writer import Writer
+
+from trunk_ros.recording.mcap import records as mcap
+from trunk_ros.recording.messages.block import DamageError, mapped
+
+_ATTACHMENT = 0x09
+_HEAD = struct.Struct("<HIQQ")
+
+
+@dataclass
+class Loss:
+    """What is kept and what is missing. lost and lost_s are estimates from what the cut chunks announce."""
+
+    messages: int = 0
+    lost: int = 0
+    lost_s: float = 0.0
+    lost_bytes: int = 0
+    skipped: int = 0
+
+    def sentence(self) -> str:
+        """What was kept and lost."""
+        kept = f"{self.messages} messages kept"
+        if not self.lost_bytes and not self.skipped:
+            return f"{kept}, all that the file held; what its recorder still had in memory is lost"
+        parts = [f"{self.lost_bytes} bytes broke off"] if self.lost_bytes else []
+        parts += [f"{self.skipped} damaged chunks left out"] if self.skipped else []
+        return f"{kept}; lost: about {self.lost} messages, {self.lost_s:.3g} s ({', '.join(parts)})"
+
+
+def is_whole(path: Path) -> bool:
+    """Whether readers that need the index can open the file."""
+    try:
+        with path.open("rb") as stream:
+            summary = make_reader(stream).get_summary()
+            stream.seek(-len(mcap.MAGIC), 2)
+            return summary is not None and summary.statistics is not None and stream.read() == mcap.MAGIC
+    except Exception:  # the mcap package raises whatever its parsing runs into
+        return False
+
+
+def repair(source: Path, target: Path) -> Loss:
+    """Copy all whole records of `source` to the new file `target`. DamageError if it is no MCAP file."""
+    data = mapped(source)
+    if bytes(data[:8]) != mcap.MAGIC:
+        raise DamageError("is not an MCAP file")
+    with target.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2", library="trunk_ros")
+        copy = _Copy(writer)
+        for record in mcap.repeated(data):
+            copy.record(data, record)
+        position = 8
+        for record in mcap.records(data, 8, len(data)):
+            if record.kind in (mcap.FOOTER, mcap.DATA_END):
+                position = len(data)
+                break
+            copy.record(data, record)
+            position = min(record.end, len(data)) if record.end <= len(data) else record.start - 9
+        copy.loss.lost_bytes = len(data) - position
+        writer.finish()  # type: ignore[no-untyped-call]
+    return copy.loss
+
+
+@dataclass
+class _Copy:
+    """Copies records; numbers of schemas and channels change, times and sequences stay."""
+
+    writer: Writer
+    loss: Loss = field(default_factory=Loss)
+    schemas: dict[int, int] = field(default_factory=dict)
+    channels: dict[int, int] = field(default_factory=dict)
+    copied: int = 0
+
+    def record(self, data: mcap.Buffer, record: mcap.Record) -> None:
+        """Copy one record of the file; of a chunk that is cut what is whole in it."""
+        if record.kind == mcap.CHUNK:
+            self._chunk(data, record)
+        elif record.end > len(data):
+            self.loss.lost += record.kind == mcap.MESSAGE
+        else:
+            self._plain(data, record)
+
+    def _chunk(self, data: mcap.Buffer, record: mcap.Record) -> None:
+        first, last, size = mcap.chunk_span(data, record, len(data))
+        try:
+            content = mcap.open_chunk(data, record, len(data)).data
+        except DamageError:
+            self.loss.skipped += record.end <= len(data)
+            content = b""
+        end, newest = 0, first
+        for inner in mcap.records(content, 0, len(content)):
+            if inner.end > len(content):
+                break
+            newest = max(newest, self._plain(content, inner))
+            end = inner.end
+        self.copied += end
+        if end < size:
+            self.loss.lost += self._estimate(size - end)
+            self.loss.lost_s += max(0, last - newest) / 1e9
+
+    def _estimate(self, missing: int) -> int:
+        """Messages in so many missing bytes of a chunk, from the mean of what was read."""
+        return max(1, round(missing * self.loss.messages / self.copied)) if self.copied else 1
+
+    def _plain(self, data: mcap.Buffer, record: mcap.Record) -> int:
+        """Copy a record that is whole; the log time of a message, else 0."""
+        try:
+            if record.kind == mcap.SCHEMA:
+                self._schema(mcap.schema(data, record))
+            elif record.kind == mcap.CHANNEL:
+                self._channel(mcap.channel(data, record))
+            elif record.kind == mcap.MESSAGE:
+                return self._message(data, record)
+            elif record.kind == mcap.METADATA:
+                name, entries = mcap.metadata(data, record)
+                if name != "rosbag2":  # counts of a file that was longer
+                    self.writer.add_metadata(name, entries)
+            elif record.kind == _ATTACHMENT:
+                self._attachment(data, record)
+        except DamageError:
+            self.loss.skipped += 1
+        return 0
+
+    def _schema(self, schema: mcap.Schema) -> None:
+        if schema.id not in self.schemas:
+            made = self.writer.register_schema(schema.name, schema.encoding, schema.content)
+            self.schemas[schema.id] = int(made)
+
+    def _channel(self, channel: mcap.Channel) -> None:
+        if channel.id not in self.channels:
+            schema = self.schemas.get(channel.schema, 0)
+            made = self.writer.register_channel(channel.topic, channel.encoding, schema, channel.noted)
+            self.channels[channel.id] = int(made)
+
+    def _attachment(self, data: mcap.Buffer, record: mcap.Record) -> None:
+        name, at = mcap.text(data, record.start + 16, record.end)
+        kind, at = mcap.text(data, at, record.end)
+        log_ns, create_ns = struct.unpack_from("<QQ", data, record.start)
+        self.writer.add_attachment(create_ns, log_ns, name, kind, bytes(data[at + 8 : record.end - 4]))
+
+    def _message(self, data: mcap.Buffer, record: mcap.Record) -> int:
+        if record.end - record.start < _HEAD.size:
+            raise DamageError("has a message that ends too early")
+        number, sequence, log_ns, publish_ns = _HEAD.unpack_from(data, record.start)
+        if number not in self.channels:
+            raise DamageError("has a message of no channel")
+        content = bytes(data[record.start + _HEAD.size : record.end])
+        self.writer.add_message(self.channels[number], log_ns, content, publish_ns, sequence)
+        self.loss.messages += 1
+        return int(log_ns)

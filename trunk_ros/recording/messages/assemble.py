@@ -1,0 +1,106 @@
+"""Sorts what was decoded of a topic into a series: rising stamps, joints by name, duplicates counted."""
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from trunk_ros.recording.messages.block import DamageError, Whole
+from trunk_ros.recording.messages.decode import Piece
+from trunk_ros.recording.recording import Counts, Floats, JointSeries
+
+Bools: TypeAlias = npt.NDArray[np.bool_]
+
+_MOST_JOINTS = 1000  # damaged names are new joints, and each is a column
+_SANE_NS = 10**17  # 1973: stamps beyond are wall clock, and a zero among them was never set
+
+
+def sample_times(stamp_ns: Whole, log_ns: Whole) -> tuple[Whole, str]:
+    """(n,) ns at which the samples were taken, and what had to be done about stamps that were never set."""
+    unset = stamp_ns == 0
+    if len(unset) > 1 and unset.all():
+        return log_ns, "no message has a stamp: the time of recording is taken instead"
+    if unset.any() and np.median(stamp_ns) > _SANE_NS:
+        text = f"{int(unset.sum())} messages have no stamp: their time of recording is taken instead"
+        return np.where(unset, log_ns, stamp_ns), text
+    return stamp_ns, ""
+
+
+def first_stamp(pieces: list[Piece]) -> int:
+    """The earliest sample, ns since the epoch."""
+    return int(sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))[0].min())
+
+
+def joint_series(pieces: list[Piece], start_ns: int) -> tuple[JointSeries, Counts, str]:
+    """One series of all pieces with stamps since `start_ns`, what was counted, and a remark or "".
+
+    A message that repeats a stamp counts only for joints that no earlier message of that stamp has given.
+    """
+    joints = tuple(dict.fromkeys(joint for piece in pieces for joint in piece.joints))
+    if len(joints) > _MOST_JOINTS:
+        raise DamageError(f"names {len(joints)} different joints in one topic")
+    stamp_ns, remark = sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))
+    place = _joined(pieces, "place")
+    order = np.lexsort((place, stamp_ns))
+    unique, row = np.unique(stamp_ns[order], return_inverse=True)
+    source, used = _sources(_named(pieces, joints)[order], row, len(unique))
+    position, velocity, effort = (
+        _values(pieces, joints, order, source, which) for which in ("position", "velocity", "effort")
+    )
+    counts = Counts(
+        messages=len(place),
+        duplicates=int((~used).sum()),
+        out_of_order=int((np.diff(stamp_ns[np.argsort(place)]) < 0).sum()),
+        not_finite=sum(_not_finite(piece) for piece in pieces),
+    )
+    if position is None:
+        position = np.full((len(unique), len(joints)), np.nan)
+    return JointSeries((unique - start_ns) / 1e9, joints, position, velocity, effort), counts, remark
+
+
+def _joined(pieces: list[Piece], name: str) -> Whole:
+    whole: Whole = np.concatenate([getattr(piece, name) for piece in pieces])
+    return whole
+
+
+def _named(pieces: list[Piece], joints: tuple[str, ...]) -> Bools:
+    """(messages, joints): which joints each message names."""
+    return np.concatenate(
+        [np.tile([joint in piece.joints for joint in joints], (len(piece.place), 1)) for piece in pieces]
+    )
+
+
+def _sources(named: Bools, row: Whole, rows: int) -> tuple[Whole, Bools]:
+    """(rows, joints): the sorted message that gives each value, -1 for none; and which messages give any."""
+    source = np.full((rows, named.shape[1]), -1, dtype=np.int64)
+    used = np.zeros(len(named), dtype=bool)
+    for joint in range(named.shape[1]):
+        messages = np.flatnonzero(named[:, joint])
+        at, first = np.unique(row[messages], return_index=True)
+        source[at, joint] = messages[first]
+        used[messages[first]] = True
+    return source, used
+
+
+def _values(
+    pieces: list[Piece], joints: tuple[str, ...], order: Whole, source: Whole, which: str
+) -> Floats | None:
+    """(rows, joints) of one quantity, NaN where no message gives it; None where no message gives any."""
+    if all(getattr(piece, which) is None for piece in pieces):
+        return None
+    whole = np.full((len(order), len(joints)), np.nan)
+    begin = 0
+    for piece in pieces:
+        end = begin + len(piece.place)
+        if (values := getattr(piece, which)) is not None:
+            whole[begin:end, [joints.index(joint) for joint in piece.joints]] = values
+        begin = end
+    whole = whole[order]
+    whole[~np.isfinite(whole)] = np.nan
+    picked: Floats = np.take_along_axis(whole, np.maximum(source, 0), axis=0)
+    return np.where(source < 0, np.nan, picked)
+
+
+def _not_finite(piece: Piece) -> int:
+    values = [each for each in (piece.position, piece.velocity, piece.effort) if each is not None]
+    return sum(int(each.size - np.isfinite(each).sum()) for each in values)

@@ -1,0 +1,1 @@
+"""Signals between their samples: encoders, gaps, interpolation."""

@@ -1,0 +1,113 @@
+"""Angles between the counts of an encoder, or within its noise: the smoothest that its readings allow."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+from scipy.signal import savgol_filter
+
+from trunk_ros.recording.recording import Floats, JointSeries
+from trunk_ros.recording.signal.fill import fill
+
+WINDOWS = (3, 5, 7, 9, 13, 17, 23, 33, 47, 65)  # samples, the longest that fits counts
+CURVED = 2  # order of the polynomial in a window
+KINDS = 4  # different steps, in counts, from which a grid of readings is an encoder's and no accident
+ON_GRID = 0.02  # counts
+NEAR = 0.55  # counts that a reading may lie from a curve through it and its neighbours
+CALM = 200  # samples in which a joint may hardly move
+CALMEST = 0.2  # share of such stretches
+HIDDEN = 0.7  # of a count: more than rounding alone scatters by
+REACH = 7.0  # standard deviations of noise that stand for a count: readings lie within four of a curve
+ALTERNATES = -0.3  # correlation of fourth differences' signs with the next ones: -0.6 of white noise
+EXACT = 1e-9  # of the motion: what numbers are rounded by
+MEDIAN_TO_STD = 1.4826
+EVEN = 0.2  # of the usual time between samples
+
+
+def between_counts(series: JointSeries, steps: Floats | None = None) -> JointSeries:
+    """The same series with positions that move on between counts, at most half a count from the reading.
+
+    ``steps`` (joints,): what ``counts`` says of it, where that is known.
+    Each is from the longest window in which a parabola passes all readings within half a count, or within
+    their noise where that is more than a count hides. Joints whose readings lie on no grid and have no noise,
+    and stretches where samples are lost or come unevenly, stay as they are.
+    """
+    if len(series.stamp) < WINDOWS[-1]:
+        return series
+    steps = counts(series) if steps is None else steps
+    noise = noises(series)
+    steps = np.where(noise > HIDDEN * steps, REACH * noise, steps)
+    if not any(steps):
+        return series
+    position, uneven = series.position.copy(), _uneven(series.stamp)
+    for j, step in enumerate(steps):
+        if step:
+            readings = fill(series.position)[:, j]
+            smooth = readings + step * _within(readings / step, uneven | np.isnan(position[:, j]))
+            position[:, j] = np.where(np.isnan(position[:, j]), np.nan, smooth)
+    return replace(series, position=position)
+
+
+def counts(series: JointSeries) -> Floats:
+    """(joints,) the step of each joint's encoder, 0 where its readings lie on no grid."""
+    return np.array([count(column) for column in series.position.T])
+
+
+def noises(series: JointSeries) -> Floats:
+    """(joints,) standard deviation of what the readings of each joint scatter by where it moves least; 0
+    where that goes on from sample to sample, as motion does.
+    """
+    if len(series.stamp) < CALM:
+        return np.zeros(len(series.joints))
+    readings = fill(series.position)
+    fourth = np.diff(readings, 4, axis=0)
+    follows = np.mean(np.sign(fourth[1:]) * np.sign(fourth[:-1]), axis=0)
+    blocks = np.array_split(np.abs(fourth), len(fourth) // CALM + 1)
+    usual = np.array([np.median(block, axis=0) for block in blocks]) * MEDIAN_TO_STD / np.sqrt(70.0)
+    found = np.quantile(usual, CALMEST, axis=0)
+    return np.where((follows < ALTERNATES) & (found > EXACT * np.ptp(readings, axis=0)), found, 0.0)
+
+
+def count(readings: Floats) -> float:
+    """The step of the encoder that readings (n,) come from, in their unit; 0 where they lie on no grid."""
+    known = readings[np.isfinite(readings)]
+    moved = np.abs(np.diff(known))
+    smallest = moved[moved > 1e-9].min(initial=np.inf)
+    if not np.isfinite(smallest):
+        return 0.0
+    step = _refined(known - known[0], float(smallest))
+    multiples = (known - known[0]) / step
+    on_grid = bool((np.abs(multiples - np.round(multiples)) < ON_GRID).all())
+    kinds = len(np.unique(np.round(moved / step)))
+    return step if on_grid and kinds >= KINDS else 0.0
+
+
+def _refined(distance: Floats, step: float) -> float:
+    """The step as all distances (n,) from the first reading tell it, the near ones first."""
+    for reach in (30.0, 1e3, np.inf):
+        whole = np.round(distance / step)
+        near = (np.abs(whole) <= reach) & (whole != 0)
+        if near.any():
+            step = float(distance[near] @ whole[near] / (whole[near] @ whole[near]))
+    return step
+
+
+def _uneven(stamp: Floats) -> np.ndarray:
+    """(n,): samples beside which others are missing."""
+    between = np.diff(stamp)
+    usual = float(np.median(between))
+    odd = np.abs(between - usual) > EVEN * usual
+    return np.append(odd, False) | np.insert(odd, 0, False)
+
+
+def _within(readings: Floats, kept: np.ndarray) -> Floats:
+    """What to add to readings (n,) in counts; 0 where they are ``kept``."""
+    curve, fits = readings, ~kept
+    for window in WINDOWS:
+        tried = savgol_filter(readings, window, CURVED, mode="interp")
+        off = (np.abs(tried - readings) > NEAR) | kept
+        fits = fits & ~maximum_filter1d(off, window)
+        curve = np.where(fits, tried, curve)
+    return np.clip(curve - readings, -0.5, 0.5)

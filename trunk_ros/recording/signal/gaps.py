@@ -1,0 +1,87 @@
+"""Samples in the place of lost ones."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from trunk_ros.recording.recording import Floats, JointSeries
+from trunk_ros.recording.signal.fill import fill
+
+GAP = 1.5  # usual times between samples
+STEADY = 0.9  # share of the samples that come in time where a topic is published at a rate
+
+
+def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
+    """(k,): samples after which others of a steady stream are missing, for at most ``longest`` s."""
+    between = np.diff(stamp)
+    if len(between) < 3:
+        return np.empty(0, dtype=np.intp)
+    wide = between > GAP * float(np.median(between))
+    steady = float(np.mean(~wide)) >= STEADY
+    return np.flatnonzero(wide & (between <= longest) & steady)
+
+
+def missing(stamp: Floats, longest: float = np.inf, end: float = -np.inf) -> Floats:
+    """(m,) s: when the samples missing in a stream's gaps, and from its last one to ``end`` s, had come."""
+    usual = float(np.median(np.diff(stamp))) if len(stamp) > 1 else 1.0
+    if GAP * usual < end - stamp[-1] <= longest:
+        stamp = np.append(stamp, end + usual)
+    parts = [
+        np.linspace(stamp[k], stamp[k + 1], max(round((stamp[k + 1] - stamp[k]) / usual), 1) + 1)[1:-1]
+        for k in gaps(stamp, longest)
+    ]
+    return np.concatenate([np.empty(0), *parts])
+
+
+def bridged(series: JointSeries, guide: JointSeries | None = None, longest: float = np.inf) -> JointSeries:
+    """The series with samples in its gaps of at most ``longest`` s.
+
+    They move as the guide does, which has the same joints, brought to what is known on both sides, and on to
+    its end; without a guide smoothly, with the speeds of both sides.
+    """
+    added = missing(series.stamp, longest, -np.inf if guide is None else float(guide.stamp[-1]))
+    if not len(added):
+        return series
+    known = fill(series.position)
+    values = _smooth(series.stamp, known, added) if guide is None else _led(series.stamp, known, added, guide)
+    stamp = np.concatenate([series.stamp, added])
+    order = np.argsort(stamp, kind="stable")
+    stamp, position = stamp[order], np.concatenate([series.position, values])[order]
+    new = (order >= len(series.stamp))[:, None]
+
+    def with_gaps(given: Floats | None, instead: Floats) -> Floats | None:
+        if given is None:
+            return None
+        return np.where(new, instead, np.concatenate([given, np.zeros_like(values)])[order])
+
+    velocity = with_gaps(series.velocity, np.gradient(fill(position), stamp, axis=0))
+    effort = with_gaps(series.effort, np.full_like(position, np.nan))
+    return JointSeries(stamp, series.joints, position, velocity, effort)
+
+
+def _smooth(stamp: Floats, known: Floats, at: Floats) -> Floats:
+    before = np.searchsorted(stamp, at) - 1
+    out = np.empty((len(at), known.shape[1]))
+    for k in np.unique(before):
+        slope = [_speed(stamp, known, k - 1, k), _speed(stamp, known, k + 1, k + 2)]
+        curve = CubicHermiteSpline(stamp[[k, k + 1]], known[[k, k + 1]], np.array(slope))
+        out[before == k] = curve(at[before == k])
+    return out
+
+
+def _speed(stamp: Floats, known: Floats, first: int, last: int) -> Floats:
+    """(joints,) between two samples; 0 beyond the ends."""
+    if first < 0 or last >= len(stamp):
+        return np.zeros(known.shape[1])
+    return np.asarray((known[last] - known[first]) / (stamp[last] - stamp[first]))
+
+
+def _led(stamp: Floats, known: Floats, at: Floats, guide: JointSeries) -> Floats:
+    shown = fill(guide.position)
+
+    def led(times: Floats) -> Floats:
+        return np.column_stack([np.interp(times, guide.stamp, column) for column in shown.T])
+
+    off = known - led(stamp)
+    return np.asarray(led(at) + np.column_stack([np.interp(at, stamp, column) for column in off.T]))

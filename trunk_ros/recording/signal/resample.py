@@ -1,0 +1,105 @@
+"""Topics of different rates and phases on one time grid."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
+
+from trunk_ros.errors import RecordingError
+from trunk_ros.recording.recording import Floats, JointSeries
+from trunk_ros.recording.signal.fill import fill
+
+FINE = 0.0125  # s: a moving arm is computed at least this often
+SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known of what lies between
+SAME = 1e-6  # s: stamps closer than this are one
+LONGEST_GAP = 0.12  # s without a sample after which the comparison pauses
+
+
+def joint_grid(
+    driving: Floats, measured: Floats, fine: bool = True, beyond: bool = False
+) -> tuple[Floats, np.ndarray, np.ndarray]:
+    """(grid, rows, kept): a grid over both stamps, the grid's rows at the measured stamps that are ``kept``.
+
+    ``beyond``: keep stamps outside the driving ones as well.
+    """
+    kept = (measured >= driving[0] - SAME) & (measured <= driving[-1] + SAME)
+    if not kept.any():
+        raise RecordingError("the topics do not overlap in time: check that their stamps come from one clock")
+    kept |= beyond
+    both = np.union1d(driving, measured[kept])
+    grid = both[np.concatenate([[True], np.diff(both) > SAME])]
+    step = float(np.median(np.diff(grid))) if len(grid) > 1 else FINE
+    if fine and FINE < step < SLOW:
+        grid = _subdivided(grid)
+    rows = np.clip(np.searchsorted(grid, measured[kept] - SAME), 0, len(grid) - 1)
+    return grid, rows, kept
+
+
+def _subdivided(grid: Floats) -> Floats:
+    gaps = np.diff(grid)
+    parts = np.where(gaps < SLOW * 2, np.ceil(gaps / FINE), 1).astype(int)
+    starts = np.repeat(grid[:-1], parts)
+    share = np.concatenate([np.arange(p) / p for p in parts])
+    return np.append(starts + share * np.repeat(gaps, parts), grid[-1])
+
+
+def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
+    """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that
+    fits.
+    """
+    t, position = series.stamp, fill(series.position)
+    if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
+        return position, _velocity(series, position)
+    inside = np.clip(grid, t[0], t[-1])
+    beyond = np.clip(grid - inside, *_one_step(t))[:, None]
+    if len(t) < 4 or float(np.median(np.diff(t))) > SLOW:
+        curve = PchipInterpolator(t, position) if len(t) > 1 else None
+        values = np.repeat(position, len(grid), axis=0) if curve is None else curve(inside)
+        return values, _slope(grid, values)
+    if _fits(series, position):
+        spline = CubicHermiteSpline(t, position, fill(np.asarray(series.velocity)))
+    else:
+        spline = CubicSpline(t, position)
+    values, slope = spline(inside), spline(inside, 1)
+    for after, before in wide_gaps(t):
+        guessed = (inside > t[after]) & (inside < t[before])
+        step = (position[before] - position[after]) / (t[before] - t[after])
+        values[guessed] = position[after] + (inside[guessed] - t[after])[:, None] * step
+        slope[guessed] = step
+    return values + beyond * slope, slope
+
+
+def _one_step(stamp: Floats) -> tuple[float, float]:
+    """How far before and after its samples a motion may be taken to go on [s]."""
+    step = float(np.median(np.diff(stamp)))
+    return -step, step
+
+
+def wide_gaps(stamp: Floats) -> list[tuple[int, int]]:
+    """Samples on both sides of gaps too long to be bridged by a curve: it would swing far out in them."""
+    usual = longest_gap(stamp)
+    return [(int(k), int(k) + 1) for k in np.flatnonzero(np.diff(stamp) > usual)]
+
+
+def longest_gap(stamp: Floats) -> float:
+    """Time without a sample [s] that can still be bridged."""
+    return max(LONGEST_GAP, 4.0 * float(np.median(np.diff(stamp)))) if len(stamp) > 1 else LONGEST_GAP
+
+
+def _velocity(series: JointSeries, position: Floats) -> Floats:
+    if _fits(series, position):
+        return fill(np.asarray(series.velocity))
+    return _slope(series.stamp, position)
+
+
+def _slope(stamp: Floats, position: Floats) -> Floats:
+    return np.asarray(np.gradient(position, stamp, axis=0)) if len(stamp) > 2 else np.zeros_like(position)
+
+
+def _fits(series: JointSeries, position: Floats) -> bool:
+    """Whether the recorded velocity is that of the recorded position."""
+    if series.velocity is None or not np.isfinite(series.velocity).any() or len(position) < 5:
+        return False
+    slope, given = _slope(series.stamp, position), fill(series.velocity)
+    off, size = float(np.sqrt(np.mean((slope - given) ** 2))), float(np.sqrt(np.mean(slope**2)))
+    return off < 0.5 * size + 1e-9
