@@ -238,7 +238,7 @@ def _scaled(
     """
     if dd <= 1e-12:
         return None
-    lead = _lead(kind, trial)
+    lead = next((p for p in kind.own_parameters(trial.form) if p.gone is not None), _lead(kind, trial))
     off = lead.null if lead.gone is None else lead.gone
     if not kind.scalable or lead.name in known:
         return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None

@@ -54,7 +54,7 @@ class HardStop(Effect):
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         bound, give = cls.parameters[cls.forms.index(form)], cls.parameters[2]
-        return give, bound
+        return bound, give
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
