@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.search.fit import costed
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
 RIPPLE = Term(
     "transmission_ripple", "two_harmonics",
-    own={4: {"amplitude": 1e-6, "cycles_per_rev": 40.0, "phase": 0.3, "harmonic": 0.1, "harmonic_phase": 0.0}},
+    own={4: {"amplitude": 1e-6, "cycles_per_rev": 40.0, "phase": 0.3, "harmonic": 0.1, "harmonic_phase": 0}},
 )  # fmt: skip
 
 
