@@ -12,6 +12,7 @@ from pathlib import Path
 
 from trunk_ros import __version__
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.stop import Stop
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
@@ -59,6 +60,8 @@ def usage() -> str:
 
 
 def _run(name: str, arguments: list[str]) -> int:
+    if COMMANDS[name][0].startswith("trunk_ros.nodes."):
+        Stop()  # importing takes seconds on a busy machine
     try:
         module = importlib.import_module(COMMANDS[name][0])
         return int(module.main(arguments))

@@ -26,21 +26,30 @@ try:
     from builtin_interfaces.msg import Time
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
     from geometry_msgs.msg import PoseStamped
-    from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+    from rcl_interfaces.msg import (
+        FloatingPointRange,
+        IntegerRange,
+        ParameterDescriptor,
+        SetParametersResult,
+    )
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.clock import Clock as SteadyClock
     from rclpy.clock import ClockType
     from rclpy.event_handler import SubscriptionEventCallbacks
     from rclpy.exceptions import ParameterException
     from rclpy.experimental import EventsExecutor
+    from rclpy.impl.implementation_singleton import rclpy_implementation
     from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+    from rclpy.logging import LoggingSeverity
     from rclpy.node import Node
     from rclpy.parameter import Parameter
     from rclpy.qos import (
         DurabilityPolicy,
         HistoryPolicy,
+        QoSCompatibility,
         QoSProfile,
         ReliabilityPolicy,
+        qos_check_compatible,
     )
     from rclpy.serialization import deserialize_message
     from rclpy.signals import SignalHandlerOptions
@@ -56,6 +65,9 @@ except ImportError as error:
         "pip install '.[ros]' in this environment, or source a ROS 2 installation"
     ) from None
 
+INFO, WARNING = LoggingSeverity.INFO, LoggingSeverity.WARN
+RCLError, RMWError = rclpy_implementation.RCLError, rclpy_implementation.RMWError
+
 try:
     from control_msgs.action import FollowJointTrajectory
     from control_msgs.msg import JointTrajectoryControllerState
@@ -63,6 +75,8 @@ except ImportError:  # not among the packages that PyPI has
     FollowJointTrajectory = JointTrajectoryControllerState = None
 
 __all__ = [
+    "INFO",
+    "WARNING",
     "ActionServer",
     "CancelResponse",
     "Clock",
@@ -76,6 +90,7 @@ __all__ = [
     "Future",
     "GoalResponse",
     "HistoryPolicy",
+    "IntegerRange",
     "JointState",
     "JointTrajectory",
     "JointTrajectoryControllerState",
@@ -89,7 +104,10 @@ __all__ = [
     "ParameterDescriptor",
     "ParameterException",
     "PoseStamped",
+    "QoSCompatibility",
     "QoSProfile",
+    "RCLError",
+    "RMWError",
     "ReliabilityPolicy",
     "SetBool",
     "SetParametersResult",
@@ -102,5 +120,6 @@ __all__ = [
     "Trigger",
     "deserialize_message",
     "get_package_share_directory",
+    "qos_check_compatible",
     "rclpy",
 ]
