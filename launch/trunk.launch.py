@@ -32,9 +32,7 @@ PATIENCE = "30"  # s that a node may take to end in good order, on a busy machin
 def generate_launch_description() -> LaunchDescription:
     """All nodes, each in a process of its own."""
     declared = [
-        DeclareLaunchArgument(
-            name, default_value=default, description=description, choices=CHOICES.get(name)
-        )
+        DeclareLaunchArgument(name, default_value=default, description=description, choices=CHOICES.get(name))
         for name, (default, description) in ARGUMENTS.items()
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=nodes)])
