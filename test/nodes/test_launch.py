@@ -87,7 +87,8 @@ def described(monkeypatch):
         module = executed(path)
         module.generate_launch_description()
         if hasattr(module, "nodes"):
-            said = {name: default for name, (default, _) in module.ARGUMENTS.items()} | given
+            said = {name: default for name, (default, _) in module.ARGUMENTS.items()}
+            said |= {"state_publisher": "false"} | given
             module.LaunchConfiguration.side_effect = lambda name: MagicMock(
                 perform=lambda _: said[name], argument=name
             )
