@@ -23,9 +23,12 @@ ARGUMENTS = {
     "frame_prefix": ("auto", "pushed in front of all frames; auto: the namespace, so that two arms share tf"),
     "use_sim_time": ("false", "take the time from /clock"),
     "record": ("", "folder of a bag to record the namespace into; empty: no recording"),
-    "state_publisher": ("auto", "robot_state_publisher, for RViz and tf: true, false, auto where installed"),
+    "state_publisher": (
+        "auto",
+        "robot_state_publisher, for RViz and tf: true, false, auto where installed; elsewhere: one is there",
+    ),
 }
-CHOICES = {"simulate": ["true", "false"], "state_publisher": ["true", "false", "auto"]}
+CHOICES = {"simulate": ["true", "false"], "state_publisher": ["true", "false", "auto", "elsewhere"]}
 PATIENCE = "30"  # s that a node may take to end in good order, on a busy machine, before it is made to
 
 
@@ -42,9 +45,10 @@ def nodes(context: LaunchContext) -> list[Node]:
     """The nodes that the arguments ask for. One source says what the arm looks like."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     publisher = given["state_publisher"]
-    published = publisher == "true" or (publisher == "auto" and installed("robot_state_publisher"))
-    described = state_publisher(given) if published else []
-    return [*simulation(given, not published), compensator(given), *recorder(given), *described]
+    ours = publisher == "true" or (publisher == "auto" and installed("robot_state_publisher"))
+    described = state_publisher(given) if ours else []
+    simulated = simulation(given, not ours and publisher != "elsewhere")
+    return [*simulated, compensator(given), *recorder(given), *described]
 
 
 def text(value: str) -> ParameterValue:

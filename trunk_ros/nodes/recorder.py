@@ -12,7 +12,7 @@ from trunk_ros.nodes.bags.recorder_parameters import MIB, PARAMETERS, bag_option
 from trunk_ros.nodes.bags.run_notes import WallClock, manifest
 from trunk_ros.nodes.bags.writer import BagWriter, Channel, Entry
 from trunk_ros.nodes.graph.base import TrunkNode
-from trunk_ros.nodes.graph.health import ERROR, OK
+from trunk_ros.nodes.graph.health import OK
 from trunk_ros.nodes.graph.interfaces import message_class, message_definition
 from trunk_ros.nodes.graph.losses import Tally, in_words
 from trunk_ros.nodes.graph.process import run_node
@@ -159,8 +159,7 @@ class Recorder(TrunkNode):
             for taken in ear.take(AT_ONCE):
                 total += self.keep(topic, ear, *taken)
         if self.writer is not None and self.writer.failure and not self.fault:
-            self.fault = self.writer.failure
-            self.health.note(self.fault, ERROR)
+            self.fault = self.health.fault = self.writer.failure
         return total
 
     def keep(self, topic: str, ear: Ear, data: bytes, info: dict[str, Any]) -> bool:

@@ -191,9 +191,8 @@ def _forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array) 
     longest = min(usual(stamp), longest_gap(stamp))
     for k in np.flatnonzero(np.diff(stamp) > longest):
         first = int(np.searchsorted(grid, stamp[k + 1] - SAME))
-        unseen = np.full(u.shape[1], stamp[k + 1] - stamp[k] > FORGETS) | (
-            _turned_by(u, grid, stamp, int(k)) > small
-        )
+        unseen = _turned_by(u, grid, stamp, int(k)) > small
+        unseen |= bool(stamp[k + 1] - stamp[k] > FORGETS)
         if unseen.any():
             far = np.maximum.accumulate(np.abs(u[first:] - u[first]), axis=0)
             out[first:] |= (far < least) & unseen
