@@ -10,19 +10,19 @@ from pathlib import Path
 
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, Shutdown
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import Command, LaunchConfiguration
+from launch.substitutions import Command, LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
 from launch import LaunchDescription
 
 HERE = Path(__file__).resolve().parent
-CONTROLLERS = HERE.parent / "config" / "ros2_control" / "controllers.yaml"
+CONFIG = HERE.parent / "config" / "ros2_control"
 ARGUMENTS = {
     "model": ("trunk", "what the compensator believes the arm to be: model file, or a name in config/"),
     "plant_model": ("trunk", "what the simulated arm is: model file, or a name in config/"),
     "simulate": ("true", "false where real motors and sensors speak the topics"),
-    "controllers": (str(CONTROLLERS), "parameter file of the controller_manager"),
+    "controllers": ("controllers.yaml", "the manager's parameters: file, or one in config/ros2_control"),
 }
 
 
@@ -53,10 +53,11 @@ def description() -> Node:
 
 def manager() -> Node:
     """ros2_control's node; without it there is nobody to command."""
+    file = PathJoinSubstitution([str(CONFIG), LaunchConfiguration("controllers")])
     return Node(
         package="controller_manager",
         executable="ros2_control_node",
-        parameters=[ParameterValue(LaunchConfiguration("controllers"), value_type=str)],
+        parameters=[ParameterFile(file)],
         output="screen",
         on_exit=Shutdown(reason="the controller_manager has ended"),
     )

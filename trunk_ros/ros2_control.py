@@ -1,7 +1,7 @@
 """The arm as hardware of ros2_control: URDF with the tag that topic_based_ros2_control reads.
 
-Its plugin publishes what controllers command on a topic, and takes states from another: here the compensator's
-``trunk/reference`` and the arm's ``joint_states``.
+Its plugin publishes what controllers command on a topic, and takes states from another: here the
+compensator's ``trunk/reference`` and the arm's ``joint_states``.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ QUIET = 1e-4  # rad by which commands and states have to differ in sum for the p
 def urdf_with_hardware(arm: Arm, namespace: str = "", start: float = 0.0) -> str:
     """URDF text of the arm with its hardware interface; the plugin's topics are absolute.
 
-    ``start`` [rad]: where the joints stand when the hardware becomes active: the plugin asks for that before a
-    controller does. Raises ModelError for a model of any joints.
+    ``start`` [rad]: where the joints stand when the hardware becomes active: the plugin asks for that before
+    a controller does. Raises ModelError for a model of any joints.
     """
     robot = ElementTree.fromstring(urdf(arm))
     system = SubElement(robot, "ros2_control", name="trunk", type="system")
