@@ -1,12 +1,15 @@
 """Parameters of nodes: what is set holds at once or is refused, and a dump can be loaded again."""
 
+import subprocess
+import sys
 from dataclasses import replace
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
 import yaml
 
-from test.nodes.graph import JOINTS, needs_ros
+from test.nodes.graph import JOINTS, environment, needs_ros, running
 from trunk_ros.model import Model, declared_parameters, load_model, save_model
 
 pytestmark = needs_ros
@@ -140,6 +143,15 @@ def test_what_makes_no_sense_is_refused_with_the_reason(made, name, parameter, v
     assert dumped(node) == before
 
 
+def test_numbers_that_ros2_param_takes_for_words_are_numbers(made):
+    node = made("compensator", effects__backlash__half_width=[0.001])
+    assert asked(node, "reversal", "5e-05") == ""
+    assert node.value("reversal") == 5e-5
+    assert asked(node, "effects.backlash.half_width", str([5e-05, 1.0e-3, 0.0, 0.0, 2.0e-3])) == ""
+    assert node.model.effects["backlash"]["half_width"].tolist() == [5e-5, 1e-3, 0.0, 0.0, 2e-3]
+    assert "Wrong parameter type" in asked(node, "reversal", "small")
+
+
 def test_an_effect_that_is_set_acts_at_once_and_is_shown_as_long_as_it_is_there(made):
     from trunk_ros.nodes.arm.wire import Wire
 
@@ -193,3 +205,38 @@ def test_files_of_earlier_versions_are_taken(made, tmp_path):
     assert asked(node, "model.duration", 8.0) == ""
     assert node.model.duration == node.get_parameter("recording.duration").value == 8.0
     assert "model.duration" not in names(node)
+
+
+needs_cli = pytest.mark.skipif(find_spec("ros2param") is None, reason="ros2cli is not installed here")
+
+
+def ros2_param(verb, domain, *arguments):
+    """What a verb of ``ros2 param`` says; its name is that of its class."""
+    code = (
+        "import argparse, importlib, sys\n"
+        "kind = importlib.import_module('ros2param.verb.' + sys.argv[1])\n"
+        "verb = getattr(kind, sys.argv[1].title() + 'Verb')()\n"
+        "parser = argparse.ArgumentParser()\n"
+        "verb.add_arguments(parser, 'ros2 param')\n"
+        "sys.exit(verb.main(args=parser.parse_args(sys.argv[2:])))\n"
+    )
+    command = [sys.executable, "-c", code, verb, *map(str, arguments), "--no-daemon", "--spin-time", "10"]
+    return subprocess.run(command, env=environment(domain), capture_output=True, text=True, timeout=100)
+
+
+@needs_cli
+@pytest.mark.parametrize("name", ["servo_driver", "compensator"])
+def test_ros2_param_itself_dumps_and_loads(name, domain, tmp_path):
+    with running(name, domain=domain):
+        dumped = ros2_param("dump", domain, f"/{name}", "--timeout", 30)
+        assert dumped.returncode == 0, dumped.stderr
+        tree = yaml.safe_load(dumped.stdout)[f"/{name}"]["ros__parameters"]
+        assert tree["recording"]["duration"] == 0.0
+        assert tree["model"] == "trunk"
+        tree["timeout"] = 7.0
+        path = tmp_path / "edited.yaml"
+        path.write_text(yaml.safe_dump({f"/{name}": {"ros__parameters": tree}}))
+        loaded = ros2_param("load", domain, f"/{name}", path, "--timeout", 30)
+        assert "failed" not in loaded.stdout + loaded.stderr
+        again = yaml.safe_load(ros2_param("dump", domain, f"/{name}", "--timeout", 30).stdout)
+        assert again[f"/{name}"]["ros__parameters"]["timeout"] == 7.0

@@ -113,7 +113,7 @@ class TrunkNode(ManagedNode):
 
     def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
         """As rclpy does; but one that holds from the start may be set to what it is: a dump can be loaded."""
-        return super().set_parameters_atomically(parameters.without_unchanged(self, parameter_list))
+        return super().set_parameters_atomically(parameters.meant(self, parameter_list))
 
     # Life
 

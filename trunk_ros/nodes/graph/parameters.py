@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 import math
 from typing import Any
 
@@ -14,6 +15,7 @@ from trunk_ros.model import Declaration, Model, declared_parameters, load_model
 from trunk_ros.nodes.graph.ros import (
     FloatingPointRange,
     IntegerRange,
+    Parameter,
     ParameterDescriptor,
     ParameterException,
     SetParametersResult,
@@ -109,13 +111,31 @@ def same(node: Any, name: str, value: Any) -> bool:
     return bool(np.array_equal(ours, theirs, equal_nan=ours.dtype.kind == "f"))
 
 
-def without_unchanged(node: Any, given: list[Any]) -> list[Any]:
-    """Parameters without those that hold from the start and are what they are asked to be."""
+def meant(node: Any, given: list[Any]) -> list[Any]:
+    """Parameters without those that hold from the start and are what they are asked to be.
+
+    ``ros2 param`` takes 5e-05 for a word, as YAML does where there is no dot: it becomes the number it is.
+    """
 
     def fixed(name: str) -> bool:
         return bool(node.has_parameter(name) and node.describe_parameter(name).read_only)
 
-    return [each for each in given if not (fixed(each.name) and same(node, each.name, each.value))]
+    read = [_number(node, each) for each in given]
+    return [each for each in read if not (fixed(each.name) and same(node, each.name, each.value))]
+
+
+def _number(node: Any, given: Any) -> Any:
+    """The parameter with a word that is a number, or a list of such, as one where it is declared so."""
+    kinds = (Parameter.Type.DOUBLE, Parameter.Type.DOUBLE_ARRAY)
+    if not isinstance(given.value, str) or not node.has_parameter(given.name):
+        return given
+    kind = node.get_parameter(given.name).type_
+    try:
+        value = json.loads(given.value) if kind in kinds else None
+        numbers = [float(each) for each in value] if isinstance(value, list) else float(value)
+    except (TypeError, ValueError):
+        return given
+    return Parameter(given.name, kind, numbers)
 
 
 def unknown(node: Any) -> list[str]:
