@@ -11,14 +11,16 @@ from scipy.interpolate import PchipInterpolator
 from test.diagnosis.arms import on, recorded
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
-from trunk_ros.diagnosis.hypothesis import Explanation
-from trunk_ros.diagnosis.stage import Problem
-from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.data import tip_data
 from trunk_ros.diagnosis.tip.stage import ArmProblem
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
@@ -43,9 +45,10 @@ def with_gap(recording: Recording, *keys: str) -> Recording:
     return kept(recording, dict.fromkeys(keys, (stamp < 5.0) | (stamp > 10.0)))
 
 
-def worst(problem: Problem) -> float:
-    columns = range(len(problem.joints))
-    return max(float(np.abs(problem.residual(0, Explanation(), c)).max()) for c in columns)
+def worst(stage: Stage) -> float:
+    context = Context.of(stage)
+    columns = range(len(context.joints))
+    return max(float(np.abs(context.residual(0, Hypothesis(), c)).max()) for c in columns)
 
 
 def wire(recording: Recording) -> Span:
@@ -61,15 +64,15 @@ def test_a_prediction_does_not_swing_out_where_gearbox_angles_are_missing() -> N
 
 def test_after_a_long_gap_a_nominal_arm_shows_no_misfit() -> None:
     recording = with_gap(recorded(seconds=15.0), "gearbox_states", "joint_states", "setpoints")
-    assert worst(WireProblem([wire(recording)], TRUNK)) < 6e-4
-    assert worst(ServoProblem([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
+    assert worst(WireStage([wire(recording)], TRUNK)) < 6e-4
+    assert worst(ServoStage([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
 
 
 def test_a_servo_seen_rarely_is_not_blamed_for_its_unknown_start() -> None:
     recording = recorded(seconds=15.0)
     rare = np.arange(len(recording.series["gearbox_states"].stamp)) % 10 == 3
     recording = kept(recording, {"gearbox_states": rare})
-    assert worst(ServoProblem([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
+    assert worst(ServoStage([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
 
 
 def test_another_simulator_whose_bag_starts_later_is_no_delay() -> None:
@@ -160,12 +163,12 @@ def lossy(recording: Recording, share: float, most: int, seed: int) -> Recording
 def test_what_is_lost_in_bursts_is_no_misfit_where_there_is_no_noise(most: int) -> None:
     """A motion with fast turns and holds: what is guessed in a gap is off by far more than such a floor."""
     recording = stopping(recorded(seconds=30.0, noise=0.0))
-    whole = worst(WireProblem([wire(recording)], TRUNK, {}))
+    whole = worst(WireStage([wire(recording)], TRUNK, {}))
     for seed in range(2):
         thin = without_faults(lossy(recording, 0.14, most, seed))
         assert thin.notes == ()
         span = wire(thin)
-        assert worst(WireProblem([span], TRUNK, {})) < 6 * whole
+        assert worst(WireStage([span], TRUNK, {})) < 6 * whole
         assert span.valid.mean() > 0.25
 
 

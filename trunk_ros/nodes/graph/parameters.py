@@ -130,9 +130,11 @@ def _number(node: Any, given: Any) -> Any:
     if not isinstance(given.value, str) or not node.has_parameter(given.name):
         return given
     kind = node.get_parameter(given.name).type_
+    if kind not in kinds:
+        return given
     try:
-        value = json.loads(given.value) if kind in kinds else None
-        numbers = [float(each) for each in value] if isinstance(value, list) else float(value)
+        value = json.loads(given.value)
+        numbers: Any = [float(each) for each in value] if isinstance(value, list) else float(value)
     except (TypeError, ValueError):
         return given
     return Parameter(given.name, kind, numbers)
