@@ -31,6 +31,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     ),
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
+    "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
 }
 

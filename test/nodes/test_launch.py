@@ -19,6 +19,7 @@ from trunk_ros.urdf import urdf
 
 FILES = sorted((ROOT / "launch").glob("*.launch.py"))
 TRUNK, REPLAY = (ROOT / "launch" / f"{name}.launch.py" for name in ("trunk", "replay"))
+VIEWING = {"rviz2", "static_transform_publisher"}
 LAUNCH = (
     "launch",
     "launch.actions",
@@ -60,7 +61,7 @@ def test_it_starts_executables_that_there_are(path):
         if k.arg == "executable" and isinstance(k.value, ast.Constant)
     ]
     assert named
-    assert set(named) <= {*COMMANDS, "robot_state_publisher", "ros2_control_node", "spawner"}
+    assert set(named) <= {*COMMANDS, "robot_state_publisher", "ros2_control_node", "spawner", *VIEWING}
 
 
 def calls(tree, name):

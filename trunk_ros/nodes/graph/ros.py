@@ -55,7 +55,7 @@ try:
     from rclpy.signals import SignalHandlerOptions
     from rclpy.task import Future
     from rosgraph_msgs.msg import Clock
-    from sensor_msgs.msg import JointState
+    from sensor_msgs.msg import JointState, PointCloud2, PointField
     from std_msgs.msg import String
     from std_srvs.srv import SetBool, Trigger
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -103,6 +103,8 @@ __all__ = [
     "Parameter",
     "ParameterDescriptor",
     "ParameterException",
+    "PointCloud2",
+    "PointField",
     "PoseStamped",
     "QoSCompatibility",
     "QoSProfile",
