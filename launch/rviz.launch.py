@@ -1,8 +1,8 @@
 """RViz with the arm, two ghosts of it, and the tip's path coloured by its distance from the fitted one's.
 
 ros2 launch trunk_ros rviz.launch.py fitted:=found.yaml
-Beside trunk.launch.py or a replayed bag; needs rviz2, robot_state_publisher, tf2_ros. The ghosts are wires that
-take the gearbox angles of the arm: what the nominal and the fitted model make of them.
+Beside trunk.launch.py or a replayed bag; needs rviz2, robot_state_publisher and tf2_ros. The ghosts take the
+arm's gearbox angles: they are what the nominal and the fitted model make of them.
 """
 
 import shlex
