@@ -53,14 +53,15 @@ def diagnose(
     from_time: str | None = None,
     until: str | None = None,
     progress: Progress = lambda _: None,
+    namespace: str | None = None,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
     ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
-    model's.
+    model's. ``namespace``: of the arm, where recordings hold several.
     Raises RecordingError or ModelError in one line.
     """
-    read = [_read(r, from_time, until) for r in recordings]
+    read = [_read(r, from_time, until, namespace) for r in recordings]
     nominal = model if isinstance(model, Model) else load_model(model)
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
@@ -236,10 +237,12 @@ class Diagnoser:
         self.effects |= values
 
 
-def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
+def _read(
+    recording: Recording | str | Path, from_time: str | None, until: str | None, namespace: str | None
+) -> Recording:
     if isinstance(recording, Recording):
         return recording.part(*time_range(recording.duration, from_time, until))
-    return read_recording(recording, from_time, until)
+    return read_recording(recording, from_time, until, namespace=namespace)
 
 
 def on_the_arm(
