@@ -17,6 +17,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
     "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
     "simulate": ("trunk_ros.simulate", "run a model over a recording"),
+    "evaluate": ("trunk_ros.evaluate.command", "score models, or other simulators, on recordings"),
     "import": (
         "trunk_ros.recording.importing.csv",
         "turn a foreign CSV, or a bag of other topics, into a bag",
