@@ -49,7 +49,8 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
     rows: list[Row] = []
     names = called(arguments.bag)
     with Console(stderr=True).status("reading") as status:
-        for bag, simulators in zip(arguments.bag, shared_out(arguments.bag, arguments.against), strict=True):
+        shared = shared_out(arguments.bag, arguments.against)
+        for bag, called_so, simulators in zip(arguments.bag, names, shared, strict=True):
             status.update(f"{bag}")
             recording = read_recording(bag)
             predictions = [of_model(recording, name, model) for name, model in models]
@@ -89,7 +90,7 @@ def verdict(rows: Sequence[Row], most: float | None) -> int:
     worst = max(above, key=lambda row: row.in_noise)
     print(
         f"trunk_ros: {len(above)} of {len(rows)} signals err by more than {most:g} times the noise, "
-        f"most of all {worst.stage} {worst.joint} of {worst.recording} by {worst.model}, {worst.in_noise:.2f} times",
+        f"most of all {worst.stage} {worst.joint} of {worst.recording} ({worst.model}): {worst.in_noise:.2f}",
         file=sys.stderr,
     )
     return FAILED

@@ -90,7 +90,7 @@ def _noise(signal: Signal, keep: np.ndarray) -> float:
         return np.inf
     step = float(np.median(np.diff(signal.stamp)))
     seen = noise_of([np.where(known, error, 0.0)], [known], strides_within(step)).std
-    return max(seen, count(signal.measured[keep][known]) / np.sqrt(12.0))
+    return max(seen, float(count(signal.measured[keep][known]) / np.sqrt(12.0)))
 
 
 def to_json(rows: Sequence[Row]) -> dict[str, Any]:

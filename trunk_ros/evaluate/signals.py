@@ -49,7 +49,7 @@ def of_tip(measured: PoseSeries, predicted: PoseSeries) -> list[Signal]:
     out = []
     for axis, name in enumerate("xyz"):
         here, there = measured.position[:, axis], predicted.position[:, axis]
-        if max(np.ptp(here[np.isfinite(here)], initial=0.0), np.ptp(there[np.isfinite(there)])) > STILL:
+        if np.nanmax(here) - np.nanmin(here) > STILL or np.nanmax(there) - np.nanmin(there) > STILL:
             error = here - at_stamps(predicted.stamp, there, measured.stamp)
             out.append(Signal("arm", name, "m", measured.stamp, here, error))
     if oriented(measured).any() and oriented(predicted).any():
