@@ -18,6 +18,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
     "simulate": ("trunk_ros.simulate", "run a model over a recording"),
     "evaluate": ("trunk_ros.evaluate.command", "score models, or other simulators, on recordings"),
+    "export": ("trunk_ros.export.command", "write what was found into a simulator's file: MJCF, URDF, SDF"),
     "import": (
         "trunk_ros.recording.importing.csv",
         "turn a foreign CSV, or a bag of other topics, into a bag",
