@@ -32,6 +32,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     ),
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
+    "reality": ("trunk_ros.nodes.reality", "node: what a simulator lacks, between it and its controllers"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
 }
 

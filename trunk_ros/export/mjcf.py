@@ -13,7 +13,8 @@ from trunk_ros.export.mjcf_actuator import Drive, drive_of, tag_of
 from trunk_ros.export.sheet import Writer
 from trunk_ros.model import Model, Values
 
-STIFF = (0.999, 0.9999, 0.001, 0.5, 2.0)  # solimp of friction that holds
+STIFF = (0.999, 0.9999, 0.001, 0.5, 2.0)  # solimp of friction and of stops that hold
+PAYLOAD, GRAIN = "payload", 1e-3  # m, its radius
 BEARING = (
     1.5  # times the largest weight's moment: what a bearing rubs so that a link stays within its backlash
 )
@@ -143,6 +144,8 @@ class MjcfWriter(Writer):
             ends = [low, high]
             ends[side] = min(high, end) if side else max(low, end)
             own.range, own.limited = ends, True
+            own.solref_limit = [2.0 * self.spec.option.timestep, 1.0]
+            own.solimp_limit = list(STIFF)
             self.note("joint", joint, f"hard_stop at {end:.4g} rad: range")
             return True
 
@@ -174,7 +177,10 @@ class MjcfWriter(Writer):
 
         def write(joint: str, longer: float) -> bool:
             own = self.spec.joint(joint)
-            beyond = [*own.parent.bodies, *(s for s in own.parent.sites if "tip" in s.name)] if own else []
+            if own is None:
+                return False
+            bodies = [body for body in own.parent.bodies if body.name != PAYLOAD]
+            beyond = [*bodies, *(site for site in own.parent.sites if "tip" in site.name)]
             if not beyond:
                 return False
             place = beyond[0]
@@ -183,7 +189,7 @@ class MjcfWriter(Writer):
                 return False
             place.pos = np.array(place.pos) * (1.0 + longer / length)
             place.name = place.name or f"{joint}_next"
-            tag = "site" if beyond[0] in own.parent.sites else "body"
+            tag = "body" if bodies else "site"
             self.note(tag, place.name, f"link_length_error of {joint} {longer:+.4g} m: pos")
             return True
 
@@ -251,9 +257,10 @@ class MjcfWriter(Writer):
         if not sites:
             self.remarks.append(f"payload {mass:.4g} kg: no site is called tip, so it is not in the file")
             return
-        body = sites[0].parent.add_body(name="payload", pos=sites[0].pos, mass=mass, inertia=[1e-9] * 3)
-        body.explicitinertial = True
-        self.note("body", "payload", f"payload {mass:.4g} kg at the tip")
+        body = sites[0].parent.add_body(name=PAYLOAD, pos=sites[0].pos)
+        ball = self.mujoco.mjtGeom.mjGEOM_SPHERE
+        body.add_geom(type=ball, size=[GRAIN, 0, 0], mass=mass, contype=0, conaffinity=0)
+        self.note("body", PAYLOAD, f"payload {mass:.4g} kg at the tip")
 
     def _late(self, delay: float, elements: list[Any], name: str, values: Values) -> Values:
         if not elements or not hasattr(elements[0], "delay"):

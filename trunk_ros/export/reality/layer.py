@@ -74,6 +74,7 @@ class RealityLayer:
         self._arm, self._time = self.model.loaded_arm(), 0.0
         self._gearbox: Array | None = None
         self._theta: Array = np.empty(0)
+        self._speed: Array = np.empty(0)
         self._anew = None
 
     def step(self, command: ArrayLike, state: ArrayLike, dt: float) -> tuple[Array, Array]:
@@ -88,7 +89,7 @@ class RealityLayer:
         before = self._gearbox = self._started(asked, anew)
         arm, held = self._arm, self.model.duration
         decay = np.exp(-dt / self._lag) if self._lags else None
-        here = Scene(arm, held, dt, before, true, 0.0 * true)
+        here = Scene(arm, held, dt, before, true, self._speed if self._speed.size else 0.0 * true)
         gearbox = self._servo.step(asked, here, self._time, anew)
         if decay is not None:
             gearbox = gearbox + decay * (before - gearbox)
@@ -99,7 +100,7 @@ class RealityLayer:
         theta = sent = self._wire.drive(scene, clock, anew)
         if decay is not None:
             sent = self._ahead(theta, decay, anew)
-        self._gearbox, form = gearbox, np.shape(command)
+        self._gearbox, self._speed, form = gearbox, speed, np.shape(command)
         shown = self._wire.show(true, scene, clock, anew)
         return (sent / arm.ratio).reshape(form), shown.reshape(form)
 
