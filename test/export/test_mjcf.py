@@ -88,6 +88,17 @@ def test_a_spring_in_series_is_less_stiffness_at_the_same_speed(tmp_path: Path) 
     assert "trunk_ros: load_elasticity 0.01 rad/(N m): kp, kv" in sheet.text
 
 
+def test_a_payload_is_a_mass_and_its_sag_is_the_layers(tmp_path: Path) -> None:
+    sag = {"load_elasticity": {"compliance": pair(1e-3, 1e-3), "payload": 0.05}}
+    sheet, model = written(sag, tmp_path)
+    assert model.body("payload").mass[0] == pytest.approx(0.05)
+    assert model.actuator("shoulder_drive").gainprm[0] == KP
+    assert sheet.layer.payload == 0.05
+    sheet, model = written({**sag, "load_droop": {"gain": -1e-3}}, tmp_path)
+    assert "payload" not in [model.body(k).name for k in range(model.nbody)]
+    assert "the servos' findings have what it does to the motors" in sheet.remarks[0]
+
+
 def test_under_a_bare_motor_a_play_is_a_joint_of_its_own(tmp_path: Path) -> None:
     sheet, model = written({"backlash": {"half_width": pair(0.0, 4e-3)}}, tmp_path, MOTORS)
     assert model.joint("elbow_backlash").range == pytest.approx([-4e-3, 4e-3])
@@ -96,17 +107,15 @@ def test_under_a_bare_motor_a_play_is_a_joint_of_its_own(tmp_path: Path) -> None
     assert any("elbow_link" in remark for remark in sheet.remarks)
 
 
-def test_geometry_and_payload_are_written_where_they_are(tmp_path: Path) -> None:
+def test_geometry_is_written_where_it_is(tmp_path: Path) -> None:
     effects = {
         "link_length_error": {"length_error": pair(2e-3, -1e-3)},
         "base_tilt": {"angle": 0.02},
-        "load_elasticity": {"compliance": pair(1e-3, 1e-3), "payload": 0.05},
     }
     _, model = written(effects, tmp_path)
     assert model.body("lower").pos == pytest.approx([0, 0, 0.202])
     assert model.site("tip").pos == pytest.approx([0, 0, 0.149])
     assert model.body("upper").quat == pytest.approx([np.cos(0.01), np.sin(0.01), 0, 0])
-    assert model.body("payload").mass[0] == pytest.approx(0.05)
 
 
 def test_what_mujoco_cannot_say_is_left_with_its_size(tmp_path: Path) -> None:

@@ -10,11 +10,14 @@ import numpy as np
 from trunk_ros.errors import TrunkError
 from trunk_ros.export.markup import commented, parse, to_text
 from trunk_ros.export.mjcf_actuator import Drive, drive_of, tag_of
+from trunk_ros.export.mjcf_play import add_play
 from trunk_ros.export.sheet import Writer
 from trunk_ros.model import Model, Values
 
 STIFF = (0.999, 0.9999, 0.001, 0.5, 2.0)  # solimp of friction and of stops that hold
 PAYLOAD, GRAIN = "payload", 1e-3  # m, its radius
+SAGS = "payload {:.4g} kg: no mass in the file, since the servos' findings have what it does to the motors"
+NO_TIP = "payload {:.4g} kg: no site is called tip, so the file has no mass there"
 BEARING = (
     1.5  # times the largest weight's moment: what a bearing rubs so that a link stays within its backlash
 )
@@ -95,7 +98,7 @@ class MjcfWriter(Writer):
     def load_elasticity(self, values: Values) -> Values:
         """A spring in series with the actuator's: less stiffness."""
         if values.get("payload"):
-            self._payload(values["payload"])
+            return self._carried(values)
 
         def write(joint: str, compliance: float) -> bool:
             drive = self.drives[joint]
@@ -105,6 +108,14 @@ class MjcfWriter(Writer):
             return self._told(drive, f"load_elasticity {compliance:.4g} rad/(N m): kp, kv")
 
         return self.each(values, "compliance", write)
+
+    def wire_slack(self, values: Values) -> Values:
+        """Left to the layer, but for the mass."""
+        return self._carried(values)
+
+    def wire_stiffening(self, values: Values) -> Values:
+        """Left to the layer, but for the mass."""
+        return self._carried(values)
 
     def load_droop(self, values: Values) -> Values:
         """The same at the setpoint."""
@@ -214,7 +225,14 @@ class MjcfWriter(Writer):
         if own is None:
             return False
         if drive is None:
-            return self._backlash_joint(joint, half_width)
+            rub = add_play(self.mujoco, self.spec, joint, half_width)
+            text = f"backlash of {joint}: {half_width:.4g} rad to either side"
+            self.note("joint", f"{joint}_backlash", text)
+            self.note(
+                "fixed", f"{joint}_link", f"{joint}'s link behind its play; its bearing rubs {rub:.3g} N m"
+            )
+            self.remarks.append(f"{joint}: its link's angle is the tendon {joint}_link; {joint} is the motor")
+            return True
         own.frictionloss = float(own.frictionloss) + half_width * drive.stiffness
         own.solref_friction = [2.0 * self.spec.option.timestep, 1.0]
         own.solimp_friction = list(STIFF)
@@ -222,45 +240,20 @@ class MjcfWriter(Writer):
         self.note("joint", joint, text)
         return True
 
-    def _backlash_joint(self, joint: str, half_width: float) -> bool:
-        """A free joint behind the driven one, and a tendon over both whose friction holds the link."""
-        own = self.spec.joint(joint)
-        rub = max(BEARING * self._weight(joint), LEAST)
-        own.parent.add_joint(
-            name=f"{joint}_backlash", type=own.type, axis=own.axis, pos=own.pos, limited=True,
-            range=[-half_width, half_width], armature=float(own.armature),
-        )  # fmt: skip
-        link = self.spec.add_tendon(name=f"{joint}_link", frictionloss=rub)
-        link.wrap_joint(joint, 1.0)
-        link.wrap_joint(f"{joint}_backlash", 1.0)
-        self.note("joint", f"{joint}_backlash", f"backlash of {joint}: {half_width:.4g} rad to either side")
-        self.note("fixed", f"{joint}_link", f"the link behind its backlash; its bearing rubs {rub:.3g} N m")
-        self.remarks.append(
-            f"{joint}: the link's angle is the tendon {joint}_link; {joint} is the motor side"
-        )
-        return True
-
-    def _weight(self, joint: str) -> float:
-        """The largest moment of weight on a joint that random postures show [N m]."""
-        model = self.spec.compile()
-        data, rng = self.mujoco.MjData(model), np.random.default_rng(0)
-        ends = np.where(model.jnt_limited[:, None] > 0, model.jnt_range, [-np.pi, np.pi])
-        place, most = int(model.joint(joint).dofadr[0]), 0.0
-        for _ in range(POSTURES):
-            data.qpos[model.jnt_qposadr] = rng.uniform(*ends.T)
-            self.mujoco.mj_forward(model, data)
-            most = max(most, abs(float(data.qfrc_bias[place])))
-        return most
-
-    def _payload(self, mass: float) -> None:
+    def _carried(self, values: Values) -> Values:
+        """The payload as a mass; the layer has its sag in the wire. What it does to the motors comes with the
+        mass, unless the servos' findings have it already.
+        """
         sites = [site for site in self.spec.sites if "tip" in site.name]
-        if not sites:
-            self.remarks.append(f"payload {mass:.4g} kg: no site is called tip, so it is not in the file")
-            return
-        body = sites[0].parent.add_body(name=PAYLOAD, pos=sites[0].pos)
-        ball = self.mujoco.mjtGeom.mjGEOM_SPHERE
-        body.add_geom(type=ball, size=[GRAIN, 0, 0], mass=mass, contype=0, conaffinity=0)
-        self.note("body", PAYLOAD, f"payload {mass:.4g} kg at the tip")
+        mass = float(values.get("payload", 0.0))
+        if mass and sites and not {"load_droop", "unknown_servo"} & set(self.model.effects):
+            body = sites[0].parent.add_body(name=PAYLOAD, pos=sites[0].pos)
+            ball = self.mujoco.mjtGeom.mjGEOM_SPHERE
+            body.add_geom(type=ball, size=[GRAIN, 0, 0], mass=mass, contype=0, conaffinity=0)
+            self.note("body", PAYLOAD, f"payload {mass:.4g} kg at the tip")
+        elif mass:
+            self.remarks.append(SAGS.format(mass) if sites else NO_TIP.format(mass))
+        return values
 
     def _late(self, delay: float, elements: list[Any], name: str, values: Values) -> Values:
         if not elements or not hasattr(elements[0], "delay"):
@@ -291,5 +284,5 @@ def the_engine() -> Any:
     try:
         import mujoco
     except ImportError:
-        raise TrunkError("MuJoCo is not installed: pip install 'trunk_ros[mujoco]'") from None
+        raise TrunkError("MuJoCo is not installed: pip install mujoco, or trunk_ros[mujoco]") from None
     return mujoco
