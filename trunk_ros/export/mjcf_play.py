@@ -32,7 +32,7 @@ def weight(mujoco: Any, spec: Any, joint: str) -> float:
     model = spec.compile()
     data, rng = mujoco.MjData(model), np.random.default_rng(0)
     ends = np.where(model.jnt_limited[:, None] > 0, model.jnt_range, [-np.pi, np.pi])
-    turning = model.jnt_type >= mujoco.mjtJoint.mjJNT_SLIDE
+    turning = model.jnt_type >= int(mujoco.mjtJoint.mjJNT_SLIDE)
     place, most = int(model.joint(joint).dofadr[0]), 0.0
     for _ in range(POSTURES):
         data.qpos[model.jnt_qposadr[turning]] = rng.uniform(*ends[turning].T)

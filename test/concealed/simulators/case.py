@@ -95,8 +95,8 @@ def record(case: Case, folder: Path) -> None:
         np.round(real.motor / count) * count, real.joint + NOISE * rng.standard_normal(real.joint.shape)
     )
     folder.mkdir(parents=True, exist_ok=True)
-    write_recording(folder / "run", recording(case.recorded, seen))
-    write_recording(folder / "sim", recording(case.recorded, own))
+    write_recording(folder / "run", recording(case.recorded, seen), overwrite=True)
+    write_recording(folder / "sim", recording(case.recorded, own), overwrite=True)
     (folder / "arm.xml").write_text(xml(Real(upright=case.real.upright), own=True))
     masses = MASS if case.real.upright else ()
     arm = ARM.format(
