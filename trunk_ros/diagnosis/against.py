@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
-from trunk_ros.diagnosis.stage import Problem
-from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
@@ -37,12 +38,12 @@ class Simulator:
         """Whether its servos can be compared."""
         return set(self.recording.series) >= SERVO
 
-    def problem(self, stage: str, recording: Recording) -> Problem:
+    def context(self, stage: str, recording: Recording) -> Context:
         """A stage of the simulator's own recording, on the clock of the arm's."""
         own = on_the_clock(self.recording, recording)
         if stage == "servo":
-            return ServoProblem([servo_span(own, self.model)], self.model)
-        return WireProblem([wire_span(own, self.model)], self.model)
+            return Context.of(ServoStage([servo_span(own, self.model)], self.model))
+        return Context.of(WireStage([wire_span(own, self.model)], self.model))
 
 
 def nominal_for(joints: Sequence[str]) -> Model:
@@ -67,7 +68,7 @@ def identified(
         raise RecordingError(
             f"{other.name}: no joint_states of {', '.join(missing)}: joints go by their names"
         )
-    noise = dict(zip(span.joints, (n.std for n in WireProblem([span], model).noise), strict=True))
+    noise = dict(zip(span.joints, (n.std for n in Context.of(WireStage([span], model)).noise), strict=True))
     own = dithered(own, noise)
     base = model.for_joints(span.joints)
     base = base if follows(own, base, noise) else without_play(base)
@@ -93,14 +94,14 @@ def dithered(own: Recording, noise: dict[str, float]) -> Recording:
 
 def follows(own: Recording, model: Model, noise: dict[str, float]) -> bool:
     """Whether a simulator does what a model says, as far as the arm's sensors could tell."""
-    problem = WireProblem([wire_span(own, model)], model)
-    limit = FOLLOWS * np.array([noise[joint] for joint in problem.joints])
-    return bool(np.all([_rms(problem, c) < limit[c] for c in problem.columns]))
+    context = Context.of(WireStage([wire_span(own, model)], model))
+    limit = FOLLOWS * np.array([noise[joint] for joint in context.joints])
+    return bool(np.all([_rms(context, c) < limit[c] for c in context.columns]))
 
 
-def _rms(problem: Problem, column: int) -> float:
-    rest: Array = problem.residual(0, problem.known, column)
-    return float(np.sqrt(np.sum(rest**2) / max(problem.count(column), 1)))
+def _rms(context: Context, column: int) -> float:
+    rest: Array = context.residual(0, context.known, column)
+    return float(np.sqrt(np.sum(rest**2) / max(context.count(column), 1)))
 
 
 def without_play(model: Model) -> Model:

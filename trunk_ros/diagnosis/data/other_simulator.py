@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import Span
-from trunk_ros.diagnosis.stage import LEAST, Problem
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.resample import longest_gap
 
@@ -24,7 +24,7 @@ def on_the_clock(other: Recording, recording: Recording) -> Recording:
     return replace(other, start_ns=recording.start_ns, series=series)
 
 
-def shifted(span: Span, of_simulator: Problem) -> Span:
+def shifted(span: Span, of_simulator: Context) -> Span:
     """Targets less what the simulator does beyond the model of it, with ``of_simulator`` the stage of its own
     recording: what is then missing in the model is missing in the simulator.
     """
