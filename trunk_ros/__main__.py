@@ -18,6 +18,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
     "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
     "simulate": ("trunk_ros.simulate", "run a model over a recording"),
+    "evaluate": ("trunk_ros.evaluate.command", "score models, or other simulators, on recordings"),
+    "export": ("trunk_ros.export.command", "write what was found into a simulator's file: MJCF, URDF, SDF"),
     "import": (
         "trunk_ros.recording.importing.csv",
         "turn a foreign CSV, or a bag of other topics, into a bag",
@@ -32,6 +34,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
     "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
+    "reality": ("trunk_ros.nodes.reality", "node: what a simulator lacks, between it and its controllers"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
 }
 
