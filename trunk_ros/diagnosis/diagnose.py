@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.mix_ups import MixUp, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
@@ -31,7 +32,7 @@ from trunk_ros.diagnosis.verdict.findings import (
     left_over,
     without_a_name,
 )
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots, Unexplained
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
@@ -63,16 +64,24 @@ def diagnose(
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
     read = [without_faults(completed(r, other)) for r in read]
-    return Diagnoser(read, nominal, other, progress).run()
+    mixed = [mix_ups(r, nominal) for r in read]
+    read = [without_mix_ups(r, found) for r, found in zip(read, mixed, strict=True)]
+    return Diagnoser(read, nominal, other, progress, mixed).run()
 
 
 class Diagnoser:
     """One diagnosis in the making."""
 
     def __init__(
-        self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
+        self,
+        recordings: list[Recording],
+        model: Model,
+        against: Recording | None,
+        progress: Progress,
+        mixed: Sequence[list[MixUp]] = (),
     ):
-        self.recordings, self.against, self.say = recordings, against, progress
+        """``mixed``: what is mixed up in each recording, and left out of it."""
+        self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -103,17 +112,29 @@ class Diagnoser:
         self.servo()  # with the payload that the wires show
         self.tip()
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
+        self._say_what_is_mixed_up()
         self._refuse_if_nothing_was_seen()
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
         self.result.model = replace(self.model, effects=kept, duration=longest)
-        self.result.quality = _by_name(self.recordings, self.model)
+        self.result.quality = _by_name(self.recordings, self.model, self.mixed)
         return self.result
+
+    def _say_what_is_mixed_up(self) -> None:
+        """What was left out for it is not explained."""
+        for one in dict.fromkeys(one for found in self.mixed for one in found if one.certain):
+            rest = Unexplained(one.stage, list(one.joints), "always", 1.0, [], one.statement)
+            self.result.unexplained.insert(0, rest)
+            stage = self.result.stages[one.stage]
+            stage["silent"] = [joint for joint in stage.get("silent", []) if joint not in one.joints]
 
     def _refuse_if_nothing_was_seen(self) -> None:
         stages = self.result.stages.values()
-        if not any(stage.get("joints") or stage.get("tip") for stage in stages):
+        if (
+            not any(stage.get("joints") or stage.get("tip") for stage in stages)
+            and not self.result.unexplained
+        ):
             raise RecordingError(
                 f"{', '.join(r.name for r in self.recordings)}: no joint moves for {LEAST} samples or more: "
                 "record a motion that moves the joints, over a longer time"
@@ -254,12 +275,13 @@ def on_the_arm(
     }
 
 
-def _by_name(recordings: list[Recording], model: Model) -> dict[str, Any]:
+def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]]) -> dict[str, Any]:
     """Quality by name of recording; those of one name are numbered."""
     out: dict[str, Any] = {}
     for number, recording in enumerate(recordings, start=1):
         name = recording.name if recording.name not in out else f"{recording.name} ({number})"
-        out[name] = quality_of_recording(recording, model)
+        found = mixed[number - 1] if mixed else []
+        out[name] = quality_of_recording(recording, model, found)
     return out
 
 

@@ -13,6 +13,8 @@ ABOVE = 1.15  # times the noise: what is more is said to be left
 def sentence(result: Diagnosis) -> str:
     """What the busy reader needs to know."""
     rows = ratios(result)
+    if not rows and result.unexplained:
+        return f"Nothing can be said before the data are put right: {result.unexplained[0].statement}"
     if not rows:
         return "Nothing can be said: no signal moved enough, or was measured enough, to be judged."
     if result.verdict == "no_mismatch":
