@@ -25,7 +25,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "effects": ("trunk_ros.commands.effects", "the library of effects"),
     "import": ("trunk_ros.commands.import_table", "turn a foreign CSV, or a bag of other topics, into a bag"),
     "recover": ("trunk_ros.commands.recover", "repair a bag whose recorder was killed"),
-    "paper": ("trunk_ros.paper.command", "the paper's tables and figures, as printed and as computed"),
+    "paper": ("trunk_ros.commands.paper", "the paper's tables and figures, as printed and as computed"),
     "bringup": ("trunk_ros.nodes.bringup", "run the simulated arm with a trajectory and record it"),
     "servo_driver": ("trunk_ros.nodes.servo_driver", "node: setpoints to gearbox angles"),
     "wire_elasticity": (
