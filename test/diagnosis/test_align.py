@@ -137,3 +137,9 @@ def test_poses_without_an_orientation_do_not_count() -> None:
     data = tip_data(replace(recording, tip=replace(recording.tip, orientation=orientation)), TRUNK)
     assert data is not None
     assert len(data.stamp) == len(orientation) - 20
+
+
+def test_an_arm_of_which_nothing_is_known_may_have_setpoints_in_its_recording() -> None:
+    recording = recorded(seconds=5.0)
+    assert "setpoints" in recording.series
+    assert wire_span(recording, load_model("direct")).joints == recording.joints

@@ -65,7 +65,6 @@ def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
         return _arm(recording, model)
     try:
         span = (servo_span if stage == "servo" else wire_span)(recording, model)
-        model = model.for_joints(span.joints)
         problem = (ServoProblem if stage == "servo" else WireProblem)([span], model, recording.units)
     except TrunkError as error:
         return Prospect(stage, str(error))
