@@ -15,7 +15,7 @@ from trunk_ros.commands.progress import progress
 from trunk_ros.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from trunk_ros.diagnosis.verdict.result import Diagnosis
+    from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 
 FILES = ("diagnosis.json", "model.yaml", "report.html", "*.yaml", "*.png")
 TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".npy", ".npz")
@@ -96,11 +96,7 @@ def write_report(result: Diagnosis, folder: Path) -> None:
 def spoken(result: Diagnosis) -> list[str]:
     """The verdict in a few lines, what is wrong with the data first."""
     lines = [f"verdict: {result.verdict.replace('_', ' ')}"]
-    for finding in result.findings:
-        names = " or ".join([finding.effect, *finding.equivalents])
-        lines.append(f"  {names} ({finding.confidence:.0%}): {finding.statement}")
-        if finding.equivalents:
-            lines.append(f"    these data cannot tell it from {', '.join(finding.equivalents)}")
+    lines += [f"  {named(finding)}: {finding.statement}" for finding in result.findings]
     for stage, compared in result.stages.items():
         if compared.get("silent"):
             silent = ", ".join(compared["silent"])
@@ -109,3 +105,11 @@ def spoken(result: Diagnosis) -> list[str]:
         lines += [f"  {name}: {note}" for note in told["notes"]]
     lines += [f"  unexplained: {rest.statement}" for rest in result.unexplained]
     return lines + [f"  experiment: {proposed['statement']}" for proposed in result.experiments]
+
+
+def named(finding: Finding) -> str:
+    """An effect with what it cannot be told from, and how sure that is."""
+    sure = f"{finding.confidence:.0%}"
+    if len(finding.candidates) == 1:
+        return f"{finding.effect} ({sure})"
+    return f"{' or '.join(finding.candidates)} ({sure} that it is one of these, the data do not tell which)"

@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, spreads
+from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.hypothesis import Explanation
@@ -174,6 +175,9 @@ class Diagnoser:
                 "compared": False, "joints": {}, "silent": list(problem.joints)
             }  # fmt: skip
             return
+        wrong = contradiction(problem, lambda text: self.say(f"{problem.stage}: {text}"))
+        if wrong is not None:
+            raise RecordingError(wrong.statement())
         done = searched(problem, lambda text: self.say(f"{problem.stage}: {text}"))
         search, state, found = done.search, done.state, done.found
         std = spreads(search, state)
@@ -188,6 +192,7 @@ class Diagnoser:
                     "rmse_before": e.before,
                     "rmse_after": e.after,
                     "noise_floor": e.noise_floor,
+                    "resolution": float(np.hypot(problem.own_steps(c), problem.resolution(c))),
                     "rmse_before_std": e.before_std,
                     "rmse_after_std": e.after_std,
                 }

@@ -31,6 +31,18 @@ class Finding:
     evidence: dict[str, Any]
     curve: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def candidates(self) -> list[str]:
+        """The effect and its equivalents, which ``confidence`` is about together; those that fit the data
+        better than the effect come first.
+        """
+        losses = self.evidence.get("rivals", {})
+        words = {name if isinstance(name, str) else " + ".join(name): name for name in self.equivalents}
+        better = [
+            word for word, name in words.items() if isinstance(name, str) and losses.get(name, 0.0) < 0.0
+        ]
+        return [*better, self.effect, *(word for word in words if word not in better)]
+
 
 @dataclass
 class Unexplained:
