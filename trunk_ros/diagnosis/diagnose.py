@@ -46,7 +46,7 @@ Progress = Callable[[str], None]
 
 
 def diagnose(
-    recordings: Sequence[Recording | str | Path],
+    recordings: Recording | str | Path | Sequence[Recording | str | Path],
     model: Model | str | Path = "trunk",
     against: Recording | str | Path | None = None,
     from_time: str | None = None,
@@ -55,11 +55,14 @@ def diagnose(
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
+    ``recordings``: one or several, each a path or in memory. ``model``: in memory, a file, or a name in
+    config/. ``from_time``, ``until``: "12.5" (s) or "70%" of each recording. ``progress`` is told each step.
     ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
     model's.
     Raises RecordingError or ModelError in one line.
     """
-    read = [_read(r, from_time, until) for r in recordings]
+    several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
+    read = [_read(r, from_time, until) for r in several]
     nominal = model if isinstance(model, Model) else load_model(model)
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)

@@ -89,9 +89,10 @@ def _power(problem: Problem, explanation: Explanation, column: int) -> float:
 
 
 def _lasting(explanation: Explanation) -> Explanation:
-    """Without effects of time: each recording has its own."""
-    for name in [name for name in explanation if effect(name).regime == "time"]:
-        explanation = explanation.without(name)
+    """Without effects of time and load: each recording begins anew, and may have a payload of its own."""
+    for name in list(explanation):
+        if effect(name).regime == "time" or {"load", "weight"} & set(effect(name).needs):
+            explanation = explanation.without(name)
     return explanation
 
 

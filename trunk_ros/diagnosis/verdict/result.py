@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from trunk_ros.diagnosis.verdict.figures import Figures
+from trunk_ros.diagnosis.verdict.table import ROW, rows_of, table_of
 from trunk_ros.model import Model, save_model
 from trunk_ros.trajectory import Trajectory, save_trajectory
 
@@ -56,7 +58,7 @@ class Unexplained:
     statement: str
 
 
-@dataclass
+@dataclass(repr=False)
 class Diagnosis:
     """The whole answer. ``stages`` is as in the JSON; ``model`` the nominal model with what was found."""
 
@@ -81,6 +83,21 @@ class Diagnosis:
         if not rest:
             return "explained"
         return "partly_explained" if named else "unexplained"
+
+    def __repr__(self) -> str:
+        """The verdict, and a table of what was found."""
+        return table_of(self)
+
+    @property
+    def plot(self) -> Figures:
+        """Figures of the diagnosis, for notebooks: ``result.plot.before_after()``."""
+        return Figures(self)
+
+    def to_dataframe(self) -> Any:
+        """A pandas table with a row for each joint and parameter of a finding. Needs pandas."""
+        import pandas as pd
+
+        return pd.DataFrame(rows_of(self), columns=list(ROW))
 
     def to_json(self) -> dict[str, Any]:
         """The dictionary that ``diagnosis.json`` holds."""
