@@ -18,6 +18,7 @@ REQUIRES = [
     "Jinja2>=3.1",
     "matplotlib>=3.6",
     "rich>=13.7",
+    "argcomplete>=3.1",
     "rosbags>=0.10.11,<0.12",
     "mcap>=1.2.1",
     "lz4>=4.0",
