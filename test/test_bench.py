@@ -56,13 +56,9 @@ def test_an_unknown_section_is_refused(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_what_is_worse_than_in_the_last_release_is_said_first() -> None:
     def section(*values: float) -> dict:
-        names = (
-            ("latency", "us", None),
-            ("throughput", "1/s", None),
-            ("share", "1", "≥ 0.5"),
-            ("same", "s", None),
-        )
-        rows = zip(names, values, strict=True)
+        units = {"latency": "us", "throughput": "1/s", "share": "1", "same": "s"}
+        figures = [(name, unit, "≥ 0.5" if name == "share" else None) for name, unit in units.items()]
+        rows = zip(figures, values, strict=True)
         return {"made": {"rows": [{"name": n, "unit": u, "target": t, "value": v} for (n, u, t), v in rows]}}
 
     found = changes(section(10.0, 100.0, 0.8, 1.0), section(15.0, 150.0, 0.6, 1.05))

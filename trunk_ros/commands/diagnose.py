@@ -66,6 +66,7 @@ def main(argv: list[str]) -> int:
             "model": str(asked.model),
             "model_hash": model.hash(),
             "bags": [str(bag) for bag in asked.bag],
+            **{key: at for key in ("from_time", "until") if (at := getattr(asked, key))},
         }
         step("report")
         with new_folder(asked.output, asked.overwrite, FILES) as folder:

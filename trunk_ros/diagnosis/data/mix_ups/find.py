@@ -54,6 +54,8 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     off = clock_offset(source.stamp, source.position, target.stamp, target.position)
     if off:
         return [_clock(stage, joints, off)]
+    if getattr(model.arm, "coupling", None) is not None:  # each joint follows several motors
+        return []
     pair = pair_of(recording, model, stage, source, target)
     found: list[MixUp] = []
     if pair is None:
