@@ -7,9 +7,10 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
-from trunk_ros.diagnosis.stages import WireProblem
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
@@ -18,8 +19,8 @@ BACKLASH = {"backlash": {"half_width": on(2, 8e-4)}}
 TRUNK = load_model("trunk")
 
 
-def problem(*recordings: Recording) -> WireProblem:
-    return WireProblem([wire_span(recording, TRUNK) for recording in recordings], TRUNK)
+def context(*recordings: Recording) -> Context:
+    return Context.of(WireStage([wire_span(recording, TRUNK) for recording in recordings], TRUNK))
 
 
 def made(effects: dict, seed: int, name: str, size: float = 1.0) -> Recording:
@@ -43,7 +44,7 @@ def test_the_nominal_simulation_beside_a_real_run_is_named_for_what_it_is() -> N
     ],
 )
 def test_two_arms_contradict_each_other(one: dict, other: dict) -> None:
-    assert contradiction(problem(made(one, 0, "a"), made(other, 1, "b")), lambda _: None) is not None
+    assert contradiction(context(made(one, 0, "a"), made(other, 1, "b")), lambda _: None) is not None
 
 
 @pytest.mark.parametrize(
@@ -58,5 +59,5 @@ def test_two_arms_contradict_each_other(one: dict, other: dict) -> None:
     ],
 )
 def test_other_motions_of_one_arm_do_not(effects: dict, size: float) -> None:
-    both = problem(made(effects, 0, "a"), made(effects, 3, "b", size))
+    both = context(made(effects, 0, "a"), made(effects, 3, "b", size))
     assert contradiction(both, lambda _: None) is None

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
-from trunk_ros.diagnosis.stage import Problem
-from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.result import STAGES
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import Effect, registry
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Model
@@ -65,41 +66,42 @@ def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
         return _arm(recording, model)
     try:
         span = (servo_span if stage == "servo" else wire_span)(recording, model)
-        problem = (ServoProblem if stage == "servo" else WireProblem)([span], model, recording.units)
+        made = (ServoStage if stage == "servo" else WireStage)([span], model, recording.units)
+        context = Context.of(made)
     except TrunkError as error:
         return Prospect(stage, str(error))
-    judged = {problem.joints[c]: problem.noise[c].std for c in problem.columns}
-    silent = [joint for joint in problem.joints if joint not in judged]
+    judged = {context.joints[c]: context.noise[c].std for c in context.columns}
+    silent = [joint for joint in context.joints if joint not in judged]
     if not judged:
         return Prospect(stage, "no joint moves enough", silent=silent)
-    seen = [kind.id for kind in usable(problem) if not _one_way(problem, kind)]
-    return Prospect(stage, "", judged, silent, seen, _unseen(problem, seen))
+    seen = [kind.id for kind in usable(context) if not _one_way(context, kind)]
+    return Prospect(stage, "", judged, silent, seen, _unseen(context, seen))
 
 
-def _unseen(problem: Problem, seen: list[str]) -> dict[str, list[str]]:
+def _unseen(context: Context, seen: list[str]) -> dict[str, list[str]]:
     """The stage's other effects, by the reason why they are not looked for."""
     out: dict[str, list[str]] = {}
     for name, kind in registry().items():
-        if kind.stage == problem.stage and kind.named and kind.tried and name not in seen:
-            out.setdefault(_reason(problem, kind), []).append(name)
+        if kind.stage == context.stage.name and kind.named and kind.tried and name not in seen:
+            out.setdefault(_reason(context, kind), []).append(name)
     return out
 
 
-def _reason(problem: Problem, kind: type[Effect]) -> str:
-    if _one_way(problem, kind):
+def _reason(context: Context, kind: type[Effect]) -> str:
+    if _one_way(context, kind):
         return ONE_WAY
-    if kind.regime in DYNAMIC and not problem.speed_tells:
+    if kind.regime in DYNAMIC and not context.speed_tells:
         return RARE
     has = {
-        "load": problem.has_load,
-        "weight": problem.arm.has_load,
-        "several": len(problem.arm.joints) > 1,
+        "load": context.stage.has_load,
+        "weight": context.arm.has_load,
+        "several": len(context.arm.joints) > 1,
     }
     return next(LACKS[need] for need in kind.needs if not has.get(need, False))
 
 
-def _one_way(problem: Problem, kind: type[Effect]) -> bool:
-    return kind.regime == "reversal" and set(problem.columns) <= problem.one_way
+def _one_way(context: Context, kind: type[Effect]) -> bool:
+    return kind.regime == "reversal" and set(context.columns) <= context.stage.one_way
 
 
 def _arm(recording: Recording, model: Model) -> Prospect:

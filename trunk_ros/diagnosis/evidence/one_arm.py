@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import Context, Work
 from trunk_ros.diagnosis.data.excerpt import excerpt
-from trunk_ros.diagnosis.hypothesis import Explanation
-from trunk_ros.diagnosis.search.greedy import Search
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.descent import Desk
+from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.effects import effect
 
 TELLS = 4.0  # times the power of noise: less on a joint contradicts nothing
@@ -46,23 +48,24 @@ class Contradiction:
         )
 
 
-def contradiction(problem: Problem, say: Callable[[str], None]) -> Contradiction | None:
+def contradiction(context: Context, say: Callable[[str], None]) -> Contradiction | None:
     """The recording with most to explain is explained by itself, then held against the others; None where
     they agree, and where there is one only.
     """
-    if len(problem.views) < 2 or not problem.columns:
+    if len(context.views) < 2 or not context.columns:
         return None
-    parts = [problem.over([excerpt(view.span)]) for view in problem.views]
-    base = max(parts, key=lambda part: sum(_power(part, part.known, c) for c in problem.columns))
+    alone = [context.over([excerpt(view.span)]) for view in context.views]
+    parts = [replace(part, work=Work(context.work.most)) for part in alone]
+    base = max(parts, key=lambda part: sum(_power(part, part.known, c) for c in context.columns))
     say("the recording with most to explain")
-    found = _lasting(Search(base).run().explanation)
+    found = _lasting(search(base, Desk(lambda text: say(f"one recording: {text}"))).hypothesis)
     for part in parts:
         if part is not base and (column := _contradicts(base, part, found)) is not None:
             return _told(base, part, found, column)
     return None
 
 
-def _contradicts(base: Problem, other: Problem, found: Explanation) -> int | None:
+def _contradicts(base: Context, other: Context, found: Hypothesis) -> int | None:
     """The column on which an explanation of one recording is furthest from holding in another."""
     worst: dict[int, float] = {}
     refitted: dict[int, float] | None = None
@@ -74,29 +77,28 @@ def _contradicts(base: Problem, other: Problem, found: Explanation) -> int | Non
         if after < TELLS or after < EXPLAINED * before:
             continue  # it holds
         if refitted is None:
-            there = Search(other).refit(found).explanation
+            there = refit(other, found).hypothesis
             refitted = {k: _power(other, there, k) for k in base.columns if other.count(k)}
         if after > before or refitted[c] < EXPLAINED * after:
             worst[c] = after
     return max(worst, key=lambda c: worst[c]) if worst else None
 
 
-def _power(problem: Problem, explanation: Explanation, column: int) -> float:
+def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
     """Mean square of the residuals as unit noise."""
-    problem.look_again(explanation)
-    white = problem.whitened(explanation, column)
+    white = context.seen_with(hypothesis).whitened(hypothesis, column)
     return float(np.mean(white**2)) if len(white) else 0.0
 
 
-def _lasting(explanation: Explanation) -> Explanation:
+def _lasting(hypothesis: Hypothesis) -> Hypothesis:
     """Without effects of time and load: each recording begins anew, and may have a payload of its own."""
-    for name in list(explanation):
+    for name in list(hypothesis):
         if effect(name).regime == "time" or {"load", "weight"} & set(effect(name).needs):
-            explanation = explanation.without(name)
-    return explanation
+            hypothesis = hypothesis.without(name)
+    return hypothesis
 
 
-def _told(base: Problem, other: Problem, found: Explanation, column: int) -> Contradiction:
+def _told(base: Context, other: Context, found: Hypothesis, column: int) -> Contradiction:
     first, second = (part.views[0].span for part in (base, other))
     nominal, left = _rms(other, other.known, column), _rms(other, found, column)
     names = tuple(term.effect for term in found.on(column))
@@ -104,7 +106,7 @@ def _told(base: Problem, other: Problem, found: Explanation, column: int) -> Con
     return Contradiction(first.name, second.name, other.joints[column], names, nominal, left, is_nominal)
 
 
-def _rms(problem: Problem, explanation: Explanation, column: int) -> float:
-    problem.look_again(explanation)
-    kept = problem.views[0].span.valid[:, column]
-    return float(np.sqrt(np.mean(problem.residual(0, explanation, column)[kept] ** 2)))
+def _rms(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    kept = context.views[0].span.valid[:, column]
+    residual = context.seen_with(hypothesis).residual(0, hypothesis, column)
+    return float(np.sqrt(np.mean(residual[kept] ** 2)))
