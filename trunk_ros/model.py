@@ -30,6 +30,7 @@ from trunk_ros.description import (
 from trunk_ros.description import Declaration as Declaration
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
+from trunk_ros.predictor import Predictor
 from trunk_ros.recording import plain_yaml
 from trunk_ros.share import share_folder
 
@@ -37,7 +38,7 @@ Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(Predictor):
     """An arm and its effects: ``effects[id]`` maps a parameter to (joints,) values, a float where shared,
     words to lists.
 

@@ -22,6 +22,8 @@ PROVIDERS = {
     "mcap": ("mcap", "mcap-ros2-support"),
     "lz4": ("lz4", "mcap-ros2-support"),
     "zstandard": ("zstandard", "mcap-ros2-support"),
+    "argcomplete": ("argcomplete", "python3-argcomplete"),
+    "pandas": ("pandas", None),  # the extra [tables]: pip's, not rosdep's
     "control_msgs": (None, "control_msgs"),  # not on PyPI
     "mujoco": ("mujoco-core", None),  # an extra: export says so where it is missing
     "launch": (None, "launch"),
