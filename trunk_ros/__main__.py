@@ -17,6 +17,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
     "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
     "simulate": ("trunk_ros.simulate", "run a model over a recording"),
+    "fleet": ("trunk_ros.fleet.command", "diagnose many recordings of many arms, and say what changes"),
     "import": (
         "trunk_ros.recording.importing.csv",
         "turn a foreign CSV, or a bag of other topics, into a bag",
@@ -31,6 +32,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
+    "watch": ("trunk_ros.nodes.watch", "node: says within seconds what changes on a running arm"),
 }
 
 
