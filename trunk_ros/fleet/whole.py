@@ -25,6 +25,7 @@ from rich.progress import (
 )
 
 from trunk_ros.fleet.inputs.listing import Job
+from trunk_ros.fleet.run.cluster import each
 from trunk_ros.fleet.run.examine import examine
 from trunk_ros.fleet.run.follow import follow
 from trunk_ros.fleet.run.loop import Plan, run
@@ -54,6 +55,7 @@ class Work:
         """Everything; files are written even where the run is stopped half-way."""
         examined = self._examined()
         followed = self._followed(examined)
+        self._reported(examined)
         fleet = together(examined, followed, limits)
         self._write(fleet)
         return fleet
@@ -94,6 +96,20 @@ class Work:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8")
+
+    def _reported(self, examined: pa.Table) -> None:
+        """A report for each arm that has none, as where its newest recording could not be diagnosed."""
+        good = examined.filter(pc.equal(examined["reason"], "")).select(["arm", "time", "path"]).to_pylist()
+        newest = {row["arm"]: row for row in sorted(good, key=lambda row: (row["time"], row["path"]))}
+        mine = {job.path: job for job in self.jobs}
+        bare = [
+            mine[row["path"]]
+            for arm, row in newest.items()
+            if row["path"] in mine and not (self.folder / ARMS / folder_of(arm)).exists()
+        ]
+        for job, result in each(self.client, examine, ((job, (job.path, self.model, True)) for job in bare)):
+            if isinstance(result, tuple):
+                self._keep(job, *result)
 
     def _followed(self, examined: pa.Table) -> pa.Table:
         """Values of each arm's effects in each of its recordings."""

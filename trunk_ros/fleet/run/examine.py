@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros import __version__
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 from trunk_ros.errors import TrunkError, one_line
@@ -30,7 +31,7 @@ def examine(path: str, model: Model, report: bool) -> tuple[Row, Files]:
     fetched, which is worth another try.
     """
     with here(path) as local:
-        return told(local, path, lambda: _examined(local, model, report))
+        return told(local, path, lambda: _examined(local, path, model, report))
 
 
 def told(local: Path, path: str, work: Callable[[], tuple[Row, Files]]) -> tuple[Row, Files]:
@@ -45,9 +46,10 @@ def told(local: Path, path: str, work: Callable[[], tuple[Row, Files]]) -> tuple
     return row | {"cpu": time.process_time() - begun}, files
 
 
-def _examined(local: Path, model: Model, report: bool) -> tuple[Row, Files]:
+def _examined(local: Path, path: str, model: Model, report: bool) -> tuple[Row, Files]:
     recording = read_recording(local)
     result = diagnose([recording], model)
+    result.provenance = {"trunk_ros": __version__, "model_hash": model.hash(), "bags": [path]}
     row = {
         "reason": "",
         "time": recording.start_ns * 1e-9,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -13,11 +13,13 @@ from scipy import stats
 from trunk_ros.compiled import Array
 from trunk_ros.fleet.together.moderated import Prior, prior
 from trunk_ros.fleet.together.series import Series, spread_of_steps
-from trunk_ros.fleet.together.shapes import Shape, bend, constant, jumps, line, price
+from trunk_ros.fleet.together.shapes import Shape, bend, constant, jumps, line, price, without
 
 LEAST = 5  # recordings of an arm without which nothing is said of its life
 KINDS = 3  # shapes that were chosen from: growing over time, over travel, jumping
 COVERED = 0.95
+
+Chance = Callable[[float, float, int], float]
 
 
 @dataclass(frozen=True)
@@ -117,22 +119,24 @@ def _with_chance(series: Series, shape: Shape, over: str, known: Prior) -> Judge
         t = abs(size) / max(float(np.sqrt(power * variance)), 1e-300)
         return min(1.0, 2.0 * float(stats.t.sf(t, dof)) * tried * KINDS)
 
-    found = tuple(_jumps(shape, variance, chance)) if shape.kind == "jumps" else ()
-    if shape.kind == "constant":
-        likely = 1.0
-    elif found:
-        likely = min(jump.chance for jump in found)
-    else:
-        likely = chance(float(shape.coefficients[1]), float(shape.covariance[1, 1]), shape.tried)
-    return Judged(series, shape, over, variance, dof, likely, found)
+    steps = [_surely(series, shape, k, chance) for k in range(1, shape.columns.shape[1])]
+    found = tuple(_jumps(shape, variance, steps)) if shape.kind == "jumps" else ()
+    return Judged(series, shape, over, variance, dof, min(steps, default=1.0), found)
 
 
-def _jumps(shape: Shape, variance: float, chance: Callable[[float, float, int], float]) -> list[Jump]:
-    out = []
-    for k, place in enumerate(shape.places, start=1):
+def _surely(series: Series, shape: Shape, k: int, chance: Chance) -> float:
+    """The chance of a coefficient without the recording that it needs most: what hangs on one recording is
+    no change.
+    """
+    rows = range(len(series.value))
+    fits = [shape, *(without(shape, row, series.value, series.sigma) for row in rows)]
+    return max(chance(float(f.coefficients[k]), float(f.covariance[k, k]), f.tried) for f in fits)
+
+
+def _jumps(shape: Shape, variance: float, chances: list[float]) -> Iterator[Jump]:
+    for k, (place, chance) in enumerate(zip(shape.places, chances, strict=True), start=1):
         step, power = float(shape.coefficients[k]), float(shape.covariance[k, k])
-        out.append(Jump(place, step, float(np.sqrt(power * variance)), chance(step, power, shape.tried)))
-    return out
+        yield Jump(place, step, float(np.sqrt(power * variance)), chance)
 
 
 def slope(one: Judged, x: Array) -> tuple[float, float, float]:

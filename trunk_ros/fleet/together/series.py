@@ -54,14 +54,17 @@ class Series:
         return np.asarray(np.hypot(self.std, 0.5 * usual))
 
     def apart(self) -> np.ndarray:
-        """(n,) whether a recording is far from those before and from those after it alike."""
+        """(n,) whether a recording is far from those before and from those after it alike.
+
+        The first and the last have one side only: what one recording alone says is no change yet.
+        """
         out = np.zeros(len(self.value), dtype=bool)
         z = self.value / float(np.median(self.sigma))
-        scatter = spread_of_steps(z)
-        for k in range(1, len(z) - 1):
-            sides = z[max(k - BESIDE, 0) : k], z[k + 1 : k + 1 + BESIDE]
+        far = FAR * spread_of_steps(z)
+        for k in range(len(z) if len(z) > BESIDE else 0):
+            sides = [side for side in (z[max(k - BESIDE, 0) : k], z[k + 1 : k + 1 + BESIDE]) if len(side)]
             away = [z[k] - float(np.median(side)) for side in sides]
-            out[k] = min(abs(a) for a in away) > FAR * scatter and away[0] * away[1] > 0.0
+            out[k] = min(away) > far or max(away) < -far
         return out
 
     def kept(self) -> Series:

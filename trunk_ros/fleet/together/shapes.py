@@ -96,12 +96,18 @@ def jumps(value: Array, sigma: Array, scale: float) -> Shape | None:
     return fitted("jumps", np.column_stack([np.ones(n), *steps]), value, sigma, places, n - 2 * SEGMENT + 1)
 
 
+def without(shape: Shape, row: int, value: Array, sigma: Array) -> Shape:
+    """The same shape fitted without one recording."""
+    keep = np.arange(len(value)) != row
+    return fitted(shape.kind, shape.columns[keep], value[keep], sigma[keep], shape.places, shape.tried)
+
+
 def _nearest(value: Array, sigma: Array, ends: list[int], k: int) -> int:
     """The best first recording after the k-th change, between those beside it: a long series was searched
     in strides.
     """
     low, high = (ends[k - 1] if k else 0), ends[k + 1]
-    tried = range(low + 1, high)
+    tried = range(low + SEGMENT, high - SEGMENT + 1)
     return int(
         tried[int(np.argmin([_cost(value, sigma, low, p) + _cost(value, sigma, p, high) for p in tried]))]
     )

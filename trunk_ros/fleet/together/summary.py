@@ -103,10 +103,10 @@ def summarised(
     """Judge all series; only what stands after correction for their number is a trend or a change."""
     found = judged(all_series)
     kept = stands([one.chance for one in found])
+    least = max((one.chance for one, keep in zip(found, kept, strict=True) if keep), default=0.0)
     found = [one if keep else one.constant for one, keep in zip(found, kept, strict=True)]
-    alpha = ALPHA / max(len(found), 1)
     trends = [t for one in found if one.shape.kind in ("line", "bend") for t in _trends(one, limits or {})]
-    changes = [c for one in found for c in _changes(one, alpha)]
+    changes = [c for one in found for c in _changes(one, least)]
     shared, own = common_and_own(found, list(arms))
     return Fleet(arms, found, trends, changes, shared, own, unread, len(found))
 
@@ -150,10 +150,11 @@ def _crossing(
     return at(middle), at(ends[0]), at(ends[1])
 
 
-def _changes(one: Judged, alpha: float) -> list[Change]:
+def _changes(one: Judged, least: float) -> list[Change]:
+    """The jumps of a series, each as sure by itself as the least sure of all that stands."""
     out = []
     for jump in one.jumps if one.shape.kind == "jumps" else ():
-        if jump.chance <= alpha:
+        if jump.chance <= least:
             when, std = moment(one, jump)
             out.append(Change(*one.series.key, when, std, jump.step, jump.std, one.series.unit, jump.chance))
     return out
