@@ -139,7 +139,7 @@ class Watched:
                 Change(
                     self.name, self.joints[j], REGIMES[k], size if scatter else size * float(self.noise[j]),
                     float(self.noise[j]), "1" if scatter else "rad",
-                    self.detector.begun(int(j) * len(REGIMES) + k), seen, float(evidence[j, k]),
+                    self.detector.begun(int(j) * len(REGIMES) + int(np.argmax(evidence[j]))), seen, float(evidence[j][passed[j]].max()),
                 )
             )  # fmt: skip
             again = np.zeros(passed.shape, dtype=bool)
