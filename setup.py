@@ -39,6 +39,13 @@ ROS = [
     "ros-jazzy-rosgraph-msgs~=2.0",
 ]
 
+FLEET = [
+    "distributed>=2024.8",
+    "pyarrow>=16",
+    "ruptures>=1.1.9",
+    "fsspec>=2024.2",
+]
+
 
 def commands():
     """Keys of COMMANDS in trunk_ros/__main__.py, read without importing what may not be installed yet."""
@@ -81,7 +88,7 @@ setup(
         *share("launch"),
     ],
     install_requires=REQUIRES,
-    extras_require={"ros": ROS},
+    extras_require={"ros": ROS, "fleet": FLEET},
     entry_points={"console_scripts": scripts()},
     zip_safe=False,
 )

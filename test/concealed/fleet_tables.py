@@ -38,7 +38,7 @@ def made(seed: int, arms: int = 30, recordings: int = 30, still: bool = False) -
     """A fleet. ``still``: nothing changes on any arm."""
     rng = np.random.default_rng(seed)
     out = Table()
-    kinds = ["none"] * arms if still else [*_kinds(arms)]
+    kinds = ["none"] * arms if still else kinds_of(arms)
     for number, kind in zip(rng.permutation(arms), kinds, strict=True):
         arm = f"arm_{number:02d}"
         time = BEGIN + np.cumsum(rng.uniform(0.2, 5.0, recordings)) * DAY
@@ -50,7 +50,7 @@ def made(seed: int, arms: int = 30, recordings: int = 30, still: bool = False) -
     return out
 
 
-def _kinds(arms: int) -> list[str]:
+def kinds_of(arms: int) -> list[str]:
     """A third wears, a fifth slipped, a sixth has another pulley, a tenth another payload from a day on."""
     counts = {"wear": arms // 3, "slip": arms // 5, "pulley": arms // 6, "payload": max(arms // 10, 1)}
     kinds = [kind for kind, count in counts.items() for _ in range(count)]

