@@ -58,8 +58,10 @@ def fed(monitor: Monitor, made: Run, start: float) -> list[Change]:
     topics, found = made.topics, []
     first = topics["joint_states"]["stamp"][0]
     takes = {
-        "setpoints": monitor.setpoints, "gearbox_states": monitor.gearbox, "joint_states": monitor.joint_states
-    }  # fmt: skip
+        "setpoints": monitor.setpoints,
+        "gearbox_states": monitor.gearbox,
+        "joint_states": monitor.joint_states,
+    }
     stamps = start + (topics["joint_states"]["stamp"] - first) * 1e-9
     for k, at in enumerate(stamps.tolist()):
         for name, take in takes.items():

@@ -74,12 +74,13 @@ def sentence(fleet: Fleet) -> str:
     changed = {each.arm for each in fleet.changes}
     own = {each.arm for each in fleet.own}
     parts = [
-        f"{len(fleet.arms)} arms, {sum(fleet.arms.values())} recordings",
+        f"{len(fleet.arms)} arm{'s' * (len(fleet.arms) != 1)}, {sum(fleet.arms.values())} recordings",
         f"something grows on {len(growing)}" if growing else "nothing grows",
         f"something jumped on {len(changed)}" if changed else "nothing jumped",
     ]
-    parts += [f"{len(own)} stand out from the others"] if own else []
-    parts += [f"{len(fleet.unread)} recordings could not be diagnosed"] if fleet.unread else []
+    parts += [f"{len(own)} stand{'s' * (len(own) == 1)} out from the others"] if own else []
+    unread = len(fleet.unread)
+    parts += [f"{unread} recording{'s' * (unread > 1)} could not be diagnosed"] if unread else []
     return f"{parts[0]}: {', '.join(parts[1:])}."
 
 
@@ -181,7 +182,7 @@ def _own(each: Any) -> dict[str, Any]:
     relative = each.unit == "1"
     return _where(each) | {
         "value": quantity(each.value, each.std, each.unit, relative=relative),
-        "others": quantity(each.others, None, each.unit, relative=relative),
+        "others": quantity(each.others, None, each.unit, relative=relative) if each.others else "nothing",
     }
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.report.style import ACCENT, GREY
+from trunk_ros.diagnosis.report.style import ACCENT, GREY, INK
 from trunk_ros.fleet.together.judged import Judged
 
 WIDTH, HEIGHT, EDGE = 150.0, 34.0, 3.0
@@ -14,7 +14,7 @@ MOST = 120  # points that are drawn
 
 
 def spark(one: Judged) -> Markup:
-    """Grey: value of each recording with its deviation; line: the shape."""
+    """Dots: value of each recording with its deviation; line: the shape."""
     series = one.series
     keep = np.unique(np.linspace(0, len(series.value) - 1, MOST).astype(int))
     low, high = series.value - series.std, series.value + series.std
@@ -27,7 +27,7 @@ def spark(one: Judged) -> Markup:
     bars = zip(x[keep], y(low)[keep], y(high)[keep], y(series.value)[keep], strict=True)
     dots = "".join(
         f'<path d="M{a:.1f} {b:.1f}V{c:.1f}" stroke="{GREY}" stroke-width=".7"/>'
-        f'<circle cx="{a:.1f}" cy="{d:.1f}" r="1.3" fill="{GREY}"/>'
+        f'<circle cx="{a:.1f}" cy="{d:.1f}" r="1.8" fill="{INK}" fill-opacity=".55"/>'
         for a, b, c, d in bars
     )
     line = "".join(f"L{a:.1f} {b:.1f}" for a, b in _course(one, x, y(one.shape.fitted)))
@@ -35,7 +35,7 @@ def spark(one: Judged) -> Markup:
     label = f"{series.key.effect} on {series.key.joint} over time"
     return Markup(
         f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" width="{WIDTH:g}" height="{HEIGHT:g}" role="img" '
-        f'aria-label="{Markup.escape(label)}">{dots}{path}</svg>'
+        f'aria-label="{Markup.escape(label)}">{path}{dots}</svg>'
     )
 
 
