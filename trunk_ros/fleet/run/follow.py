@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.evidence import Spread, spreads
-from trunk_ros.diagnosis.hypothesis import Explanation
-from trunk_ros.diagnosis.search.greedy import Search
-from trunk_ros.diagnosis.stage import Problem
-from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.fleet.inputs.files import here
 from trunk_ros.fleet.run.examine import Files, told, travel
@@ -44,7 +45,7 @@ def _followed(local: Path, model: Model, effects: Followed) -> Row:
     recording = without_faults(read_recording(local))
     model = model.for_joints(recording.joints) if model.any_joints else model
     supposed = replace(model, effects={**model.effects, **on_joints(effects, model.arm.joints)})
-    findings = [entry for problem in problems(recording, supposed) for entry in _fitted(problem, effects)]
+    findings = [entry for stage in stages(recording, supposed) for entry in _fitted(stage, effects)]
     return {
         "reason": "",
         "time": recording.start_ns * 1e-9,
@@ -54,38 +55,34 @@ def _followed(local: Path, model: Model, effects: Followed) -> Row:
     }
 
 
-def problems(recording: Recording, model: Model) -> Iterator[Problem]:
+def stages(recording: Recording, model: Model) -> Iterator[Stage]:
     """The stages that a recording shows and the model has effects in."""
-    stages = {effect(name).stage for name in model.effects}
-    if "wire" in stages and {"gearbox_states", "joint_states"} <= set(recording.series):
-        yield WireProblem([wire_span(recording, model)], model, recording.units)
-    if "servo" in stages and {"setpoints", "gearbox_states"} <= set(recording.series):
-        yield ServoProblem([servo_span(recording, model)], model, recording.units)
+    needed = {effect(name).stage for name in model.effects}
+    if "wire" in needed and {"gearbox_states", "joint_states"} <= set(recording.series):
+        yield WireStage([wire_span(recording, model)], model, recording.units)
+    if "servo" in needed and {"setpoints", "gearbox_states"} <= set(recording.series):
+        yield ServoStage([servo_span(recording, model)], model, recording.units)
 
 
-def _fitted(problem: Problem, effects: Followed) -> Iterator[dict[str, Any]]:
-    search = Search(problem)
-    now = search.refit(problem.known)
+def _fitted(stage: Stage, effects: Followed) -> Iterator[dict[str, Any]]:
+    context = Context.of(stage)
+    now = refit(context, context.known)
     for _ in range(ROUNDS):
-        problem.look_again(now.explanation)
-        problem.estimate_noise(now.explanation)
-        now = search.refit(now.explanation)
-    std = spreads(search, now)
-    yield from _values(problem, now.explanation, std, set(effects))
+        now = refit(context.seen_with(now.hypothesis).weighed(now.hypothesis), now.hypothesis)
+    yield from _values(now, spreads(now), set(effects))
 
 
-def _values(
-    problem: Problem, explanation: Explanation, std: Spread, wanted: set[str]
-) -> Iterator[dict[str, Any]]:
+def _values(now: Fit, std: Spread, wanted: set[str]) -> Iterator[dict[str, Any]]:
+    stage = now.context.stage
     for (name, parameter, column), spread in std.items():
         if name not in wanted or not np.isfinite(spread):
             continue
-        term, declared = explanation[name], effect(name).parameter(parameter)
+        term, declared = now.hypothesis[name], effect(name).parameter(parameter)
         values = term.shared if column is None else term.own[column]
-        joint = "arm" if column is None else problem.joints[column]
-        unit = "rad" if column is None else problem.units.get(joint, "rad")
+        joint = "arm" if column is None else stage.joints[column]
+        unit = "rad" if column is None else stage.units.get(joint, "rad")
         yield {
-            "stage": problem.stage, "joint": joint, "effect": name, "parameter": parameter,
+            "stage": stage.name, "joint": joint, "effect": name, "parameter": parameter,
             "value": float(values[parameter]), "std": float(spread), "unit": unit_of(declared.unit, unit),
             "confidence": 1.0, "word": None, "form": term.form, "equivalents": [],
         }  # fmt: skip
