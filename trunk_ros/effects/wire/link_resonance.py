@@ -70,6 +70,7 @@ class LinkResonance(Effect):
     )
     forms = ("absolute", "relative", "beam", "links")
     weighed = ("links",)
+    refined = ("links",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
