@@ -41,7 +41,7 @@ def connected(scheduler: str | None, workers: int | None = None) -> Iterator[Any
     with dask.config.set(settings):
         if scheduler is None:
             cluster = LocalCluster(
-                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
+                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
                 silence_logs=logging.CRITICAL,
             )  # fmt: skip
             with cluster, Client(cluster) as client:
