@@ -56,15 +56,16 @@ class Series:
     def apart(self) -> np.ndarray:
         """(n,) whether a recording is far from those before and from those after it alike.
 
-        The first and the last have one side only: what one recording alone says is no change yet.
+        The first and the last have one side only: they are apart where no other step is nearly as large. What
+        one recording alone says is no change yet.
         """
-        out = np.zeros(len(self.value), dtype=bool)
         z = self.value / float(np.median(self.sigma))
-        far = FAR * spread_of_steps(z)
+        out, far = np.zeros(len(z), dtype=bool), FAR * spread_of_steps(z)
         for k in range(len(z) if len(z) > BESIDE else 0):
             sides = [side for side in (z[max(k - BESIDE, 0) : k], z[k + 1 : k + 1 + BESIDE]) if len(side)]
             away = [z[k] - float(np.median(side)) for side in sides]
-            out[k] = min(away) > far or max(away) < -far
+            usual = far if len(sides) == 2 else max(far, 2.0 * _largest_step(np.delete(z, k)))
+            out[k] = min(away) > usual or max(away) < -usual
         return out
 
     def kept(self) -> Series:
@@ -81,6 +82,10 @@ def spread_of_steps(z: Array) -> float:
     if len(z) < 3:
         return 1.0
     return max(float(np.median(np.abs(np.diff(z)))) / 0.9539, 1e-12)  # 0.6745 √2
+
+
+def _largest_step(z: Array) -> float:
+    return float(np.max(np.abs(np.diff(z)), initial=0.0))
 
 
 def is_size(name: str, parameter: str, form: str) -> bool:

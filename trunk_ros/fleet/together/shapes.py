@@ -69,7 +69,7 @@ def line(x: Array, value: Array, sigma: Array) -> Shape:
 
 def bend(x: Array, value: Array, sigma: Array) -> Shape | None:
     """A constant that grows from some recording on; None where there are too few of them."""
-    places = candidates(len(x), SEGMENT + 1)
+    places = candidates(len(x), SEGMENT)
     best: Shape | None = None
     for place in places:
         grown = np.maximum(x - x[place - 1], 0.0)
