@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.effects.effect import Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.recording.signal.resample import SLOW
 
 LEAST = 50  # valid samples without which a joint cannot be judged
@@ -155,6 +155,11 @@ class Context:
         known = 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
         steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column)) / self.noise[column].std
         return known + 2.0 * float(steps) ** 2
+
+    def motion(self, column: int) -> Motion:
+        """What a joint's motion is like."""
+        masses = self.arm.has_load and len(self.joints) > 1
+        return Motion(column in self.wide, column in self.stage.one_way, masses)
 
     @property
     def formed(self) -> frozenset[int]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.filters import lowpass, oscillator, rate
 from trunk_ros.effects.periods import periods
 from trunk_ros.effects.wire.swing import free_swings, stops
@@ -69,17 +69,20 @@ class LinkResonance(Effect):
         ),
     )
     forms = ("absolute", "relative", "beam", "links")
-    weighed = ("links",)
-    refined = ("links",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
     )
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """It rings, and the samples are close enough to show it."""
         step = float(np.median(now.dt[1:])) if len(now.dt) > 1 else 0.0
         return bool(np.all((self["damping"] < 0.4) & (self["frequency"] * step < 1.0)))
+
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        forms = super().forms_shown(motion)
+        return forms if motion.masses else tuple(form for form in forms if form != "links")
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         if self.form == "links" and (masses := masses_of(now)):
@@ -100,7 +103,11 @@ class LinkResonance(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        """A beam rings long: only the lines of what is left are near enough to its frequency."""
+        """A beam rings long: only the lines of what is left are near enough to its frequency. Links cost a
+        hundred times a single joint: their damping is left to the fit.
+        """
+        if self.form == "links" and parameter.name == "damping":
+            return (parameter.typical,)
         if self.form != "beam" or parameter.name == "share":
             return super().grid(parameter, now, column, rest)
         if rest is None or not len(stops(now.stamp, np.ascontiguousarray(now.gearbox[:, column]))):
