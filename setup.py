@@ -46,6 +46,12 @@ MUJOCO = [
 TABLES = [
     "pandas>=2.1",
 ]
+FLEET = [
+    "distributed>=2024.8",
+    "pyarrow>=16",
+    "ruptures>=1.1.9",
+    "fsspec>=2024.2",
+]
 
 
 def commands():
@@ -89,7 +95,7 @@ setup(
         *share("launch"),
     ],
     install_requires=REQUIRES,
-    extras_require={"ros": ROS, "mujoco": MUJOCO, "tables": TABLES},
+    extras_require={"ros": ROS, "mujoco": MUJOCO, "tables": TABLES, "fleet": FLEET},
     entry_points={"console_scripts": scripts()},
     zip_safe=False,
 )

@@ -23,6 +23,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "simulate": ("trunk_ros.commands.simulate", "run a model over a recording"),
     "evaluate": ("trunk_ros.commands.evaluate", "score models, or other simulators, on recordings"),
     "export": ("trunk_ros.commands.export", "write what was found into a simulator's file: MJCF, URDF, SDF"),
+    "fleet": ("trunk_ros.commands.fleet", "diagnose many recordings of many arms, and say what changes"),
     "info": ("trunk_ros.commands.info", "what a recording holds, and what can be diagnosed from it"),
     "check": ("trunk_ros.commands.check", "whether a model file or a mapping is right"),
     "effects": ("trunk_ros.commands.effects", "the library of effects"),
@@ -40,6 +41,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
     "reality": ("trunk_ros.nodes.reality", "node: what a simulator lacks, between it and its controllers"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
+    "watch": ("trunk_ros.nodes.watch", "node: says within seconds what changes on a running arm"),
 }
 
 
