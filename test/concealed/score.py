@@ -55,7 +55,9 @@ def _marks(job: Job) -> dict[str, Any]:
     began = time.perf_counter()
     _command(job, ["diagnose", train, "--output", str(found), "--overwrite"])
     took = time.perf_counter() - began
-    marks = {**marked(job.told["truth"], json.loads((found / "diagnosis.json").read_text())), "seconds": took}
+    said = json.loads((found / "diagnosis.json").read_text())
+    allowed = job.told["noise"].get("allowed", ())
+    marks = {**marked(job.told["truth"], said, allowed), "seconds": took}
     if job.diagnose_only:
         return marks
     source = "setpoints" if any(t["stage"] == "servo" for t in job.told["truth"]) else "gearbox_states"
