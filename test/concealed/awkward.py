@@ -97,8 +97,9 @@ def _latched(rng: Rng, run: Run, size: float) -> Run:
     late = float(rng.uniform(0.0, 0.4)) * size
     asked = np.floor((t - late) / size + 1e-9) * size
     held = np.maximum(np.searchsorted(t, asked + 1e-6, side="right") - 1, 0)
-    held_run = _joints(run, position=run.topics["joint_states"]["position"][held])
-    return replace(held_run, theta_clean=run.theta_clean[held])
+    noise = (run.topics["joint_states"]["position"] - run.theta_clean)[held]
+    shown = np.stack([np.interp(asked, t, column) for column in run.theta_clean.T], axis=1)
+    return replace(_joints(run, position=shown + noise), theta_clean=shown)
 
 
 def _wrapped(rng: Rng, run: Run, size: float) -> Run:

@@ -12,6 +12,7 @@ import numpy as np
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, spreads
@@ -62,7 +63,8 @@ def diagnose(
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
-    read = [without_faults(completed(r, other)) for r in read]
+    read = [without_faults(readings_put_right(completed(r, other), nominal)) for r in read]
+    read = [clocks_put_right(r, nominal) for r in read]
     return Diagnoser(read, nominal, other, progress).run()
 
 

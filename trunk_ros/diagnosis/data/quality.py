@@ -33,7 +33,11 @@ def left_out(recording: Recording, model: Model) -> list[str]:
 
 
 def quality_of_recording(recording: Recording, model: Model) -> dict[str, Any]:
-    """Rates and gaps by topic, what the reader had to say, and what the motors' torque says of the load."""
+    """Rates and gaps by topic, what the reader had to say, what clocks and sensors did, and what the motors'
+    torque says of the load.
+    """
     topics = {key: asdict(value) for key, value in quality(recording).items()}
-    notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model)]
-    return {"duration": recording.duration, "topics": topics, "notes": notes}
+    seen = [one.statement for one in recording.observed]
+    notes = [*recording.notes, *seen, *left_out(recording, model), *torque_remarks(recording, model)]
+    observed = [asdict(one) for one in recording.observed]
+    return {"duration": recording.duration, "topics": topics, "notes": notes, "observed": observed}
