@@ -59,7 +59,7 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
     phi, velocity = resample(gearbox, shown.stamp)
     motion = Motion(shown.stamp, phi * arm.ratio, velocity * arm.ratio, fill(shown.position), arm)
-    return _said(motion, wear=True) or _said(motion, wear=False)
+    return _said(motion)
 
 
 def without_skew(shown: JointSeries, found: Skew, begin: float = 0.0) -> JointSeries:
@@ -67,30 +67,63 @@ def without_skew(shown: JointSeries, found: Skew, begin: float = 0.0) -> JointSe
     return replace(shown, stamp=begin + (shown.stamp - begin) / (1.0 + found.rate))
 
 
-def _said(motion: Motion, wear: bool) -> Skew | None:
-    """What the joints say together; ``wear``: each may have friction that grows as well."""
+@dataclass(frozen=True)
+class _Told:
+    """What the moving joints say: growth of their lag, evenly and in two other ways, (joints, 3) s/s, and the
+    std (joints,) of the even one. ``wear``: each may have friction that grows as well.
+    """
+
+    grown: Array
+    std: Array
+    wear: bool
+
+    @property
+    def together(self) -> Array:
+        """(3,) s/s of all joints."""
+        return np.asarray(self.std**-2.0 @ self.grown / np.sum(self.std**-2.0))
+
+    @property
+    def able(self) -> np.ndarray:
+        """(joints,) that can tell."""
+        return np.asarray(self.std < TELLS * abs(self.together[0]))
+
+    @property
+    def off(self) -> Array:
+        """(joints,) s/s from what all say."""
+        return np.asarray(np.abs(self.grown[:, 0] - self.together[0]))
+
+    @property
+    def skew(self) -> Skew:
+        """What all say, with a std that is larger where they differ."""
+        differ = np.sqrt(np.mean((self.off / self.std)[self.able] ** 2)) if self.able.any() else 1.0
+        return Skew(float(self.together[0]), float(np.sum(self.std**-2.0) ** -0.5 * max(differ, 1.0)))
+
+    @property
+    def agree(self) -> bool:
+        """Whether those that can tell say the same, and it is a clock's way to grow."""
+        alike = (ALIKE if self.wear else ALIKER) * abs(self.together[0])
+        near = (self.off < np.maximum(AGREES * self.std, alike))[self.able]
+        share = self.together**2 * WINDING
+        sure = SURE * self.skew.std < abs(self.together[0]) < LARGEST
+        return bool(near.all() and sure and share[0] > EVENLY * share.sum())
+
+
+def _said(motion: Motion) -> Skew | None:
     if not motion.moving:
         return None
-    each = [_of_joint(motion, joint, wear) for joint in motion.moving]
-    grown, std = np.array([one[0] for one in each]), np.array([one[1][0] for one in each])
-    weight = std**-2.0 / np.sum(std**-2.0)
-    together, spread = weight @ grown, float(np.sum(std**-2.0) ** -0.5)
-    rate = float(together[0])
-    able, off = std < TELLS * abs(rate), np.abs(grown[:, 0] - rate)
-    near = off < np.maximum(AGREES * std, (ALIKE if wear else ALIKER) * abs(rate))
-    if not able.any() or not near[able].all() or not _enough(motion, able, wear) or abs(rate) > LARGEST:
+    whole, bare = _told(motion, True), _told(motion, False)
+    if whole.agree and whole.able.sum() >= min(2, len(motion.joints)):
+        return whole.skew
+    both = AGREES * np.hypot(whole.skew.std, bare.skew.std) + ALIKE * abs(bare.skew.rate)
+    if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
         return None
-    spread *= max(float(np.sqrt(np.mean((off / std)[able] ** 2))), 1.0)
-    share = together**2 * WINDING
-    return Skew(rate, spread) if share[0] > EVENLY * share.sum() and abs(rate) > SURE * spread else None
+    speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
+    return bare.skew if np.ptp(np.log(speeds)) > np.log(DIFFER) else None
 
 
-def _enough(motion: Motion, able: np.ndarray, wear: bool) -> bool:
-    """Whether those of the moving joints that are ``able`` to tell are enough."""
-    if wear:
-        return bool(able.sum() >= min(2, len(motion.joints)))
-    speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[able]
-    return bool(able.sum() >= 3 and np.ptp(np.log(speeds)) > np.log(DIFFER))
+def _told(motion: Motion, wear: bool) -> _Told:
+    each = [_of_joint(motion, joint, wear) for joint in motion.moving]
+    return _Told(np.array([one[0] for one in each]), np.array([one[1][0] for one in each]), wear)
 
 
 def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
