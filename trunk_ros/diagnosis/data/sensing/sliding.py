@@ -16,6 +16,9 @@ from trunk_ros.servo_course import servo_course
 
 FEWEST = 500  # samples
 SETTLED = 0.5  # s
+BEGINS = 60.0  # s in which a saw is searched for
+ROWS = 20_000  # samples that are enough
+LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
 FINER = 4  # steps of the search in which two of its waves part by one period over the recording
 PHASES = 16
@@ -51,7 +54,10 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     late = _late(setpoints, gearbox, model)
     if late is None:
         return None
-    found = _finer(*late, _likeliest(*late), period)
+    _, moment, weight = late
+    if _able(moment, weight) < (LEAST * period) ** 2 * weight.sum():
+        return None
+    found = _over_all(*late, period)
     if found is None:
         return None
     left = _late(waited(setpoints, found), gearbox, model)
@@ -121,13 +127,27 @@ def _fitted(stamp: Array, moment: Array, weight: Array, takes: float) -> tuple[f
     return best
 
 
+def _over_all(stamp: Array, moment: Array, weight: Array, period: float) -> Sliding | None:
+    """The saw of a whole recording: searched for at its beginning, then followed further and further."""
+    end, found = min(BEGINS, float(np.ptp(stamp))), None
+    while True:
+        seen = stamp <= stamp[0] + end
+        some = (stamp[seen], moment[seen], weight[seen])
+        found = _finer(*some, _likeliest(*some) if found is None else found, period)
+        if found is None or seen.all():
+            return found
+        end *= 2.0
+
+
 def _finer(stamp: Array, moment: Array, weight: Array, start: Sliding, period: float) -> Sliding | None:
     """The saw at its finest length and phase, where it is as high as a period and explains what there is."""
+    every = max(len(stamp) // ROWS, 1)
+    stamp, moment, weight = stamp[::every], moment[::every], weight[::every]
     near = 1.0 / start.takes + np.linspace(-1.0, 1.0, 41) / (FINER * np.ptp(stamp))
     tried = [
-        (_power(stamp, moment, weight, 1.0 / rate, start.phase + shift), 1.0 / rate, start.phase + shift)
+        (_power(stamp, moment, weight, 1.0 / rate, phase), 1.0 / rate, phase)
         for rate in near
-        for shift in np.linspace(-1.5, 1.5, 25) / PHASES
+        for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
     (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
     if not SIZE[0] * period < size < SIZE[1] * period or power < SURE * _able(moment, weight):
