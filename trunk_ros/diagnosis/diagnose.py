@@ -18,9 +18,10 @@ from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
+from trunk_ros.diagnosis.evidence.veto import harmless
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
@@ -160,7 +161,9 @@ class Diagnoser:
             return None
         done = searched(context, lambda text: self.say(f"{stage.name}: {text}"))
         self.say(f"{stage.name}: evidence")
-        state, found = done.state, evidence(done.part, done.state)
+        state = harmless(done.state)
+        part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
+        found = evidence(part, state)
         std, context = spreads(state), state.context
         errors = held_out(state)
         effects = state.hypothesis.model_effects(len(stage.joints))
@@ -189,7 +192,7 @@ class Diagnoser:
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(context, state.hypothesis)
-        self._experiment(done.part, {f.effect: found[f.effect] for f in new if f.equivalents})
+        self._experiment(part, {f.effect: found[f.effect] for f in new if f.equivalents})
         return state
 
     def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
