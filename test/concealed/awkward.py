@@ -146,6 +146,7 @@ _SPOIL: dict[str, Spoil] = {
     "stations": _stations,
 }  # fmt: skip
 KINDS = tuple(_SPOIL)
+FINE = 10  # parts of the drives' steps in which setpoints may begin to act
 EVERY_RUN = ("latched",)  # what the sensor does to every run; the rest spoils the run that is diagnosed
 MOTION = {"wrapped": "turning", "stations": "stations", "coarse": "resting"}
 ALLOWED = {"latched": ("sensor_delay",), "wandering": ("servo_delay",)}  # names that are no lie there
@@ -173,11 +174,11 @@ def acting(rng: Rng, setpoint: Array, wandering: bool) -> Array:
 
     wandering: the drives' own 100 Hz loop slides past that of the setpoints, late by 0 to 10 ms in turn.
     """
-    ticks = np.arange(len(setpoint) * SUB)
     if not wandering:
         return np.repeat(setpoint, SUB, axis=0)
-    t, period = ticks * STEP, SUB * STEP * (1 + float(rng.uniform(1e-3, 6e-3)) * sign(rng))
+    t = np.arange(len(setpoint) * SUB * FINE) * STEP / FINE
+    period = SUB * STEP * (1 + float(rng.uniform(1e-3, 6e-3)) * sign(rng))
     looked = np.floor(t / period) * period  # when the drives last looked
     which = np.minimum((looked / (SUB * STEP) + 1e-9).astype(np.int64), len(setpoint) - 1)
-    out: Array = setpoint[which]
+    out: Array = setpoint[which].reshape(-1, FINE, COUNT).mean(axis=1)  # of a change its part
     return out

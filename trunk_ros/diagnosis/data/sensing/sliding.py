@@ -60,6 +60,9 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     found = _over_all(*late, period)
     if found is None:
         return None
+    arm = model.only(setpoints.joints).arm
+    follows = 1.0 / arm.kp + arm.tau_v  # s after a setpoint has acted, the shaft shows it
+    found = replace(found, phase=found.phase + follows / found.takes)
     left = _late(waited(setpoints, found), gearbox, model)
     return found if left is not None and _able(*left[1:]) < LEAVES * _able(*late[1:]) else None
 
