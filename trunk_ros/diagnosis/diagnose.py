@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.against import SERVO, Simulator, identified, nominal_for
 from trunk_ros.diagnosis.context import LEAST, Context, Work
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
-from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
+from trunk_ros.diagnosis.data.other_simulator import completed, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
@@ -27,6 +28,7 @@ from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.findings import (
     findings,
     is_known,
@@ -49,35 +51,51 @@ WORK = 3e9  # simulated joint-steps of a stage: half a minute of one core, whate
 
 def diagnose(
     recordings: Sequence[Recording | str | Path],
-    model: Model | str | Path = "trunk",
+    model: Model | str | Path | None = None,
     against: Recording | str | Path | None = None,
     from_time: str | None = None,
     until: str | None = None,
     progress: Progress = lambda _: None,
+    namespace: str | None = None,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
-    ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
-    model's.
+    ``model``: by default the nominal arm. ``against``: another simulator's recording of the same motion; what
+    it does is found from it first, by default from an ideal transmission, and takes the place of the model.
+    ``namespace``: of the arm, where recordings hold several.
     Raises RecordingError or ModelError in one line.
     """
-    read = [_read(r, from_time, until) for r in recordings]
-    nominal = model if isinstance(model, Model) else load_model(model)
+    read = [_read(r, from_time, until, namespace) for r in recordings]
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
-    read = [without_faults(readings_put_right(completed(r, other), nominal)) for r in read]
-    read = [clocks_put_right(r, nominal) for r in read]
-    return Diagnoser(read, nominal, other, progress).run()
+    read = [completed(r, other) for r in read]
+    if model is None:
+        nominal = load_model("trunk") if other is None else nominal_for(read[0].joints)
+    else:
+        nominal = model if isinstance(model, Model) else load_model(model)
+    read = [clocks_put_right(without_faults(readings_put_right(r, nominal)), nominal) for r in read]
+    if other is None:
+        return Diagnoser(read, nominal, None, progress).run()
+    progress("what the simulation has itself")
+    simulator = identified(other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, False).run())
+    result = Diagnoser(read, simulator.model, simulator, progress).run()
+    return told_as_differences(result, simulator.model, simulator.found)
 
 
 class Diagnoser:
     """One diagnosis in the making."""
 
     def __init__(
-        self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
+        self,
+        recordings: list[Recording],
+        model: Model,
+        against: Simulator | None,
+        progress: Progress,
+        experiments: bool = True,
     ):
         self.recordings, self.against, self.say = recordings, against, progress
+        self.experiments = experiments
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -91,10 +109,7 @@ class Diagnoser:
         self.spans = (
             spans
             if against is None
-            else [
-                shifted(s, self.model, on_the_clock(against, r))
-                for s, r in zip(spans, recordings, strict=True)
-            ]
+            else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.effects: dict[str, Values] = {}
@@ -125,16 +140,12 @@ class Diagnoser:
             )
 
     def servo(self) -> None:
-        """Setpoint to gearbox, where setpoints were recorded and nothing else stands for the simulation."""
-        spans = (
-            [
-                servo_span(r, self.model)
-                for r in self.recordings
-                if {"setpoints", "gearbox_states"} <= set(r.series)
-            ]
-            if self.against is None
-            else []
-        )
+        """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
+        other = self.against
+        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
+        spans = [servo_span(r, self.model) for r in recorded if other is None or other.has_servo]
+        if other is not None and other.has_servo:
+            spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         spans = [s for s in spans if s.joints == self.joints]
         if spans:
             self.say("servo")
@@ -197,6 +208,8 @@ class Diagnoser:
 
     def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
         """The motion that tells what was found from its equivalents."""
+        if not self.experiments:
+            return
         stage = state.context.stage.name
         self.say(f"{stage}: experiment")
         done, file = experiment(state, found), f"experiment_{stage}.yaml"
@@ -238,10 +251,12 @@ class Diagnoser:
         self.effects |= values
 
 
-def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
+def _read(
+    recording: Recording | str | Path, from_time: str | None, until: str | None, namespace: str | None
+) -> Recording:
     if isinstance(recording, Recording):
         return recording.part(*time_range(recording.duration, from_time, until))
-    return read_recording(recording, from_time, until)
+    return read_recording(recording, from_time, until, namespace=namespace)
 
 
 def on_the_arm(
