@@ -58,9 +58,10 @@ def _marks(job: Job) -> dict[str, Any]:
     began = time.perf_counter()
     _command(job, ["diagnose", train, "--output", str(found), "--overwrite"])
     took = time.perf_counter() - began
-    told = json.loads((found / "diagnosis.json").read_text())
-    jsonschema.validate(told, json.loads(SCHEMA.read_text()))
-    marks = {**marked(job.told["truth"], told), "seconds": took}
+    said = json.loads((found / "diagnosis.json").read_text())
+    jsonschema.validate(said, json.loads(SCHEMA.read_text()))
+    allowed = job.told["noise"].get("allowed", ())
+    marks = {**marked(job.told["truth"], said, allowed), "seconds": took}
     if job.diagnose_only:
         return marks
     source = "setpoints" if any(t["stage"] == "servo" for t in job.told["truth"]) else "gearbox_states"

@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire
 from trunk_ros.diagnosis.data.mix_ups import MixUp, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.other_simulator import completed, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
@@ -73,13 +74,15 @@ def diagnose(
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
-    read = [without_faults(completed(r, other)) for r in read]
+    read = [completed(r, other) for r in read]
     if model is None:
         nominal = load_model("trunk") if other is None else nominal_for(read[0].joints)
     else:
         nominal = model if isinstance(model, Model) else load_model(model)
+    read = [without_faults(readings_put_right(r, nominal)) for r in read]
     mixed = [mix_ups(r, nominal) for r in read]
     read = [without_mix_ups(r, found) for r, found in zip(read, mixed, strict=True)]
+    read = [clocks_put_right(r, nominal) for r in read]
     if other is None:
         return Diagnoser(read, nominal, None, progress, mixed).run()
     progress("what the simulation has itself")

@@ -14,7 +14,7 @@ import numpy as np
 from trunk_ros.errors import TrunkError
 from trunk_ros.fleet.watch.monitor import LOOK, Change, Monitor
 from trunk_ros.fleet.watch.second_look import SecondLook
-from trunk_ros.model import Declaration, save_model
+from trunk_ros.model import Declaration, Model, save_model
 from trunk_ros.nodes.bags.last_minutes import LastMinutes
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND
@@ -56,7 +56,7 @@ class Watch(TrunkNode):
 
     def configure(self) -> None:
         """Create the monitor and the streams."""
-        self.monitor = Monitor(self.model, self.value("false_alarms"))
+        self.begin(self.model)
         warm = np.zeros((2, len(self.model.arm.joints)))
         for stage in (self.monitor.wire.stage, self.monitor.servo.stage):
             stage.chain.run(warm, np.arange(2.0) / 100)  # compiles, so that no sample waits
@@ -64,13 +64,21 @@ class Watch(TrunkNode):
         self.changes = 0
         self.episode: Episode | None = None
         self.last = LastMinutes(self.value("before") + self.value("after"))
-        self.publish_changes = self.publish_on(DiagnosticArray, "trunk/changes")
-        into = (self.monitor.setpoints, self.monitor.gearbox, self.monitor.joint_states)
-        for topic, take in zip(STATES, into, strict=True):
-            self.hear(topic, self.taker(topic, take), "sensor_msgs/msg/JointState", JointState)
+        self.publish_changes = self.streams.publish(DiagnosticArray, "trunk/changes")
+        for topic, name in zip(STATES, ("setpoints", "gearbox", "joint_states"), strict=True):
+            self.hear(topic, self.taker(topic, name), "sensor_msgs/msg/JointState", JointState)
         for topic in KEPT:
             self.hear(topic, None, "sensor_msgs/msg/JointState", JointState)
         self.hear(TIP, None, "geometry_msgs/msg/PoseStamped", PoseStamped)
+
+    def begin(self, model: Model) -> None:
+        """What is usual for an arm of this model is learnt."""
+        self.monitor = Monitor(model, self.value("false_alarms"))
+
+    def use(self, model: Model) -> None:
+        """Another model: what is usual is learnt anew."""
+        super().use(model)
+        self.begin(model)
 
     def hear(self, topic: str, take: Callable[[bytes], None] | None, name: str, kind: Any) -> None:
         """Keep a topic's messages for the bag, and take those that are watched."""
@@ -82,22 +90,22 @@ class Watch(TrunkNode):
             if take is not None:
                 take(data)
 
-        self.listen_to(kind, topic, arrived, raw=True)
+        self.streams.sense(topic, arrived, kind, raw=True)
 
-    def taker(self, topic: str, take: Callable[[float, Any], None]) -> Callable[[bytes], None]:
-        """A function that hands a serialised JointState to the monitor."""
+    def taker(self, topic: str, name: str) -> Callable[[bytes], None]:
+        """A function that hands a serialised JointState to the monitor's input of a name."""
         read, matcher = JointStateReader().read, JointMatcher(self.model.arm.joints)
-        stream = self.watch(topic, self.value("timeout"))
+        stream = self.streams.watch(topic, self.value("timeout"))
 
         def taken(data: bytes) -> None:
             message = read(data)
             stamp = nanoseconds(message.header.stamp)
-            self.heard(stream, stamp)
+            self.streams.heard(stream, stamp)
             values = matcher.gather(message.name, message.position)
             if matcher.unknown or matcher.missing:
                 for oddity in matcher.oddities():
                     self.health.note(oddity)
-            take(self.seconds(stamp), values)
+            getattr(self.monitor, name)(self.seconds(stamp), values)
             self.look(stamp)
 
         return taken
@@ -125,7 +133,7 @@ class Watch(TrunkNode):
         """Say it, and begin to look into it; changes of the minutes after are in the same bag."""
         self.changes += 1
         self.health.note(change.statement)
-        self.tell(stamp, WARN, f"{change.stage}/{change.joint}", change.statement, told(change, self.origin))
+        self.say(stamp, WARN, f"{change.stage}/{change.joint}", change.statement, told(change, self.origin))
         if self.episode is None and self.value("output"):
             name = datetime.fromtimestamp(stamp / SECOND, UTC).strftime("%Y%m%dT%H%M%S")
             folder = Path(self.value("output")) / f"{name}_{change.stage}_{change.joint}"
@@ -163,7 +171,7 @@ class Watch(TrunkNode):
         place = {"bag": str(look.bag), "report": str(look.output / "report.html")}
         if not findings:
             words = f"{change.stage}, {change.joint}: no finding ({why})"
-            self.tell(self.now(), OK, f"{change.stage}/{change.joint}", words, place | {"kind": "finding"})
+            self.say(self.now(), OK, f"{change.stage}/{change.joint}", words, place | {"kind": "finding"})
         for found in findings:
             values = {
                 "kind": "finding", "stage": found["stage"], "joints": ", ".join(found["joints"]),
@@ -171,9 +179,9 @@ class Watch(TrunkNode):
                 "confidence": f"{found['confidence']:.2f}", "parameters": json.dumps(found["parameters"]),
             }  # fmt: skip
             name = f"{found['stage']}/{'+'.join(found['joints']) or 'arm'}"
-            self.tell(self.now(), WARN, name, found["statement"], values | place)
+            self.say(self.now(), WARN, name, found["statement"], values | place)
 
-    def tell(self, now: int, level: int, name: str, words: str, values: dict[str, str]) -> None:
+    def say(self, now: int, level: int, name: str, words: str, values: dict[str, str]) -> None:
         """One message on ``trunk/changes``."""
         status = DiagnosticStatus(level=bytes([level]), name=name, message=words, hardware_id="trunk")
         status.values = [KeyValue(key=key, value=value) for key, value in values.items()]
@@ -181,11 +189,11 @@ class Watch(TrunkNode):
         message.header.stamp = time_message(max(now, 0))
         self.publish_changes(message)
 
-    def _diagnose(self, now: int) -> None:
+    def diagnosing(self) -> None:
+        """How much of what is usual is known."""
         for stage, share in self.monitor.learnt.items():
             self.health.values[f"{stage}: usual range known"] = f"{share:.0%}"
         self.health.values["changes"] = str(self.changes)
-        super()._diagnose(now)
 
     def release(self) -> None:
         """End a diagnosis that is under way."""

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trunk_ros.errors import RecordingError
+from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.topics import TIP, TOPICS
 
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -87,6 +88,7 @@ class Recording:
     series: by `reference`, `setpoints`, `gearbox_states`, `joint_states`, `wire_states`, where recorded.
     notes: damage and oddities, in sentences. units: SI unit of position per joint that is not in rad.
     custom: what the writer noted in the bag. counts: per key of `series`, what the reader saw.
+    observed: what clocks and sensors were seen to do; mostly it was put right in `series`.
     """
 
     name: str
@@ -98,6 +100,7 @@ class Recording:
     units: dict[str, str] = field(default_factory=dict)
     custom: dict[str, str] = field(default_factory=dict)
     counts: dict[str, Counts] = field(default_factory=dict)
+    observed: tuple[Observed, ...] = ()
 
     @property
     def joints(self) -> tuple[str, ...]:

@@ -35,11 +35,17 @@ def left_out(recording: Recording, model: Model) -> list[str]:
 
 
 def quality_of_recording(recording: Recording, model: Model, mixed: Sequence[MixUp] = ()) -> dict[str, Any]:
-    """Rates and gaps by topic, what the reader had to say, what is mixed up, and what the motors' torque says
-    of the load.
+    """Rates and gaps by topic, what the reader had to say, what is mixed up, what clocks and sensors did, and
+    what the motors' torque says of the load.
     """
     topics = {key: asdict(value) for key, value in quality(recording).items()}
-    remarks = [f"{one.statement}." for one in mixed if not one.certain]
+    remarks = [one.statement for one in recording.observed]
+    remarks += [f"{one.statement}." for one in mixed if not one.certain]
     notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model), *remarks]
-    mix_ups = [{**asdict(one), "joints": list(one.joints)} for one in mixed]
-    return {"duration": recording.duration, "topics": topics, "notes": notes, "mix_ups": mix_ups}
+    return {
+        "duration": recording.duration,
+        "topics": topics,
+        "notes": notes,
+        "mix_ups": [{**asdict(one), "joints": list(one.joints)} for one in mixed],
+        "observed": [asdict(one) for one in recording.observed],
+    }
