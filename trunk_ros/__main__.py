@@ -5,13 +5,14 @@ installed.
 from __future__ import annotations
 
 import importlib
+import io
 import sys
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
 from trunk_ros import __version__
-from trunk_ros.errors import TrunkError
+from trunk_ros.errors import TrunkError, one_line
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
@@ -36,6 +37,9 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; as an installed script its name is that of the script. Returns the exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files need not be UTF-8
     arguments = list(sys.argv[1:] if argv is None else argv)
     script = Path(sys.argv[0]).name
     name = script if argv is None and script in COMMANDS else (arguments.pop(0) if arguments else "--help")
@@ -69,6 +73,9 @@ def _run(name: str, arguments: list[str]) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 0
+    except OSError as error:  # of the machine: no room, no permission, a name that is too long
+        where = f"{error.filename}: " if error.filename else ""
+        return _refuse(one_line(f"{where}{error.strerror or error}"))
     except Exception:
         traceback.print_exc()
         print("trunk_ros: this is a fault of ours, please report it with the lines above", file=sys.stderr)

@@ -5,10 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from trunk_ros.errors import RecordingError, one_line
+from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.bag.bag import read_blocks
 from trunk_ros.recording.check import checked
 from trunk_ros.recording.child_process import HELD, brought_together
-from trunk_ros.recording.messages.assemble import first_stamp, joint_series
+from trunk_ros.recording.messages.assemble import first_stamp, joint_series, table_bytes
 from trunk_ros.recording.messages.block import Contents, DamageError, Progress
 from trunk_ros.recording.messages.decode import Decoder
 from trunk_ros.recording.messages.layout import joint_layout, pose_layout
@@ -43,7 +44,7 @@ def read_recording(
 
 
 def _read(path: Path, namespace: str | None, progress: Progress) -> Recording:
-    contents = Contents()
+    contents = Contents(Allowance(path))
     decoders = _decode(path, contents, progress)
     chosen, remarks = choose(str(path), contents.topics, namespace)
     return _assemble(path, contents, {key: decoders[topic] for key, topic in chosen.items()}, remarks)
@@ -76,6 +77,7 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     series: dict[str, JointSeries] = {}
     counts: dict[str, Counts] = {}
     for key, decoder in full.items():
+        contents.allowance.check(table_bytes(decoder.pieces))
         series[key], count, remark = joint_series(decoder.pieces, start_ns)
         counts[key] = replace(count, unreadable=decoder.unreadable)
         remarks += [f"{TOPICS[key]}: {remark}"] if remark else []

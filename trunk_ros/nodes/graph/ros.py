@@ -31,7 +31,7 @@ try:
     from rclpy.clock import Clock as SteadyClock
     from rclpy.clock import ClockType
     from rclpy.event_handler import SubscriptionEventCallbacks
-    from rclpy.exceptions import ParameterException
+    from rclpy.exceptions import InvalidTopicNameException, ParameterException
     from rclpy.experimental import EventsExecutor
     from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
     from rclpy.node import Node
@@ -45,6 +45,7 @@ try:
     from rclpy.serialization import deserialize_message
     from rclpy.signals import SignalHandlerOptions
     from rclpy.task import Future
+    from rclpy.validate_full_topic_name import validate_full_topic_name
     from rosgraph_msgs.msg import Clock
     from sensor_msgs.msg import JointState
     from std_msgs.msg import String
@@ -76,6 +77,7 @@ __all__ = [
     "Future",
     "GoalResponse",
     "HistoryPolicy",
+    "InvalidTopicNameException",
     "JointState",
     "JointTrajectory",
     "JointTrajectoryControllerState",
@@ -103,4 +105,5 @@ __all__ = [
     "deserialize_message",
     "get_package_share_directory",
     "rclpy",
+    "validate_full_topic_name",
 ]

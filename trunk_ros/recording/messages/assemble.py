@@ -5,13 +5,14 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from trunk_ros.recording.check import is_reading
 from trunk_ros.recording.messages.block import DamageError, Whole
 from trunk_ros.recording.messages.decode import Piece
+from trunk_ros.recording.messages.layout import MOST_JOINTS
 from trunk_ros.recording.recording import Counts, Floats, JointSeries
 
 Bools: TypeAlias = npt.NDArray[np.bool_]
 
-_MOST_JOINTS = 1000  # damaged names are new joints, and each is a column
 _SANE_NS = 10**17  # 1973: stamps beyond are wall clock, and a zero among them was never set
 
 
@@ -31,13 +32,19 @@ def first_stamp(pieces: list[Piece]) -> int:
     return int(sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))[0].min())
 
 
+def table_bytes(pieces: list[Piece]) -> int:
+    """Bytes of one quantity of all pieces: each message is a row, each joint of any message a column."""
+    joints = {joint for piece in pieces for joint in piece.joints}
+    return 8 * len(joints) * sum(len(piece.place) for piece in pieces)
+
+
 def joint_series(pieces: list[Piece], start_ns: int) -> tuple[JointSeries, Counts, str]:
     """One series of all pieces with stamps since `start_ns`, what was counted, and a remark or "".
 
     A message that repeats a stamp counts only for joints that no earlier message of that stamp has given.
     """
     joints = tuple(dict.fromkeys(joint for piece in pieces for joint in piece.joints))
-    if len(joints) > _MOST_JOINTS:
+    if len(joints) > MOST_JOINTS:
         raise DamageError(f"names {len(joints)} different joints in one topic")
     stamp_ns, remark = sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))
     place = _joined(pieces, "place")
@@ -96,11 +103,11 @@ def _values(
             whole[begin:end, [joints.index(joint) for joint in piece.joints]] = values
         begin = end
     whole = whole[order]
-    whole[~np.isfinite(whole)] = np.nan
+    whole[~is_reading(whole)] = np.nan
     picked: Floats = np.take_along_axis(whole, np.maximum(source, 0), axis=0)
     return np.where(source < 0, np.nan, picked)
 
 
 def _not_finite(piece: Piece) -> int:
     values = [each for each in (piece.position, piece.velocity, piece.effort) if each is not None]
-    return sum(int(each.size - np.isfinite(each).sum()) for each in values)
+    return sum(int(each.size - is_reading(each).sum()) for each in values)
