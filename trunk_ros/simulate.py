@@ -10,6 +10,7 @@ from trunk_ros import __version__
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.data.sensor_faults import without_wild
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import prepare_output
@@ -33,6 +34,7 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
     gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
+    recording = without_wild(recording)
     given = recording.require(source)
     joints = common_joints(recording, model, given)
     given, model = given.select(joints), model.for_joints(joints)
@@ -92,7 +94,10 @@ def main(argv: list[str]) -> int:
     arguments = parser.parse_args(argv)
     prepare_output(arguments.output, arguments.overwrite)
     model = load_model(arguments.model)
-    predicted = simulate(read_recording(arguments.bag), model, arguments.source)
+    recording = without_wild(read_recording(arguments.bag))
+    for note in recording.notes:
+        print(f"{arguments.bag}: {note}")
+    predicted = simulate(recording, model, arguments.source)
     custom = {"trunk_ros": __version__, "model": model.hash(), "from": arguments.source}
     write_recording(Path(arguments.output), predicted, overwrite=arguments.overwrite, custom=custom)
     said = predicted.series["joint_states"]

@@ -35,7 +35,7 @@ from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
-from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
@@ -57,7 +57,7 @@ def diagnose(
     model's.
     Raises RecordingError or ModelError in one line.
     """
-    read = [_read(r, from_time, until) for r in recordings]
+    read = [part for r in recordings for part in _read(r, from_time, until)]
     nominal = model if isinstance(model, Model) else load_model(model)
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
@@ -230,10 +230,11 @@ class Diagnoser:
         self.effects |= values
 
 
-def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
+def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> list[Recording]:
+    """The recordings that one is: two where its clock was set."""
     if isinstance(recording, Recording):
-        return recording.part(*time_range(recording.duration, from_time, until))
-    return read_recording(recording, from_time, until)
+        return [recording.part(*time_range(recording.duration, from_time, until))]
+    return read_parts(recording, from_time, until)
 
 
 def on_the_arm(

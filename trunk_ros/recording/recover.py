@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mcap.reader import make_reader
-from mcap.records import Metadata
+from mcap.records import Metadata, Statistics
 from mcap.summary import Summary
 
 from trunk_ros.errors import RecordingError
@@ -155,8 +155,7 @@ def _agrees(old: BagMetadata, files: Sequence[BagFile], topics: Sequence[Topic])
 
 def _describe(file: Path) -> tuple[BagFile, list[Topic]]:
     """A whole file and its topics, from its summary."""
-    summary = _summary(file)
-    seen = summary.statistics
+    summary, seen = _summary(file)
     topics = []
     for number, channel in summary.channels.items():
         schema = summary.schemas.get(channel.schema_id)
@@ -170,7 +169,7 @@ def _describe(file: Path) -> tuple[BagFile, list[Topic]]:
     return BagFile(file.name, seen.message_start_time, seen.message_end_time, seen.message_count), topics
 
 
-def _summary(file: Path) -> Summary:
+def _summary(file: Path) -> tuple[Summary, Statistics]:
     try:
         with file.open("rb") as stream:
             summary = make_reader(stream).get_summary()
@@ -180,7 +179,7 @@ def _summary(file: Path) -> Summary:
         summary = None
     if summary is None or summary.statistics is None:
         raise DamageError(f"has no summary that can be read in {file.name}")
-    return summary
+    return summary, summary.statistics
 
 
 def _profiles(text: str) -> list[dict[str, Any]]:

@@ -53,6 +53,7 @@ def experiment(search: Search, state: Fit, found: dict[str, Evidence]) -> Experi
         for name, evidence in found.items()
         for rival in evidence.equivalents
     ]
+    sides = [duels for duels in ([d for d in side if d.columns] for side in sides) if duels]
     done = Design(search.problem, sides).run() if sides else None
     search.problem.look_again(state.explanation)
     return done

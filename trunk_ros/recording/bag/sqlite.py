@@ -102,4 +102,6 @@ def _rows(
                 contents.allowance.take(len(data))
                 yield log_ns, data
     except sqlite3.Error as error:
+        if "too big" in str(error):
+            contents.allowance.check(_LONGEST)
         contents.damage.append(f"it is damaged ({error}): {topic} is read up to there")

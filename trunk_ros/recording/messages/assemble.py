@@ -13,11 +13,13 @@ from trunk_ros.recording.recording import Counts, Floats, JointSeries
 
 Bools: TypeAlias = npt.NDArray[np.bool_]
 
+_LAST_NS = 2**62  # 2116: what a damaged file has beyond would overflow in differences
 _SANE_NS = 10**17  # 1973: stamps beyond are wall clock, and a zero among them was never set
 
 
 def sample_times(stamp_ns: Whole, log_ns: Whole) -> tuple[Whole, str]:
     """(n,) ns at which the samples were taken, and what had to be done about stamps that were never set."""
+    log_ns = np.clip(log_ns, 0, _LAST_NS)
     unset = stamp_ns == 0
     if len(unset) > 1 and unset.all():
         return log_ns, "no message has a stamp: the time of recording is taken instead"
@@ -27,9 +29,26 @@ def sample_times(stamp_ns: Whole, log_ns: Whole) -> tuple[Whole, str]:
     return stamp_ns, ""
 
 
+def all_times(pieces: list[Piece]) -> Whole:
+    """(n,) ns since the epoch of all samples, in the order of the pieces."""
+    return sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))[0]
+
+
 def first_stamp(pieces: list[Piece]) -> int:
     """The earliest sample, ns since the epoch."""
-    return int(sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))[0].min())
+    return int(all_times(pieces).min())
+
+
+def within(pieces: list[Piece], first_ns: int, end_ns: int) -> list[Piece]:
+    """The samples with first_ns <= time < end_ns."""
+    times, begin, kept = all_times(pieces), 0, []
+    for piece in pieces:
+        part = times[begin : begin + len(piece.place)]
+        begin += len(part)
+        rows = (part >= first_ns) & (part < end_ns)
+        if rows.any():
+            kept.append(piece if rows.all() else piece.rows(rows))
+    return kept
 
 
 def table_bytes(pieces: list[Piece]) -> int:

@@ -27,6 +27,14 @@ class Piece:
     velocity: Floats | None
     effort: Floats | None
 
+    def rows(self, keep: npt.NDArray[np.bool_]) -> "Piece":
+        """The messages chosen by `keep` (n,)."""
+        position, velocity, effort = (
+            None if values is None else values[keep] for values in (self.position, self.velocity, self.effort)
+        )
+        times = self.stamp_ns[keep], self.log_ns[keep], self.place[keep]
+        return Piece(self.joints, *times, position, velocity, effort)
+
 
 @dataclass
 class Decoder:
