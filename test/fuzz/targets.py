@@ -118,9 +118,21 @@ def read_metadata(data: bytes) -> None:
         recover(bag)
 
 
+def named(stem: str, data: bytes) -> Path:
+    """A file of this content with the suffix by which rosbags knows it."""
+    suffixes = {b"\x89MCAP": ".mcap", b"SQLite": ".db3", b"#ROSBAG": ".bag"}
+    found = (suffix for magic, suffix in suffixes.items() if data.startswith(magic))
+    return written(stem + next(found, ""), data)
+
+
+def bags() -> list[bytes]:
+    """Those of the files that rosbags opens."""
+    return [each for each in recordings() if named("seed", each).suffix]
+
+
 def replayed(data: bytes) -> int:
     """All messages of a bag, as replay takes them."""
-    with BagSource(written("replayed", data)) as bag:
+    with BagSource(named("replayed", data)) as bag:
         return sum(len(content) for _, _, content in bag.messages({topic.name for topic in bag.topics}))
 
 
@@ -182,8 +194,8 @@ TARGETS = {
     "recording": Target(recordings, lambda data: read_recording(written("recording", data))),
     "metadata": Target(lambda: [(bag_folder() / "metadata.yaml").read_bytes()], read_metadata),
     "recover": Target(mcap_files, lambda data: recover(written("recovered.mcap", data))),
-    "replay": Target(recordings, replayed),
-    "import_bag": Target(recordings, lambda data: read_bag(written("imported", data), bag_mapping())),
+    "replay": Target(bags, replayed),
+    "import_bag": Target(bags, lambda data: read_bag(named("imported", data), bag_mapping())),
     "table": Target(
         lambda: [TABLE.encode()],
         lambda data: read_csv(written("table.csv", data), parse_mapping(yaml.safe_load(MAP))),
