@@ -58,13 +58,18 @@ def main() -> int:
     given = parser.parse_args()
     cores = os.cpu_count() or 1
     share = given.seconds * min(cores, len(given.only)) / len(given.only)
+    outcomes = []
     with ThreadPoolExecutor(cores) as pool:
-        outcomes = list(pool.map(lambda name: fuzz(name, share), given.only))
-    for each in outcomes:
-        state = "BROKEN" if each.broken else "whole"
-        print(f"{each.name:12} {each.inputs:10,d} inputs   {each.covered:5d} places reached   {state}")
-        if each.broken:
-            print(each.broken)
+        for each in pool.map(lambda name: fuzz(name, share), given.only):
+            outcomes.append(each)
+            state = "BROKEN" if each.broken else "whole"
+            counted = f"{each.inputs:10,d} inputs   {each.covered:5d} places reached"
+            print(
+                f"{each.name:12} {counted}   {state}",
+                each.broken,
+                sep="\n" if each.broken else "",
+                flush=True,
+            )
     print(f"{sum(each.inputs for each in outcomes):,d} inputs; what was found is kept in {KEPT}/")
     return 1 if any(each.broken for each in outcomes) else 0
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.chain import Chain, State
 from trunk_ros.model import Declaration
+from trunk_ros.nodes.bus import gearbox_limits
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND, Elapsed
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
@@ -18,6 +19,7 @@ from trunk_ros.nodes.graph.ros import JointState, PoseStamped, String
 from trunk_ros.trajectory import Array
 from trunk_ros.urdf import urdf
 
+FAR = 3.0  # times as far from the middle as the gearbox can go: a reading that no arm has made
 RESTART = SECOND  # ns that a stamp may be before the last one; more is a clock that was set back
 
 
@@ -38,6 +40,8 @@ class WireElasticity(TrunkNode):
         self.zero = self.model.effects.get("zero_offset", {}).get("offset", 0.0)
         self.wires = [f"wire_{number}" for number in range(1, len(arm.joints) + 1)]
         self.matcher = JointMatcher(arm.joints)
+        lower, upper = gearbox_limits(arm)
+        self.middle, self.reach = (lower + upper) / 2, (upper - lower) / 2
         self.restart()
         still = np.zeros((2, len(arm.joints)))
         self.wire.run(still, np.arange(2.0) / 100)  # compiles, so that no sample is late
@@ -78,8 +82,18 @@ class WireElasticity(TrunkNode):
         phi = phi if known.all() else np.where(known, phi, self.phi)
         if not known.all() and not np.isfinite(phi).all():
             raise MessageError(f"no angle yet of {self.joints[int(np.argmin(np.isfinite(phi)))]}")
+        self.check(phi)
         self.phi = phi
         return phi
+
+    def check(self, phi: Array) -> None:
+        """Raise MessageError for gearbox angles (joints,) rad where no overshoot takes an arm."""
+        out = np.abs(phi - self.middle) > FAR * self.reach
+        if out.any():
+            j = int(np.argmax(out))
+            raise MessageError(
+                f"gearbox_states refused: {self.joints[j]} at {phi[j]:.4g} rad was never there"
+            )
 
     def publish_all(self, now: int, phi: Array, message: Any) -> None:
         """Publish the joints, the wires and the tip at ``now`` ns."""

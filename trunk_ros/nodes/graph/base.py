@@ -25,6 +25,7 @@ from trunk_ros.nodes.graph.ros import (
     TransitionCallbackReturn,
 )
 from trunk_ros.nodes.graph.streams import DEPTH, StreamNode
+from trunk_ros.nodes.graph.unpack import if_readable
 
 PROGRESS_TOPIC = "trunk/_progress"  # hidden: only listened to by the bringup that started the node
 
@@ -107,13 +108,14 @@ class TrunkNode(StreamNode):
 
     def _start_clock(self) -> None:
         if self.simulated:
-            self._parts.append(
-                (self.destroy_subscription, self.create_subscription(Clock, "/clock", self._on_clock, DEPTH))
-            )
+            self._parts.append((self.destroy_subscription, self._hear_clock()))
         else:
             self.every(self.period / SECOND, self._on_timer)
         if self.value("supervised"):
             self.every(0.05, self._heartbeat)
+
+    def _hear_clock(self) -> Any:
+        return self.create_subscription(Clock, "/clock", if_readable(Clock, self._on_clock), DEPTH, raw=True)
 
     def _on_clock(self, message: Any) -> None:
         now = nanoseconds(message.clock)

@@ -6,7 +6,8 @@ import struct
 from array import array
 from typing import Any
 
-from trunk_ros.nodes.graph.ros import JointState, deserialize_message
+from trunk_ros.nodes.graph.ros import JointState
+from trunk_ros.nodes.graph.unpack import unpacked
 
 LITTLE_ENDIAN_CDR = b"\x00\x01\x00\x00"
 STAMP = slice(4, 12)
@@ -26,7 +27,7 @@ class JointStateReader:
         self._same: list[tuple[slice, bytes]] = []
 
     def read(self, raw: bytes) -> Any:
-        """The message [CDR] as a JointState."""
+        """The message [CDR] as a JointState. Raises MessageError for bytes that are none."""
         if len(raw) != self._length or any(raw[part] != seen for part, seen in self._same):
             self._learn(raw)
             return self._message
@@ -37,7 +38,7 @@ class JointStateReader:
 
     def _learn(self, raw: bytes) -> None:
         """Unpack, and note where the values are; a layout that does not prove right is not relied upon."""
-        self._message = message = deserialize_message(raw, JointState)
+        self._message = message = unpacked(raw, JointState)
         values = [getattr(message, field) for field in FIELDS]
         self._values = places(message, values)
         read = [raw[part] for part in self._values]
@@ -54,7 +55,9 @@ def places(message: Any, values: list[Any]) -> list[slice]:
     """Where each of the values is in the serialised message: CDR, with texts and counts on 4 bytes."""
     at = STAMP.stop
     for text in (message.header.frame_id, None, *message.name):
-        length = 0 if text is None else len(text.encode()) + 1  # None: the number of names
+        length = (
+            0 if text is None else len(text.encode(errors="surrogatepass")) + 1
+        )  # None: the number of names
         at = aligned(at + 4 + length, 4)
     found = []
     for each in values:

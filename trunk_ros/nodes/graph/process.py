@@ -14,6 +14,7 @@ from trunk_ros.nodes.graph.base import COMMON, DELIVERY, TrunkNode, steady_clock
 from trunk_ros.nodes.graph.ros import EventsExecutor, Future, SignalHandlerOptions, rclpy
 
 MOMENT = 0.05  # s after which it is noticed that somebody asks to end
+LEAVING = 10.0  # s that the middleware has to end in
 LONG = 1e5  # s; without a timeout the events executor does not see that the future is done, and while
 # callbacks queue up it sees no timeout
 
@@ -50,8 +51,17 @@ def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
         if node.fault:
             raise TrunkError(f"{node.get_name()}: {node.fault}")
     finally:
+        leave_in_time()
         rclpy.try_shutdown()
     return 0
+
+
+def leave_in_time() -> None:
+    """End the process by SIGALRM where the middleware does not let go of it: it may wait for ever for a lock
+    in shared memory that a partner held when it was killed. All that is ours has ended by then.
+    """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, LEAVING)
 
 
 def serve(executor: Any, node: Any, over: Callable[[], Any]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from trunk_ros.errors import TrunkError
@@ -14,6 +15,7 @@ from trunk_ros.nodes.graph.messages import fill, nanoseconds
 from trunk_ros.nodes.graph.progress import Listener, Progress
 from trunk_ros.nodes.graph.qos import LATCHED
 from trunk_ros.nodes.graph.ros import JointState, LifecycleNode
+from trunk_ros.nodes.graph.unpack import unpacked
 
 NEAR = SECOND  # ns; a stamp further off than this is of another clock
 
@@ -63,35 +65,31 @@ class StreamNode(LifecycleNode):
 
         A JointState is valid until the next one: its message is reused.
         """
-        if kind is not JointState or raw:
-            self._listen(kind, topic, callback, DEPTH, raw)
-            return
-        read = JointStateReader().read
-        self._listen(kind, topic, lambda data: callback(read(data)), DEPTH, raw=True)
+        read = JointStateReader().read if kind is JointState else partial(unpacked, kind=kind)
+        self._listen(kind, topic, callback if raw else lambda data: callback(read(data)), DEPTH)
 
     def listen_latched(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> None:
         """Subscribe to a topic that keeps its last message for latecomers; heard before activation too."""
-        self._listen(kind, topic, callback, LATCHED, raw=False, always=True)
+        self._listen(kind, topic, lambda data: callback(unpacked(data, kind)), LATCHED, always=True)
 
     def _listen(
         self,
         kind: Any,
         topic: str,
-        callback: Callable[[Any], None],
+        callback: Callable[[bytes], None],
         qos: Any,
-        raw: bool,
         always: bool = False,
     ) -> None:
         name, received = "", self.progress.received
 
-        def arrived(message: Any) -> None:
+        def arrived(data: bytes) -> None:
             received[name] += 1
             if self.active or always:
-                self.guarded(callback, message)
+                self.guarded(callback, data)
             if self.simulated:
                 self._tell()
 
-        subscription = self.create_subscription(kind, topic, arrived, qos, raw=raw)
+        subscription = self.create_subscription(kind, topic, arrived, qos, raw=True)
         self.own(self.destroy_subscription, subscription)
         name = subscription.topic_name
         self.progress.received.setdefault(name, 0)
