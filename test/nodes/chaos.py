@@ -209,9 +209,8 @@ def arm_on(folder: Path, seed: int) -> Iterator[tuple[Peer, Arm, Watch, Foes]]:
         yield peer, arm, Watch(peer), Foes(peer, random.Random(seed + 1))
 
 
-def suffer(peer: Peer, arm: Arm, watch: Watch, foes: Foes, length: float) -> dict[str, bool]:
-    """Let it all happen for so many s; then which nodes answer again in peace."""
-    begun = time.monotonic()
+def suffer(peer: Peer, arm: Arm, watch: Watch, foes: Foes, length: float) -> None:
+    """Let it all happen for so many s."""
     peer.until(lambda: all(watch.heard[topic] for topic in ANSWERS.values()) or foes.ask(0.0), 120.0)
     asked, next_one, silent = 0.0, 0.0, 0.0
     endings: list[tuple[float, Callable[[], None]]] = []
@@ -238,15 +237,14 @@ def suffer(peer: Peer, arm: Arm, watch: Watch, foes: Foes, length: float) -> dic
         if not endings:
             arm.look()
         peer.spin_once()
-    return in_peace(peer, arm, watch, foes)
 
 
-def in_peace(peer: Peer, arm: Arm, watch: Watch, foes: Foes) -> dict[str, bool]:
+def in_peace(peer: Peer, arm: Arm, watch: Watch, foes: Foes, length: float) -> dict[str, bool]:
     """Which nodes answer once nobody disturbs them: on their topics; the recorder on diagnostics."""
     watch.heard.clear()
     watch.said.clear()
     begun = time.monotonic()
-    while (at := time.monotonic() - begun) < QUIET:
+    while (at := time.monotonic() - begun) < length:
         foes.ask(at)
         arm.look()
         wait = time.monotonic() + 1 / RATE
@@ -272,10 +270,11 @@ def whole_bags(arm: Arm) -> list[str]:
     return broken
 
 
-def run(length: float, seed: int, folder: Path) -> dict[str, Any]:
+def run(length: float, seed: int, folder: Path, quiet: float = QUIET) -> dict[str, Any]:
     """The whole run, and what came of it."""
     with arm_on(folder, seed) as (peer, arm, watch, foes):
-        back = suffer(peer, arm, watch, foes, length)
+        suffer(peer, arm, watch, foes, length)
+        back = in_peace(peer, arm, watch, foes, quiet)
         reasons = {node: said_by(watch.said, node)[-300:] for node, there in back.items() if not there}
     broken = whole_bags(arm)
     held = all(there or reasons[node].strip() for node, there in back.items())

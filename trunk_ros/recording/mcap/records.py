@@ -123,7 +123,7 @@ def open_chunk(buffer: Buffer, record: Record, end: int, allowance: Allowance) -
     data = _decompress(buffer[start:end], method, size, allowance)
     if record.end > end:
         return Chunk(data, False)
-    if len(data) != size or (crc and zlib.crc32(data) != crc):
+    if len(data) != size or _size(buffer, start - 8) != end - start or (crc and zlib.crc32(data) != crc):
         raise DamageError("has a chunk with a wrong checksum")
     return Chunk(data, True)
 
@@ -134,6 +134,10 @@ def _method(buffer: Buffer, at: int, end: int) -> tuple[str, int]:
         raise DamageError("has a chunk that ends too early")
     stop = at + 4 + int(struct.unpack_from("<I", buffer, at)[0])
     return bytes(buffer[at + 4 : min(stop, end)]).decode(errors="replace"), stop + 8
+
+
+def _size(buffer: Buffer, at: int) -> int:
+    return int(struct.unpack_from("<Q", buffer, at)[0])
 
 
 def _decompress(data: Buffer, method: str, size: int, allowance: Allowance) -> bytes:

@@ -2,6 +2,7 @@
 
 import zlib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from mcap.records import ChunkIndex, Footer, MessageIndex
@@ -10,6 +11,13 @@ from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.mcap import records as mcap
 from trunk_ros.recording.mcap.repair import is_whole
 from trunk_ros.recording.messages.block import DamageError, integers, mapped
+
+
+class _Chunk(NamedTuple):
+    """Bytes of a chunk, and where the index of each channel begins."""
+
+    size: int
+    indexes: dict[int, int]
 
 
 def is_intact(path: Path) -> bool:
@@ -26,26 +34,33 @@ def is_intact(path: Path) -> bool:
 
 
 def _is_intact(data: memoryview, allowance: Allowance) -> bool:
-    content, chunks = b"", {}
+    first = mcap.record_at(data, len(mcap.MAGIC), len(data))
+    if first is None or first.kind != mcap.HEADER:
+        return False
+    content, chunks = b"", dict[int, _Chunk]()
+    here = _Chunk(0, {})
     for record in mcap.records(data, len(mcap.MAGIC), len(data)):
+        begin = record.start - mcap.FRAME
         if record.end > len(data):
             return False
         if record.kind == mcap.CHUNK:
             content = mcap.open_chunk(data, record, len(data), allowance).data
-            chunks[record.start - mcap.FRAME] = record.end - record.start + mcap.FRAME
-        elif record.kind == mcap.MESSAGE_INDEX and not _is_indexed(data, record, content):
-            return False
+            here = chunks[begin] = _Chunk(record.end - begin, {})
+        elif record.kind == mcap.MESSAGE_INDEX:
+            index = mcap.parsed(data, record, MessageIndex)
+            here.indexes[index.channel_id] = begin
+            if not _is_indexed(index, content):
+                return False
         elif record.kind in mcap.PARSED:
             mcap.parsed(data, record, mcap.PARSED[record.kind])
         elif record.kind == mcap.FOOTER:
             footer = mcap.parsed(data, record, Footer)
-            return _is_summed_up(data, record, footer) and _found(data, footer, record.end) == chunks
+            return _is_summed_up(data, record, footer) and _listed(data, footer, begin) == chunks
     return False
 
 
-def _is_indexed(data: memoryview, record: mcap.Record, content: bytes) -> bool:
+def _is_indexed(index: MessageIndex, content: bytes) -> bool:
     """Whether the message index of a channel leads to its messages in a chunk."""
-    index = mcap.parsed(data, record, MessageIndex)
     entries = np.array(index.records, dtype=np.uint64).reshape(-1, 2)
     if not len(entries):
         return True
@@ -67,11 +82,13 @@ def _is_summed_up(data: memoryview, record: mcap.Record, footer: Footer) -> bool
     return not footer.summary_crc or zlib.crc32(summed) == footer.summary_crc
 
 
-def _found(data: memoryview, footer: Footer, end: int) -> dict[int, int]:
-    """Where the summary says that chunks begin, and how long each is."""
+def _listed(data: memoryview, footer: Footer, end: int) -> dict[int, _Chunk]:
+    """The chunks as the summary has them, by where they begin."""
     indexes = [
         mcap.parsed(data, record, ChunkIndex)
         for record in mcap.records(data, footer.summary_start or end, end)
         if record.kind == mcap.CHUNK_INDEX
     ]
-    return {index.chunk_start_offset: index.chunk_length for index in indexes}
+    return {
+        each.chunk_start_offset: _Chunk(each.chunk_length, each.message_index_offsets) for each in indexes
+    }
