@@ -22,7 +22,7 @@ class WireSlip(Effect):
     )
     parameters = (
         Parameter("step", "rad", (-0.5, 0.5), "jump of the zero", typical=1e-3),
-        Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0),
+        Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0, moment=True),
     )
     confused_with = (
         ("thermal_drift", "record longer: a drift goes on"),
@@ -39,7 +39,7 @@ class WireSlip(Effect):
         risen = np.minimum(np.maximum((now.stamp[:, None] - self["onset"]) / RISE + 0.5, 0.0), 1.0)
         return np.asarray(self["step"] * risen)
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """Seen before and after."""
         return bool(np.all((now.stamp[0] < self["onset"]) & (self["onset"] < now.stamp[-1])))
 
