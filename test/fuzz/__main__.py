@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from test.fuzz.targets import TARGETS
+from test.fuzz.targets import FOLDER, TARGETS, new_folder
 
 SHORT, LONG = 48.0, 3600.0  # s in all
 HANG, MEGABYTES = 30, 1000
@@ -42,7 +42,9 @@ def fuzz(name: str, seconds: float) -> Outcome:
         "-max_len=65536",        "-print_final_stats=1", f"-artifact_prefix={kept}/",
     ]  # fmt: skip
     command = [sys.executable, "-m", "test.fuzz.one", name, str(kept / "corpus"), *options]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+    with new_folder() as folder:
+        env = os.environ | {FOLDER: folder}
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=env)
     said = done.stderr.splitlines()
     counts = [int(a or b) for line in said for a, b in COUNT.findall(line)]
     covered = [int(found) for line in said for found in COVERED.findall(line)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -30,6 +31,7 @@ from trunk_ros.recording.recover import recover
 from trunk_ros.simulate import simulate
 from trunk_ros.trajectory import load_trajectory, save_trajectory
 
+FOLDER = "TRUNK_ROS_FUZZ_FOLDER"  # in the environment
 MAP = """time: {column: t, unit: s}
 joints: [a, b]
 gearbox_states: {position: {columns: [x, {expr: "y + 2 * x"}], unit: rad}}
@@ -60,11 +62,17 @@ def attempt(target: Target, data: bytes) -> None:
 
 @cache
 def folder() -> Path:
-    """A folder for this process, in memory where there is such a place."""
+    """A folder for this process: within the one that the fuzzer removes, as libFuzzer ends without clean-up."""
+    if given := os.environ.get(FOLDER):
+        return Path(given)
+    _kept.append(new_folder())
+    return Path(_kept[0].name)
+
+
+def new_folder() -> tempfile.TemporaryDirectory[str]:
+    """A folder in memory where there is such a place."""
     memory = Path("/dev/shm")
-    made = tempfile.TemporaryDirectory(prefix="trunk_ros_fuzz_", dir=memory if memory.is_dir() else None)
-    _kept.append(made)
-    return Path(made.name)
+    return tempfile.TemporaryDirectory(prefix="trunk_ros_fuzz_", dir=memory if memory.is_dir() else None)
 
 
 _kept: list[tempfile.TemporaryDirectory[str]] = []
