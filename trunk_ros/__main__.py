@@ -13,6 +13,7 @@ from pathlib import Path
 
 from trunk_ros import __version__
 from trunk_ros.errors import TrunkError, one_line
+from trunk_ros.nodes.stop import Stop
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
@@ -31,6 +32,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     ),
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
+    "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
 }
 
@@ -63,6 +65,8 @@ def usage() -> str:
 
 
 def _run(name: str, arguments: list[str]) -> int:
+    if COMMANDS[name][0].startswith("trunk_ros.nodes."):
+        Stop()  # importing takes seconds on a busy machine
     try:
         module = importlib.import_module(COMMANDS[name][0])
         return int(module.main(arguments))

@@ -62,7 +62,7 @@ def attempt(target: Target, data: bytes) -> None:
 
 @cache
 def folder() -> Path:
-    """A folder for this process: within the one that the fuzzer removes, as libFuzzer ends without clean-up."""
+    """A folder for this process: that which the fuzzer removes, as libFuzzer ends without clean-up."""
     if given := os.environ.get(FOLDER):
         return Path(given)
     _kept.append(new_folder())

@@ -32,6 +32,7 @@ def main(argv: list[str]) -> int:
             arguments.from_time,
             arguments.until,
             lambda text: status.update(text),
+            arguments.namespace,
         )
     result.provenance = {
         "command": shlex.join(["trunk_ros", "diagnose", *argv]),
@@ -91,5 +92,6 @@ def parser() -> Parser:
     out.add_argument("--against", metavar="SIM_BAG", help="another simulator's recording of the same motion")
     out.add_argument("--from-time", metavar="T", help="in s, or in %% of the recording")
     out.add_argument("--until", metavar="T", help="in s, or in %% of the recording")
+    out.add_argument("--namespace", metavar="NS", help="of the arm, such as /left, where bags hold several")
     out.add_argument("--overwrite", action="store_true")
     return out

@@ -17,9 +17,10 @@ from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
+from trunk_ros.diagnosis.evidence.veto import harmless
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
@@ -52,14 +53,15 @@ def diagnose(
     from_time: str | None = None,
     until: str | None = None,
     progress: Progress = lambda _: None,
+    namespace: str | None = None,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
     ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
-    model's.
+    model's. ``namespace``: of the arm, where recordings hold several.
     Raises RecordingError or ModelError in one line.
     """
-    read = [part for r in recordings for part in _read(r, from_time, until)]
+    read = [part for r in recordings for part in _read(r, from_time, until, namespace)]
     nominal = model if isinstance(model, Model) else load_model(model)
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
@@ -158,7 +160,9 @@ class Diagnoser:
             return None
         done = searched(context, lambda text: self.say(f"{stage.name}: {text}"))
         self.say(f"{stage.name}: evidence")
-        state, found = done.state, evidence(done.part, done.state)
+        state = harmless(done.state)
+        part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
+        found = evidence(part, state)
         std, context = spreads(state), state.context
         errors = held_out(state)
         effects = state.hypothesis.model_effects(len(stage.joints))
@@ -187,7 +191,7 @@ class Diagnoser:
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(context, state.hypothesis)
-        self._experiment(done.part, {f.effect: found[f.effect] for f in new if f.equivalents})
+        self._experiment(part, {f.effect: found[f.effect] for f in new if f.equivalents})
         return state
 
     def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
@@ -233,11 +237,13 @@ class Diagnoser:
         self.effects |= values
 
 
-def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> list[Recording]:
+def _read(
+    recording: Recording | str | Path, from_time: str | None, until: str | None, namespace: str | None
+) -> list[Recording]:
     """The recordings that one is: two where its clock was set."""
     if isinstance(recording, Recording):
         return [recording.part(*time_range(recording.duration, from_time, until))]
-    return read_parts(recording, from_time, until)
+    return read_parts(recording, from_time, until, namespace)
 
 
 def on_the_arm(

@@ -9,8 +9,8 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
+from trunk_ros.nodes.graph.reader import unpacked
 from trunk_ros.nodes.graph.ros import JointState
-from trunk_ros.nodes.graph.unpack import unpacked
 from trunk_ros.trajectory import Array
 
 REMEMBERED = 1000  # stamps of our own messages
@@ -38,7 +38,7 @@ class ForeignReference:
             del self._ours[next(iter(self._ours))]
 
     def message(self, raw: bytes) -> Any:
-        """The message, None where it is our own. Raises MessageError for bytes that are none."""
+        """The message, None where it is our own."""
         ours = self._ours.get(raw[STAMP])
         return None if ours is not None and ours in raw else unpacked(raw, JointState)
 

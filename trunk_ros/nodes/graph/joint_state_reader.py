@@ -6,8 +6,8 @@ import struct
 from array import array
 from typing import Any
 
-from trunk_ros.nodes.graph.ros import JointState
-from trunk_ros.nodes.graph.unpack import unpacked
+from trunk_ros.nodes.graph.joints import MessageError
+from trunk_ros.nodes.graph.ros import JointState, RMWError, deserialize_message
 
 LITTLE_ENDIAN_CDR = b"\x00\x01\x00\x00"
 STAMP = slice(4, 12)
@@ -38,7 +38,11 @@ class JointStateReader:
 
     def _learn(self, raw: bytes) -> None:
         """Unpack, and note where the values are; a layout that does not prove right is not relied upon."""
-        self._message = message = unpacked(raw, JointState)
+        self._length = -1
+        try:
+            self._message = message = deserialize_message(raw, JointState)
+        except RMWError:
+            raise MessageError(f"{len(raw)} bytes that are no JointState were left out") from None
         values = [getattr(message, field) for field in FIELDS]
         self._values = places(message, values)
         read = [raw[part] for part in self._values]
@@ -55,9 +59,7 @@ def places(message: Any, values: list[Any]) -> list[slice]:
     """Where each of the values is in the serialised message: CDR, with texts and counts on 4 bytes."""
     at = STAMP.stop
     for text in (message.header.frame_id, None, *message.name):
-        length = (
-            0 if text is None else len(text.encode(errors="surrogatepass")) + 1
-        )  # None: the number of names
+        length = 0 if text is None else len(text.encode()) + 1  # None: the number of names
         at = aligned(at + 4 + length, 4)
     found = []
     for each in values:
