@@ -11,7 +11,8 @@ import numpy as np
 
 from trunk_ros.arm import GRAVITY, LOADS, Arm, Wire
 from trunk_ros.compiled import Array
-from trunk_ros.errors import ModelError
+from trunk_ros.errors import ModelError, printable
+from trunk_ros.recording.messages.layout import MOST_JOINTS
 
 ANY_JOINTS = "*"
 ANY_ANGLE = 1e3  # rad: no limit
@@ -161,9 +162,11 @@ def shortened(value: Any) -> str:
 
 def arm_from(flat: Mapping[str, Any]) -> Arm:
     """The arm of checked flat parameters. Raises ModelError for missing or misfitting values."""
-    joints = tuple(flat.get("arm.joints", [ANY_JOINTS]))
+    joints = tuple(printable(joint) for joint in flat.get("arm.joints", [ANY_JOINTS]))
     if len(set(joints)) != len(joints) or not all(joints) or not joints:
         raise ModelError(f"arm.joints must be different names, one or more: got {shortened(list(joints))}")
+    if len(joints) > MOST_JOINTS:
+        raise ModelError(f"arm.joints names {len(joints)} joints: {MOST_JOINTS} at most")
     here = len(joints)
     wire = _wire(flat, here)
     arm = Arm(

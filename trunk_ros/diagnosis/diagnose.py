@@ -42,7 +42,7 @@ from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
-from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
@@ -70,7 +70,7 @@ def diagnose(
     Raises RecordingError or ModelError in one line.
     """
     several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
-    read = [_read(r, from_time, until, namespace) for r in several]
+    read = [part for r in several for part in _read(r, from_time, until, namespace)]
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
@@ -279,10 +279,11 @@ class Diagnoser:
 
 def _read(
     recording: Recording | str | Path, from_time: str | None, until: str | None, namespace: str | None
-) -> Recording:
+) -> list[Recording]:
+    """The recordings that one is: two where its clock was set."""
     if isinstance(recording, Recording):
-        return recording.part(*time_range(recording.duration, from_time, until))
-    return read_recording(recording, from_time, until, namespace=namespace)
+        return [recording.part(*time_range(recording.duration, from_time, until))]
+    return read_parts(recording, from_time, until, namespace)
 
 
 def on_the_arm(
