@@ -89,7 +89,7 @@ def state_publisher(context: LaunchContext) -> list[Node]:
     if wanted == "false" or (wanted == "auto" and not installed("robot_state_publisher")):
         return []
     model = LaunchConfiguration("model").perform(context)
-    urdf = Command(shlex.join([sys.executable, "-m", "trunk_ros.urdf", model]))
+    urdf = Command(shlex.join([sys.executable, "-m", "trunk_ros.arm.urdf", model]))
     publisher = Node(
         package="robot_state_publisher",
         executable="robot_state_publisher",

@@ -212,7 +212,7 @@ def test_a_longer_link_and_a_tilted_base_move_the_tip() -> None:
 
 def test_a_model_without_links_has_no_tip() -> None:
     model = load_model("direct").for_joints(("a",))
-    with pytest.raises(ModelError, match=r"no arm\.link_length"):
+    with pytest.raises(ModelError, match=r"neither arm\.urdf nor arm\.link_length"):
         Chain(model, "arm").tip(np.zeros((1, 1)), np.zeros(1))
 
 

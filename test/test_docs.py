@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from trunk_ros.description import declared_arm
+from trunk_ros.arm.parameters import declared_arm
 from trunk_ros.effects import effect, registry
 from trunk_ros.model import load_model
 from trunk_ros.recording.importing.mapping import load_mapping

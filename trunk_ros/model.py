@@ -16,8 +16,8 @@ import yaml
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.description import ANY_JOINTS, arm_from, arm_parameters, check_names, checked, declared_arm
-from trunk_ros.description import Declaration as Declaration
+from trunk_ros.arm.parameters import ANY_JOINTS, arm_from, arm_parameters, check_names, checked, declared_arm
+from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
 from trunk_ros.recording import plain_yaml
@@ -110,15 +110,15 @@ class Model:
         return flat
 
     @staticmethod
-    def from_parameters(flat: Mapping[str, Any]) -> Model:
-        """The model of flat ROS parameters.
+    def from_parameters(flat: Mapping[str, Any], folder: Path | None = None) -> Model:
+        """The model of flat ROS parameters; files that it names are looked for in ``folder``.
 
         Raises ModelError for unknown names, lengths or values out of bounds.
         """
         declared = {d.name: d for d in declared_parameters()}
         check_names(flat, declared)
         given = {name: checked(declared[name], value) for name, value in flat.items()}
-        arm = arm_from(given)
+        arm = arm_from(given, folder)
         effects: dict[str, Values] = {}
         for name, kind in registry().items():
             own = {
@@ -242,7 +242,7 @@ def load_model(name: str | Path) -> Model:
     except ValueError as error:
         raise ModelError(f"{path} {error}") from None
     try:
-        return Model.from_parameters(dict(_flatten(_tree(content))))
+        return Model.from_parameters(dict(_flatten(_tree(content))), path.parent)
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
 

@@ -91,7 +91,7 @@ def waypoints(arm: Arm, joint: int, sections: list[Section], seconds: float, siz
     """Postures at rest (k, 2) of one joint: time s, angle rad."""
     rng = np.random.default_rng((SEED, joint))
     centre, reach = joint_range(arm, joint)
-    top = arm.v_max * abs(arm.ratio[joint])
+    top = arm.top_speed[joint]
     points = [(0.0, 0.0), (min(LEAD_IN, seconds / 4), 0.0)]
     turn = joint
     while True:

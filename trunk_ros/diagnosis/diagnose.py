@@ -39,6 +39,7 @@ from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
+from trunk_ros.transmission import by_joint, uncoupled
 
 Progress = Callable[[str], None]
 
@@ -72,22 +73,27 @@ class Diagnoser:
     def __init__(
         self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
     ):
+        recordings = [by_joint(r, model.arm) for r in recordings]
         self.recordings, self.against, self.say = recordings, against, progress
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
-        spans = [] if servo_alone or tip_alone else [wire_span(r, model) for r in recordings]
+        self.wires = [uncoupled(r, model)[0] for r in recordings]
+        """The recordings with a path of its own to each joint."""
+        path = replace(model, arm=model.arm.uncoupled())
+        spans = [] if servo_alone or tip_alone else [wire_span(r, path) for r in self.wires]
         key = "gearbox_states" if servo_alone else "joint_states"
         seen = [s.joints for s in spans] or [common_joints(r, model, r.require(key)) for r in recordings]
         self.joints = seen[0]
         if any(joints != self.joints for joints in seen):
             raise RecordingError("the recordings have different joints: they are not of one arm")
         self.model = model.for_joints(self.joints)
+        self.path = path.for_joints(self.joints)
         self.spans = (
             spans
             if against is None
             else [
-                shifted(s, self.model, on_the_clock(against, r))
+                shifted(s, self.path, on_the_clock(against, r))
                 for s, r in zip(spans, recordings, strict=True)
             ]
         )
@@ -142,7 +148,7 @@ class Diagnoser:
             self.result.stages["wire"] = {"compared": False, "joints": {}}
             return
         self.say("wire")
-        problem = WireProblem(self.spans, self.model, self.recordings[0].units)
+        problem = WireProblem(self.spans, self.path, self.recordings[0].units)
         self._stage(problem)
         noises = zip(problem.joints, problem.noise, strict=True)
         self.lasting = {joint: noise.std for joint, noise in noises if noise.correlation > 0.0}
@@ -216,8 +222,8 @@ class Diagnoser:
     def tip(self) -> None:
         """Joint to tip."""
         late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
-        model = replace(self.model, effects={**self.model.effects, **self.effects})
-        best = fitted_tip(self.recordings, model, late, self.lasting) if self.against is None else None
+        model = replace(self.path, effects={**self.path.effects, **self.effects})
+        best = fitted_tip(self.wires, model, late, self.lasting) if self.against is None else None
         if best is None:
             self.result.stages["arm"] = {"compared": False, "tip": {}}
             return

@@ -113,12 +113,13 @@ class Problem(ABC):
         return float(step / np.sqrt(12.0) * abs(self.arm.ratio[column]))
 
     def _view(self, span: Span) -> View:
-        angles = span.gearbox * self.arm.ratio
+        angles = self.arm.driven(span.gearbox)
         speeds = span.velocity * self.arm.ratio
         dt = np.diff(span.grid, prepend=span.grid[:1])
-        return View(
-            span, dt, angles, *loads(self.arm, angles, span.resistance), angles, speeds, following(span.valid)
-        )
+        load, lever = loads(self.arm, angles, span.resistance)
+        if self.arm.coupling is not None:
+            load, lever = self.arm.carried(load), self.arm.carried(lever)
+        return View(span, dt, angles, load, lever, angles, speeds, following(span.valid))
 
     def now(self, index: int, column: int, payload: float, steps: int | None = None) -> Now:
         """The surroundings of a column in a span, or in its first ``steps``, kept between calls."""

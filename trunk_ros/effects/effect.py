@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from trunk_ros.arm import Arm, Wire
+from trunk_ros.arm.geometry import Geometry
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
@@ -56,7 +57,7 @@ class Now:
 class Core:
     """The settings of a stage's own mechanism, which effects of that stage may change.
 
-    Wire: half-widths of the play and how a reversal is rounded. Servo: the loop. Arm: link lengths.
+    Wire: half-widths of the play and how a reversal is rounded. Servo: the loop. Arm: its geometry.
     """
 
     nominal_width: Array = field(default_factory=lambda: np.empty(0))
@@ -79,7 +80,9 @@ class Core:
     """(n, columns) rad of error that the loop does not answer to."""
     cogging: Array = field(default_factory=lambda: np.empty(0))
     """(3, columns): amplitude rad, cycles per revolution, phase rad."""
-    link_length: Array = field(default_factory=lambda: np.empty(0))
+    geometry: Geometry = field(default_factory=lambda: Geometry.nominal(0))
+    along: Array = field(default_factory=lambda: np.empty((0, 3)))
+    """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""
 
 
 class Effect(ABC):

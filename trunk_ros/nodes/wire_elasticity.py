@@ -16,7 +16,7 @@ from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.qos import LATCHED
 from trunk_ros.nodes.graph.ros import JointState, PoseStamped, String
 from trunk_ros.trajectory import Array
-from trunk_ros.urdf import urdf
+from trunk_ros.arm.urdf import urdf
 
 RESTART = SECOND  # ns that a stamp may be before the last one; more is a clock that was set back
 

@@ -34,7 +34,7 @@ def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData 
     lengths or a joint are missing. ``model``: with the physics of the wires that was found.
     """
     joints = recording.series.get("joint_states")
-    if recording.tip is None or joints is None or not model.arm.has_geometry:
+    if recording.tip is None or joints is None or not model.arm.is_planar:
         return None
     if not set(model.arm.joints) <= set(joints.joints):
         return None
@@ -50,7 +50,7 @@ def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData 
     theta = _theta(recording, model, at, joints.position[known], pose.stamp[inside])
     tip = pose.position[inside, 1:3]
     if turned.any():
-        tip = np.column_stack([tip, _roll(pose.orientation[inside], theta.sum(axis=1))])
+        tip = np.column_stack([tip, roll_of(pose.orientation[inside], theta.sum(axis=1))])
     return TipData(model.arm, pose.stamp[inside], theta, tip)
 
 
@@ -61,7 +61,7 @@ def oriented(pose: PoseSeries) -> np.ndarray:
     return told if told.any() and np.ptp(pose.orientation[told], axis=0).any() else np.zeros_like(told)
 
 
-def _roll(orientation: Array, heading: Array) -> Array:
+def roll_of(orientation: Array, heading: Array) -> Array:
     """(n,) rad turn about X of quaternions (n, 4), in the turn that is nearest to ``heading`` (n,)."""
     roll = 2.0 * np.arctan2(orientation[:, 0], orientation[:, 3])
     return np.asarray(roll + 2 * np.pi * np.round((heading - roll) / (2 * np.pi)))

@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
 from trunk_ros.diagnosis.data.sensor_faults import FEW
 from trunk_ros.diagnosis.evidence.evidence import ROUGH, SCATTER
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT
-from trunk_ros.diagnosis.tip.data import TipData
+from trunk_ros.diagnosis.tip.data import TipData, roll_of
 from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, Point, bound, credible, point_of
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.effect import Now
@@ -122,7 +122,8 @@ class ArmProblem:
         if any(name == ZERO for name, _ in values):
             theta = theta + [values.get((ZERO, c), 0.0) for c in range(len(joints))]
         now = Now(d.stamp, dt, theta, theta, theta, theta, theta, joints, self.arm.ratio)
-        tip = tip_pass(self.arm, bound(values, len(joints)), theta, now)
+        pose = tip_pass(self.arm, bound(values, len(joints)), theta, now)
+        tip = np.column_stack([pose[:, 1:3], roll_of(pose[:, 3:], theta.sum(axis=1))])
         shift = [values.get((SHIFT, k), 0.0) for k in range(len(self.signals))]
         return np.asarray(tip[:, : len(self.signals)] + shift)
 

@@ -5,7 +5,7 @@ from trunk_ros.parameter import Parameter
 
 
 class LinkLengthError(Effect):
-    """l_i + length_error."""
+    """l_i + length_error: along the line from the joint to the next one, with the arm at 0."""
 
     id = "link_length_error"
     stage, place, regime = "arm", 100, "always"
@@ -15,4 +15,4 @@ class LinkLengthError(Effect):
     confused_with = (("base_tilt", "turn the arm to both sides: a tilt turns with it, a length does not"),)
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.link_length = core.link_length + self["length_error"]
+        core.geometry.shift += self["length_error"][:, None] * core.along

@@ -6,7 +6,7 @@ import difflib
 import math
 from typing import Any
 
-from trunk_ros.description import ANY_JOINTS
+from trunk_ros.arm.parameters import ANY_JOINTS
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Declaration, Model, declared_parameters, load_model
 from trunk_ros.nodes.graph.ros import FloatingPointRange, ParameterDescriptor, ParameterException

@@ -5,16 +5,21 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm import GRAVITY, LOADS, Arm, Wire
+from trunk_ros.arm.arm import GRAVITY, LOADS, Arm
+from trunk_ros.arm.description import Description
+from trunk_ros.arm.files import urdf_text
+from trunk_ros.arm.wire import Wire
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 
 ANY_JOINTS = "*"
 ANY_ANGLE = 1e3  # rad: no limit
+WORST = 1e6  # condition of a coupling that can be inverted
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,8 @@ class Declaration:
     unit: str
     bounds: tuple[float, float] | None
     meaning: str
+    free: bool = False
+    """One number or a list: no ROS type is fixed."""
 
 
 def _per_joint(name: str, unit: str, bounds: tuple[float, float], meaning: str) -> Declaration:
@@ -69,10 +76,23 @@ def declared_arm() -> list[Declaration]:
         _per_joint("arm.upper", "rad", (-ANY_ANGLE, ANY_ANGLE), "upper joint limit"),
         _per_joint("arm.link_length", "m", large, "length of the link that the joint turns"),
         _per_joint("arm.link_mass", "kg", large, "mass of the link, at its middle"),
+        Declaration(
+            "arm.urdf", "", "", None, "the arm's URDF in place of lengths, masses, limits: FILE, package://…, text"
+        ),
+        Declaration("arm.base", "", "", None, "link of the URDF that the arm begins with; '': its first"),
+        Declaration("arm.tip", "", "", None, "link of the URDF that the arm ends with; '': its farthest"),
         Declaration("arm.payload", 0.0, "kg", large, "mass at the tip"),
-        Declaration("arm.gravity", GRAVITY, "m/s^2", large, "gravity, along -z"),
+        Declaration(
+            "arm.gravity", GRAVITY, "m/s^2", (-1e6, 1e6), "gravity along -z, or a vector in the world", free=True
+        ),
+        Declaration("arm.mounting", [0.0], "rad", (-10.0, 10.0), "roll, pitch, yaw of the base in the world"),
         Declaration("arm.load", LOADS[0], "", None, f"the moment on the joints: {', '.join(LOADS)}"),
         _per_joint("wire.ratio", "1", (-1e6, 1e6), "joint angle per gearbox angle, in place of the radii"),
+        Declaration(
+            "wire.coupling", [float("nan")], "1", (-1e6, 1e6),
+            "joint angle per motor angle, joint by motor, row by row, in place of wire.ratio",
+        ),
+        Declaration("wire.motors", [""], "", None, "names of the motors, where they are not those of the joints"),
         _per_joint(
             "wire.dead_band", "rad", large, "half-width of the nominal play, in place of the wire's formula"
         ),
@@ -106,7 +126,7 @@ def checked(declaration: Declaration, value: Any) -> Any:
         return _words(name, value)
     numbers = _numbers(name, value)
     _check_bounds(declaration, numbers)
-    if isinstance(default, list):
+    if isinstance(default, list) or (declaration.free and numbers.size > 1):
         return numbers
     if numbers.size != 1:
         raise ModelError(f"{name} has {numbers.size} values: give 1")
@@ -148,32 +168,121 @@ def shortened(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def arm_from(flat: Mapping[str, Any]) -> Arm:
-    """The arm of checked flat parameters. Raises ModelError for missing or misfitting values."""
-    joints = tuple(flat.get("arm.joints", [ANY_JOINTS]))
+def arm_from(flat: Mapping[str, Any], folder: Path | None = None) -> Arm:
+    """The arm of checked flat parameters, files being named from ``folder`` on. Raises ModelError for missing
+    or misfitting values.
+    """
+    description = _description(flat, folder)
+    joints = _joint_names(flat, description)
     if len(set(joints)) != len(joints) or not all(joints) or not joints:
         raise ModelError(f"arm.joints must be different names, one or more: got {shortened(list(joints))}")
     here = len(joints)
-    wire = _wire(flat, here)
+    wire, coupling = _wire(flat, here), _coupling(flat, here)
+    lower, upper = _ends(description, joints)
+    ratio = _array(flat, "wire.ratio", here, wire.ratio if wire else 1.0)
     arm = Arm(
         joints=joints,
-        ratio=_array(flat, "wire.ratio", here, wire.ratio if wire else 1.0),
+        ratio=ratio if coupling is None else np.ones(here),
         dead_band=_array(flat, "wire.dead_band", here, wire.dead_band if wire else 0.0),
-        lower=_array(flat, "arm.lower", here, -ANY_ANGLE),
-        upper=_array(flat, "arm.upper", here, ANY_ANGLE),
+        lower=_array(flat, "arm.lower", here, lower),
+        upper=_array(flat, "arm.upper", here, upper),
         link_length=_optional(flat, "arm.link_length", here),
         link_mass=_optional(flat, "arm.link_mass", here),
         compliance=wire.compliance
         if wire and not _given(flat, "wire.compliance")
         else _optional(flat, "wire.compliance", here),
         payload=flat.get("arm.payload", 0.0),
-        gravity=flat.get("arm.gravity", GRAVITY),
+        gravity=_gravity(flat),
+        mounting=_three(flat, "arm.mounting"),
         wire=wire,
         load_from=flat.get("arm.load", LOADS[0]),
+        description=description,
+        coupling=coupling,
+        motors=_motors(flat, here),
         **{name: flat.get(f"servo.{name}", value) for name, (value, *_) in SERVO.items()},
     )
     _check_arm(arm)
     return arm
+
+
+def _description(flat: Mapping[str, Any], folder: Path | None) -> Description | None:
+    source = flat.get("arm.urdf", "")
+    ends = flat.get("arm.base", ""), flat.get("arm.tip", "")
+    if not source:
+        if any(ends):
+            raise ModelError("arm.base and arm.tip are links of a URDF: give arm.urdf as well")
+        return None
+    if other := [name for name in ("arm.link_length", "arm.link_mass") if _given(flat, name)]:
+        raise ModelError(f"arm.urdf takes the place of {other[0]}: leave one of them out")
+    return Description(urdf_text(source, folder), *ends).found(_named(flat))
+
+
+def _named(flat: Mapping[str, Any]) -> tuple[str, ...]:
+    """The joints that a model names; none where it leaves them to others."""
+    joints = tuple(flat.get("arm.joints", [ANY_JOINTS]))
+    return () if joints == (ANY_JOINTS,) else joints
+
+
+def _joint_names(flat: Mapping[str, Any], description: Description | None) -> tuple[str, ...]:
+    named = _named(flat)
+    if description is None:
+        return tuple(flat.get("arm.joints", [ANY_JOINTS]))
+    own = tuple(joint.name for joint in description.arm_joints)
+    if other := [joint for joint in named if joint not in own]:
+        raise ModelError(f"arm.joints has {other[0]!r}, the URDF from base to tip {', '.join(own)}")
+    return named or own
+
+
+def _ends(description: Description | None, joints: tuple[str, ...]) -> tuple[Array, Array]:
+    """(joints,) lower and upper limits that a URDF has."""
+    known = {} if description is None else {joint.name: joint for joint in description.arm_joints}
+    ends = [(known[joint].lower, known[joint].upper) if joint in known else (-np.inf, np.inf) for joint in joints]
+    lower, upper = np.clip(np.array(ends), -ANY_ANGLE, ANY_ANGLE).T
+    return lower, upper
+
+
+def _gravity(flat: Mapping[str, Any]) -> float | tuple[float, float, float]:
+    values = np.ravel(flat.get("arm.gravity", GRAVITY))
+    if values.size == 1:
+        if values[0] < 0.0:
+            raise ModelError(f"arm.gravity = {values[0]:g}: along -z it is 0 or more, or give [x, y, z]")
+        return float(values[0])
+    return _three(flat, "arm.gravity")
+
+
+def _three(flat: Mapping[str, Any], name: str) -> tuple[float, float, float]:
+    values = np.ravel(flat.get(name, 0.0))
+    if values.size == 1 and not values[0]:
+        return 0.0, 0.0, 0.0
+    if values.size != 3:
+        raise ModelError(f"{name} = {shortened(values.tolist())}: give three values")
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def _coupling(flat: Mapping[str, Any], joints: int) -> Array | None:
+    if not _given(flat, "wire.coupling"):
+        return None
+    values = np.ravel(flat["wire.coupling"])
+    if values.size != joints**2:
+        raise ModelError(
+            f"wire.coupling has {values.size} values for {joints} joints: give a motor per joint, "
+            f"{joints} rows of {joints}"
+        )
+    if _given(flat, "wire.ratio"):
+        raise ModelError("wire.coupling takes the place of wire.ratio: leave one of them out")
+    matrix = values.reshape(joints, joints)
+    if not np.isfinite(matrix).all() or np.linalg.cond(matrix) > WORST:
+        raise ModelError("wire.coupling cannot be inverted: no motor angles make the joints go where they should")
+    return matrix
+
+
+def _motors(flat: Mapping[str, Any], joints: int) -> tuple[str, ...]:
+    names = tuple(flat.get("wire.motors", [""]))
+    if names == ("",):
+        return ()
+    if len(set(names)) != joints or len(names) != joints or not all(names):
+        raise ModelError(f"wire.motors must be {joints} different names: got {shortened(list(names))}")
+    return names
 
 
 def _check_arm(arm: Arm) -> None:
@@ -189,6 +298,9 @@ def _check_arm(arm: Arm) -> None:
 def arm_parameters(arm: Arm) -> dict[str, Any]:
     """Flat parameters that give the arm back."""
     flat: dict[str, Any] = {"arm.joints": list(arm.joints)}
+    if arm.description is not None:
+        told = arm.description
+        flat |= {"arm.urdf": told.text, "arm.base": told.base, "arm.tip": told.tip}
     arrays = {
         "arm.lower": arm.lower,
         "arm.upper": arm.upper,
@@ -199,12 +311,23 @@ def arm_parameters(arm: Arm) -> dict[str, Any]:
         own = getattr(arm, name)
         if arm.wire is None or not np.array_equal(own, np.broadcast_to(getattr(arm.wire, name), own.shape)):
             arrays[f"wire.{name}"] = own
+    if arm.coupling is not None:
+        del arrays["wire.ratio"]
+        arrays["wire.coupling"] = arm.coupling.ravel()
     flat |= {name: values.tolist() for name, values in arrays.items() if len(values)}
-    flat |= {"arm.payload": float(arm.payload), "arm.gravity": float(arm.gravity), "arm.load": arm.load_from}
+    if arm.motors:
+        flat["wire.motors"] = list(arm.motors)
+    flat |= {"arm.payload": float(arm.payload), "arm.gravity": _plain(arm.gravity), "arm.load": arm.load_from}
+    if any(arm.mounting):
+        flat["arm.mounting"] = list(arm.mounting)
     if arm.wire is not None:
         flat |= {f"wire.{name}": float(getattr(arm.wire, name)) for name in WIRE_SCALARS}
         flat |= {f"wire.{name}": getattr(arm.wire, name).tolist() for name in WIRE_ARRAYS}
     return flat | {f"servo.{name}": float(getattr(arm, name)) for name in SERVO}
+
+
+def _plain(gravity: float | tuple[float, float, float]) -> float | list[float]:
+    return list(gravity) if isinstance(gravity, tuple) else float(gravity)
 
 
 def check_names(given: Iterable[str], known: Iterable[str]) -> None:

@@ -90,7 +90,7 @@ def _connect(robot: Element, name: str, kind: str, parent: str, child: str, heig
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Print the URDF of a model: ``python -m trunk_ros.urdf [MODEL]``, by default the nominal arm."""
+    """Print the URDF of a model: ``python -m trunk_ros.arm.urdf [MODEL]``, by default the nominal arm."""
     from trunk_ros.model import load_model
 
     names = sys.argv[1:] if argv is None else argv
