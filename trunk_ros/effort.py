@@ -63,7 +63,7 @@ def measured_load(gearbox: JointSeries, ratio: Array, arm: Arm | None = None) ->
 
 
 def _postures(theta: Array, arm: Arm | None) -> list[Array]:
-    """For each joint (n, columns) what its load at joint angles (n, joints) is made of, whatever the masses."""
+    """For each joint (n, columns) what its load at joint angles (n, joints) is made of."""
     level = np.ones(len(theta))
     if arm is None or arm.description is None:
         heading = np.cumsum(theta, axis=1)

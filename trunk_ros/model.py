@@ -15,9 +15,9 @@ import numpy as np
 import yaml
 
 from trunk_ros.arm import Arm
-from trunk_ros.compiled import Array
 from trunk_ros.arm.parameters import ANY_JOINTS, arm_from, arm_parameters, check_names, checked, declared_arm
 from trunk_ros.arm.parameters import Declaration as Declaration
+from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
 from trunk_ros.recording import plain_yaml

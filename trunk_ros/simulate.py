@@ -53,7 +53,10 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
         phi = resample(driven, grid)[0]
         there = phi[np.clip(np.searchsorted(grid, wanted - SAME), 0, len(grid) - 1)]
         series["gearbox_states"] = JointSeries(wanted, model.only(joints).arm.motor_names, there)
-        driven, model = at_joints(driven, model.arm, measured=False), replace(model, arm=model.arm.uncoupled())
+        driven, model = (
+            at_joints(driven, model.arm, measured=False),
+            replace(model, arm=model.arm.uncoupled()),
+        )
         phi, velocity = resample(driven, grid)
     else:
         steps = counts(given) if model.effects else np.zeros(len(joints))

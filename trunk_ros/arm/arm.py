@@ -95,6 +95,11 @@ class Arm:
         world = (0.0, 0.0, -self.gravity) if isinstance(self.gravity, (int, float)) else self.gravity
         return np.asarray(turned(self.mounting).T @ np.asarray(world, dtype=float))
 
+    @property
+    def base_link(self) -> str:
+        """The link that the tip is told in."""
+        return "base_link" if self.description is None else self.description.found().base
+
     def index(self, joint: str) -> int:
         """Column of a joint. Raises ModelError for a joint that the arm does not have."""
         if joint not in self.joints:
@@ -153,9 +158,9 @@ class Arm:
         return self.motors or self.joints
 
     @property
-    def turns(self) -> Array:
-        """(joints, motors) joint angle per motor angle."""
-        return np.diag(self.ratio) if self.coupling is None else self.coupling
+    def rest(self) -> Array:
+        """(joints,) where a simulated arm begins: 0, or the limit next to it."""
+        return np.minimum(np.maximum(0.0, self.lower), self.upper)
 
     @property
     def top_speed(self) -> Array:

@@ -49,7 +49,9 @@ class Body:
         where they are at one place, or the joint is not on the way.
         """
         placed = [self.model.jointPlacements[i].translation for i in self.path[1:]]
-        reach = dict(zip(self.path, [*placed, self.model.frames[self.tip].placement.translation], strict=True))
+        reach = dict(
+            zip(self.path, [*placed, self.model.frames[self.tip].placement.translation], strict=True)
+        )
         links = np.array([reach.get(i, np.zeros(3)) for i in self.own])
         size = np.linalg.norm(links, axis=1, keepdims=True)
         return np.asarray(np.where(size > 1e-9, links / np.maximum(size, 1e-9), 0.0))
@@ -87,8 +89,8 @@ class Body:
         return -out @ self.spread
 
     def weight_shares(self, theta: Array, gravity: Array) -> Array:
-        """(n, joints, columns): what a kilogram and a kilogram metre along each axis in each link would do to the
-        joints, as ``moments`` has it: the weight is a sum of these, whatever the masses.
+        """(n, joints, columns): what a kilogram and a kilogram metre along each axis in each link would do to
+        the joints, as ``moments`` has it: the weight is a sum of these, whatever the masses.
         """
         pin = library()
         model, data = self._with(0.0, True)

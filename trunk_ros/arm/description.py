@@ -101,12 +101,12 @@ def _joint(element: Element) -> Joint:
     name, kind = str(element.get("name")), str(element.get("type"))
     mimic = element.find("mimic")
     try:
-        ends = [str(_child(element, end, name).get("link")) for end in ("parent", "child")]
+        parent, child = (str(_child(element, end, name).get("link")) for end in ("parent", "child"))
         lower, upper = limits(element.find("limit"), kind)
         if mimic is None:
-            return Joint(name, kind, *ends, lower, upper)
+            return Joint(name, kind, parent, child, lower, upper)
         factors = float(mimic.get("multiplier", 1.0)), float(mimic.get("offset", 0.0))
-        return Joint(name, kind, *ends, lower, upper, str(mimic.get("joint")), *factors)
+        return Joint(name, kind, parent, child, lower, upper, str(mimic.get("joint")), *factors)
     except ValueError as error:
         raise ModelError(f"the URDF's joint {name}: {error}") from None
 

@@ -52,7 +52,12 @@ def changed(body: Body, geometry: Geometry) -> Body:
     tip.placement = behind * tip.placement * _moved(geometry.tool)
     base = body.base * _moved(geometry.base).inverse()
     return replace(
-        body, model=model, base=base, offset=body.offset + body.spread @ geometry.zero, _loaded={}, _matrices={}
+        body,
+        model=model,
+        base=base,
+        offset=body.offset + body.spread @ geometry.zero,
+        _loaded={},
+        _matrices={},
     )
 
 

@@ -77,22 +77,36 @@ def declared_arm() -> list[Declaration]:
         _per_joint("arm.link_length", "m", large, "length of the link that the joint turns"),
         _per_joint("arm.link_mass", "kg", large, "mass of the link, at its middle"),
         Declaration(
-            "arm.urdf", "", "", None, "the arm's URDF in place of lengths, masses, limits: FILE, package://…, text"
+            "arm.urdf",
+            "",
+            "",
+            None,
+            "the arm's URDF in place of lengths, masses, limits: FILE, package://…, text",
         ),
         Declaration("arm.base", "", "", None, "link of the URDF that the arm begins with; '': its first"),
         Declaration("arm.tip", "", "", None, "link of the URDF that the arm ends with; '': its farthest"),
         Declaration("arm.payload", 0.0, "kg", large, "mass at the tip"),
         Declaration(
-            "arm.gravity", GRAVITY, "m/s^2", (-1e6, 1e6), "gravity along -z, or a vector in the world", free=True
+            "arm.gravity",
+            GRAVITY,
+            "m/s^2",
+            (-1e6, 1e6),
+            "gravity along -z, or a vector in the world",
+            free=True,
         ),
         Declaration("arm.mounting", [0.0], "rad", (-10.0, 10.0), "roll, pitch, yaw of the base in the world"),
         Declaration("arm.load", LOADS[0], "", None, f"the moment on the joints: {', '.join(LOADS)}"),
         _per_joint("wire.ratio", "1", (-1e6, 1e6), "joint angle per gearbox angle, in place of the radii"),
         Declaration(
-            "wire.coupling", [float("nan")], "1", (-1e6, 1e6),
+            "wire.coupling",
+            [float("nan")],
+            "1",
+            (-1e6, 1e6),
             "joint angle per motor angle, joint by motor, row by row, in place of wire.ratio",
         ),
-        Declaration("wire.motors", [""], "", None, "names of the motors, where they are not those of the joints"),
+        Declaration(
+            "wire.motors", [""], "", None, "names of the motors, where they are not those of the joints"
+        ),
         _per_joint(
             "wire.dead_band", "rad", large, "half-width of the nominal play, in place of the wire's formula"
         ),
@@ -236,7 +250,9 @@ def _joint_names(flat: Mapping[str, Any], description: Description | None) -> tu
 def _ends(description: Description | None, joints: tuple[str, ...]) -> tuple[Array, Array]:
     """(joints,) lower and upper limits that a URDF has."""
     known = {} if description is None else {joint.name: joint for joint in description.arm_joints}
-    ends = [(known[joint].lower, known[joint].upper) if joint in known else (-np.inf, np.inf) for joint in joints]
+    ends = [
+        (known[joint].lower, known[joint].upper) if joint in known else (-np.inf, np.inf) for joint in joints
+    ]
     lower, upper = np.clip(np.array(ends), -ANY_ANGLE, ANY_ANGLE).T
     return lower, upper
 
@@ -272,7 +288,9 @@ def _coupling(flat: Mapping[str, Any], joints: int) -> Array | None:
         raise ModelError("wire.coupling takes the place of wire.ratio: leave one of them out")
     matrix = values.reshape(joints, joints)
     if not np.isfinite(matrix).all() or np.linalg.cond(matrix) > WORST:
-        raise ModelError("wire.coupling cannot be inverted: no motor angles make the joints go where they should")
+        raise ModelError(
+            "wire.coupling cannot be inverted: no motor angles make the joints go where they should"
+        )
     return matrix
 
 

@@ -54,4 +54,3 @@ class Wire:
     def efficiency(self) -> Array:
         """Force at the joint over force at the shaft, exp(-(mu1 a1 + mu2 a2)), eq. (3)-(5)."""
         return np.exp(-(self.mu1 * self.a1 + self.mu2 * self.a2))
-

@@ -49,7 +49,8 @@ class Compensator(TrunkNode):
         self.blind = False
         self.foreign_reference = ForeignReference(self.model.arm)
         self.observation = Observation(self.model, self.simulated)
-        self.gearbox_matcher, self.joints_matcher = JointMatcher(self.joints), JointMatcher(self.joints)
+        self.gearbox_matcher = JointMatcher(self.model.arm.motor_names)
+        self.joints_matcher = JointMatcher(self.joints)
         self.open_streams()
         self.swap = ModelSwap(self, self.use)
 
@@ -59,7 +60,7 @@ class Compensator(TrunkNode):
         self.gearbox_stream = self.watch("trunk/gearbox_states", timeout)
         self.joints_stream = self.watch("joint_states", timeout)
         self.publish_reference = self.joint_states_on("trunk/reference", self.joints)
-        self.publish_setpoints = self.joint_states_on("trunk/setpoints", self.joints)
+        self.publish_setpoints = self.joint_states_on("trunk/setpoints", self.model.arm.motor_names)
         self.shown = ControllerState(self, self.joints, self.value("state_rate"))
         self.listen_to(JointTrajectory, "trunk/joint_trajectory", self.on_trajectory)
         self.listen_to(JointState, "trunk/reference", self.on_reference, raw=True)
@@ -214,7 +215,8 @@ class Compensator(TrunkNode):
         stands = self.observation.stands(now)
         self.blind = stands is None
         self.compensation = Compensation(self.model, self.value("reversal"), stands)
-        start = self.compensation.joint_angle(np.zeros(len(self.joints)) if stands is None else stands)
+        arm = self.model.arm
+        start = self.compensation.joint_angle(arm.asked(arm.rest) if stands is None else stands)
         self.follower = Follower(
             self.joints, limits_of(self.model.arm, self.value("max_acceleration")), start
         )

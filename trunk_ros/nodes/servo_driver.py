@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.model import Declaration
-from trunk_ros.nodes.bus import SIMULATED, Bus, bus_of, gearbox_limits
+from trunk_ros.nodes.bus import SIMULATED, Bus, bus_of, gearbox_limits, within
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import Elapsed
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
@@ -36,8 +36,8 @@ class ServoDriver(TrunkNode):
     def configure(self) -> None:
         """Open the bus and the streams."""
         arm = self.model.arm
-        self.joints = arm.joints
-        self.matcher = JointMatcher(arm.joints)
+        self.joints = arm.motor_names
+        self.matcher = JointMatcher(self.joints)
         self.lower, self.upper = gearbox_limits(arm)
         self.bus: Bus = bus_of(self.value("bus"), self.model)
         self.everyone = np.ones(len(arm.joints), dtype=bool)
@@ -94,6 +94,13 @@ class ServoDriver(TrunkNode):
             raise MessageError(
                 f"setpoint refused: {self.joints[j]} at {setpoint[j]:.4f} rad is outside "
                 f"{self.lower[j]:.4f} ... {self.upper[j]:.4f}; holding the last safe one"
+            )
+        over = np.abs(within(setpoint, self.model.arm) - setpoint) > ROUNDING
+        if over.any():
+            j = int(np.argmax(over))
+            raise MessageError(
+                f"setpoint refused: {self.joints[j]} at {setpoint[j]:.4f} rad would move a joint outside its "
+                "limits; holding the last safe one"
             )
 
     def release(self) -> None:

@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.arm.urdf import urdf
 from trunk_ros.chain import Chain, State
 from trunk_ros.model import Declaration
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND, Elapsed
+from trunk_ros.nodes.graph.frames import FrameStream
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
 from trunk_ros.nodes.graph.messages import fill_pose, nanoseconds
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.qos import LATCHED
 from trunk_ros.nodes.graph.ros import JointState, PoseStamped, String
 from trunk_ros.trajectory import Array
-from trunk_ros.arm.urdf import urdf
 
 RESTART = SECOND  # ns that a stamp may be before the last one; more is a clock that was set back
 
@@ -28,16 +29,18 @@ class WireElasticity(TrunkNode):
     idle = True
     OWN = (
         Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which gearbox_states are called stale"),
-        Declaration("base_frame", "base_link", "", None, "frame of tip_pose"),
+        Declaration("base_frame", "", "", None, "frame of tip_pose; by default the arm's base link"),
+        Declaration("tf", False, "", None, "publish /tf, where tf2_msgs is installed and nobody else does"),
     )
 
     def configure(self) -> None:
         """Create the chains and the streams."""
         arm = self.model.arm
         self.joints = arm.joints
+        self.motors = arm.motor_names
         self.zero = self.model.effects.get("zero_offset", {}).get("offset", 0.0)
         self.wires = [f"wire_{number}" for number in range(1, len(arm.joints) + 1)]
-        self.matcher = JointMatcher(arm.joints)
+        self.matcher = JointMatcher(self.motors)
         self.restart()
         still = np.zeros((2, len(arm.joints)))
         self.wire.run(still, np.arange(2.0) / 100)  # compiles, so that no sample is late
@@ -45,6 +48,8 @@ class WireElasticity(TrunkNode):
         self.publish_wires = self.joint_states_on("trunk/wire_states", self.wires)
         self.publish_tip = self.publish_on(PoseStamped, "trunk/tip_pose")
         self.pose = PoseStamped()
+        self.base_frame = self.value("base_frame") or arm.base_link
+        self.frames = FrameStream(self, arm) if self.value("tf") else None
         self.publish_on(String, "robot_description", LATCHED)(String(data=urdf(arm)))
         self.gearbox = self.watch("trunk/gearbox_states", self.value("timeout"))
         self.listen_to(JointState, "trunk/gearbox_states", self.on_gearbox)
@@ -77,7 +82,7 @@ class WireElasticity(TrunkNode):
         known = np.isfinite(phi)
         phi = phi if known.all() else np.where(known, phi, self.phi)
         if not known.all() and not np.isfinite(phi).all():
-            raise MessageError(f"no angle yet of {self.joints[int(np.argmin(np.isfinite(phi)))]}")
+            raise MessageError(f"no angle yet of {self.motors[int(np.argmin(np.isfinite(phi)))]}")
         self.phi = phi
         return phi
 
@@ -94,7 +99,9 @@ class WireElasticity(TrunkNode):
             self.publish_wires(now, stretch, None, tension)
         if self.model.arm.has_geometry:
             tip = self.tip.tip(theta[None], stamp)[0]
-            self.publish_tip(fill_pose(self.pose, now, self.value("base_frame"), tip))
+            self.publish_tip(fill_pose(self.pose, now, self.base_frame, tip))
+        if self.frames is not None:
+            self.frames.publish(now, theta)
 
     def speed(self, now: int, shown: Array) -> Array:
         """Speed of the joint readings (joints,) rad/s since the last sample."""
@@ -108,7 +115,7 @@ def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array
 
     ``theta``: joint angles [rad] from the gearbox's zero, since zeros that differ stretch no wire.
     """
-    stretch = arm.wire.cylinder_radius * (arm.ratio * phi - theta)
+    stretch = arm.wire.cylinder_radius * (arm.driven(phi) - theta)
     return stretch, arm.wire.pull_tension + np.abs(effort) / arm.wire.cylinder_radius
 
 

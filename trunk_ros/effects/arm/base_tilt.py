@@ -27,4 +27,4 @@ class BaseTilt(Effect):
 
     def adjust(self, core: Core, now: Now) -> None:
         for name, row in ABOUT.items():
-            core.geometry.base[row] += float(np.ravel(self[name])[0])
+            core.geometry.base[row] += float(np.ravel(self.values.get(name, 0.0))[0])

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.urdf import joint_limits
 from trunk_ros.errors import ModelError, TrunkError
 from trunk_ros.model import Model, declared_parameters, load_model
 from trunk_ros.nodes.graph import parameters
 from trunk_ros.nodes.graph.ros import SetParametersResult
-from trunk_ros.arm.urdf import joint_limits
 
 CLOSE = 1e-6  # rad and relative, for numbers that went through text
 

@@ -34,12 +34,12 @@ def declare(node: Any, declaration: Declaration, default: Any = None) -> Any:
 def descriptor(declaration: Declaration) -> Any:
     """Description as ``ros2 param describe`` shows it; rclpy itself refuses scalars out of bounds."""
     text = declaration.meaning + (f" [{declaration.unit}]" if declaration.unit else "")
-    described = ParameterDescriptor(description=text)
+    described = ParameterDescriptor(description=text, dynamic_typing=declaration.free)
     if declaration.bounds is None:
         return described
     low, high = (float(bound) for bound in declaration.bounds)
     described.additional_constraints = f"{low:g} to {high:g} {declaration.unit}".strip()
-    if isinstance(declaration.default, float) and math.isfinite(declaration.default):
+    if isinstance(declaration.default, float) and not declaration.free and math.isfinite(declaration.default):
         described.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
     return described
 
@@ -53,9 +53,10 @@ def declare_model(node: Any) -> Model:
     declared = {d.name: d for d in declared_parameters()}
     joints = declare(node, declared.pop("arm.joints"))
     base: dict[str, Any] = {}
-    if list(joints) == [ANY_JOINTS]:
+    if list(joints) == [ANY_JOINTS] and not declare(node, declared.pop("arm.urdf")):
         base = load_model(name).parameters()
-        set_quietly(node, {"arm.joints": base["arm.joints"]})
+        own: dict[str, Any] = {name: base[name] for name in ("arm.joints", "arm.urdf") if name in base}
+        set_quietly(node, own)
     for d in declared.values():
         declare(node, d, base.get(d.name))
     return model_of(node)
