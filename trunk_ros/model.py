@@ -15,7 +15,16 @@ import numpy as np
 import yaml
 
 from trunk_ros.arm import Arm
-from trunk_ros.arm.parameters import ANY_JOINTS, arm_from, arm_parameters, check_names, checked, declared_arm
+from trunk_ros.arm.description import Description
+from trunk_ros.arm.parameters import (
+    ANY_JOINTS,
+    arm_from,
+    arm_parameters,
+    check_names,
+    checked,
+    declared_arm,
+    limits_in,
+)
 from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
@@ -68,6 +77,28 @@ class Model:
         for joint in joints:
             self.arm.index(joint)
         return self
+
+    def with_urdf(self, text: str, recorded: tuple[str, ...]) -> Model:
+        """The model with the links of a URDF; one for any joints takes those of ``recorded`` that move its
+        tip.
+
+        Raises ModelError where the URDF has none of them.
+        """
+        description = Description(text).found(recorded)
+        own = tuple(joint.name for joint in description.arm_joints)
+        joints = tuple(joint for joint in own if joint in recorded) if self.any_joints else self.arm.joints
+        if other := [joint for joint in joints if joint not in own] or (not joints and recorded):
+            raise ModelError(
+                f"the URDF is of another arm: {', '.join(own)} move its {description.tip}, "
+                f"not {', '.join(other)}"
+            )
+        arm = _spread(self.arm, joints) if self.any_joints else self.arm
+        lower, upper = limits_in(description, joints)
+        empty = np.empty(0)
+        arm = replace(
+            arm, description=description, link_length=empty, link_mass=empty, lower=lower, upper=upper
+        )
+        return replace(self, arm=replace(arm, load_from="weight") if arm.has_load else arm)
 
     def only(self, joints: tuple[str, ...]) -> Model:
         """The model of some of the arm's joints, in their order. Raises ModelError for a joint that it

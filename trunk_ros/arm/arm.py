@@ -100,6 +100,12 @@ class Arm:
         """The link that the tip is told in."""
         return "base_link" if self.description is None else self.description.found().base
 
+    @property
+    def units(self) -> dict[str, str]:
+        """SI unit of the joints that are not in rad."""
+        known = () if self.description is None else self.description.arm_joints
+        return {j.name: "m" for j in known if j.kind == "prismatic" and j.name in self.joints}
+
     def index(self, joint: str) -> int:
         """Column of a joint. Raises ModelError for a joint that the arm does not have."""
         if joint not in self.joints:

@@ -24,9 +24,6 @@ class Frames:
         self._ends = [ids[link] for pair in self.pairs for link in pair]
 
     def transforms(self, theta: Array) -> Array:
-        """(pairs, 7) of joint angles (joints,): x, y, z [m], quaternion x, y, z, w of the child in the parent."""
-        poses = self._body.frames(theta, self._ends)
-        between = [
-            library().SE3ToXYZQUAT(a.inverse() * b) for a, b in zip(poses[::2], poses[1::2], strict=True)
-        ]
-        return np.array(between)
+        """(pairs, 7) of joint angles (joints,): x, y, z [m], quaternion x, y, z, w of children in parents."""
+        poses, told = self._body.frames(theta, self._ends), library().SE3ToXYZQUAT
+        return np.array([told(a.inverse() * b) for a, b in zip(poses[::2], poses[1::2], strict=True)])

@@ -192,7 +192,7 @@ def arm_from(flat: Mapping[str, Any], folder: Path | None = None) -> Arm:
         raise ModelError(f"arm.joints must be different names, one or more: got {shortened(list(joints))}")
     here = len(joints)
     wire, coupling = _wire(flat, here), _coupling(flat, here)
-    lower, upper = _ends(description, joints)
+    lower, upper = limits_in(description, joints)
     ratio = _array(flat, "wire.ratio", here, wire.ratio if wire else 1.0)
     arm = Arm(
         joints=joints,
@@ -247,7 +247,7 @@ def _joint_names(flat: Mapping[str, Any], description: Description | None) -> tu
     return named or own
 
 
-def _ends(description: Description | None, joints: tuple[str, ...]) -> tuple[Array, Array]:
+def limits_in(description: Description | None, joints: tuple[str, ...]) -> tuple[Array, Array]:
     """(joints,) lower and upper limits that a URDF has."""
     known = {} if description is None else {joint.name: joint for joint in description.arm_joints}
     ends = [

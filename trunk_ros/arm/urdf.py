@@ -56,9 +56,7 @@ def _link(robot: Element, name: str, length: float, mass: float, colour: int) ->
     for part in ("visual", "collision"):
         shape = SubElement(link, part)
         SubElement(shape, "origin", xyz=middle, rpy="0 0 0")
-        SubElement(
-            SubElement(shape, "geometry"), "cylinder", radius=f"{RADIUS!r}", length=f"{length!r}"
-        )
+        SubElement(SubElement(shape, "geometry"), "cylinder", radius=f"{RADIUS!r}", length=f"{length!r}")
         if part == "visual":
             SubElement(shape, "material", name=f"colour_{colour}")
     inertial = SubElement(link, "inertial")

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from trunk_ros import __version__
+from trunk_ros.arm.files import urdf_text
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import load_model
@@ -22,7 +23,8 @@ def main(argv: list[str]) -> int:
     """Parse, diagnose, write, say."""
     arguments = parser().parse_args(argv)
     prepare_output(arguments.output, arguments.overwrite, FILES)
-    model = load_model(arguments.model)
+    urdf = urdf_text(arguments.urdf) if arguments.urdf else ""
+    model = load_model(arguments.model) if arguments.model else None
     console = Console(stderr=True)
     with console.status("reading") as status:
         result = diagnose(
@@ -32,13 +34,14 @@ def main(argv: list[str]) -> int:
             arguments.from_time,
             arguments.until,
             lambda text: status.update(text),
+            urdf,
         )
     result.provenance = {
         "command": shlex.join(["trunk_ros", "diagnose", *argv]),
         "trunk_ros": __version__,
         "python": sys.version.split()[0],
-        "model": str(arguments.model),
-        "model_hash": model.hash(),
+        "model": str(arguments.model or arguments.urdf or _default(result)),
+        **result.provenance,
         "bags": [str(bag) for bag in arguments.bag],
     }
     with new_folder(arguments.output, arguments.overwrite, FILES) as folder:
@@ -46,6 +49,11 @@ def main(argv: list[str]) -> int:
         write_report(result, folder)
     say(result, Path(arguments.output))
     return 0
+
+
+def _default(result: Diagnosis) -> str:
+    """What stood for a model that was not given."""
+    return "trunk" if result.model.arm.description is None else "robot_description"
 
 
 def write_report(result: Diagnosis, folder: Path) -> None:
@@ -86,7 +94,10 @@ def parser() -> Parser:
     )
     out.add_argument("--output", required=True, metavar="DIR")
     out.add_argument(
-        "--model", default="trunk", metavar="MODEL.yaml", help="the nominal arm: a file, or trunk or direct"
+        "--model", metavar="MODEL.yaml", help="the nominal arm: a file, or trunk or direct; trunk by default"
+    )
+    out.add_argument(
+        "--urdf", metavar="FILE", help="the arm's URDF: load and tip of any arm; direct is the default then"
     )
     out.add_argument("--against", metavar="SIM_BAG", help="another simulator's recording of the same motion")
     out.add_argument("--from-time", metavar="T", help="in s, or in %% of the recording")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
@@ -34,7 +35,7 @@ from trunk_ros.diagnosis.verdict.findings import (
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
-from trunk_ros.model import Model, Values, load_model
+from trunk_ros.model import Model, Values
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
@@ -46,25 +47,30 @@ Progress = Callable[[str], None]
 
 def diagnose(
     recordings: Sequence[Recording | str | Path],
-    model: Model | str | Path = "trunk",
+    model: Model | str | Path | None = "trunk",
     against: Recording | str | Path | None = None,
     from_time: str | None = None,
     until: str | None = None,
     progress: Progress = lambda _: None,
+    urdf: str = "",
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
+    ``model`` None: the nominal arm's, or ``direct`` where the recordings are of another. ``urdf``: text of
+    the URDF that has the links; without, a model for any joints takes the recorded ``robot_description``.
     ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
     model's.
     Raises RecordingError or ModelError in one line.
     """
     read = [_read(r, from_time, until) for r in recordings]
-    nominal = model if isinstance(model, Model) else load_model(model)
+    nominal, read = described(model, read, urdf)
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
     read = [without_faults(completed(r, other)) for r in read]
-    return Diagnoser(read, nominal, other, progress).run()
+    result = Diagnoser(read, nominal, other, progress).run()
+    result.provenance = {"model_hash": nominal.hash()}
+    return result
 
 
 class Diagnoser:

@@ -140,7 +140,7 @@ def solve(lower: Array, b: Array) -> None:
 
 
 def pushed_back(acceleration: Array, places: np.ndarray, mass: Array, stiffness: Array) -> Array:
-    """How far wires of ``stiffness`` (swinging,) have to be ahead of joints [rad] (n, swinging) for all joints
-    to accelerate as told (n, joints), but for the wires' damping; ``mass`` (n, joints, joints): M.
+    """How far wires of ``stiffness`` (swinging,) have to be ahead of joints [rad] (n, swinging) for all
+    joints to accelerate as told (n, joints), but for the wires' damping; ``mass`` (n, joints, joints): M.
     """
     return np.asarray(np.einsum("njk,nk->nj", mass[:, places], acceleration) / stiffness)
