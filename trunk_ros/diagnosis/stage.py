@@ -23,6 +23,7 @@ from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.resistance import loads
 
 LEAST = 50  # valid samples without which a joint cannot be judged
+UNLOADED = 1e-6  # of the largest moment, below which a joint feels none
 OFTEN = 0.02  # s between samples that show what lies between them
 
 
@@ -101,6 +102,12 @@ class Problem(ABC):
         known = 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
         steps = np.hypot(self.own_steps(column), self.resolution(column)) / self.noise[column].std
         return known + 2.0 * float(steps) ** 2
+
+    def bears(self, column: int) -> bool:
+        """Whether a joint feels any load: one about a vertical axis does not."""
+        size = max(float(np.abs(each).max()) for view in self.views for each in (view.load, view.lever))
+        own = [each[:, column] for view in self.views for each in (view.load, view.lever)]
+        return any(np.abs(each).max() > UNLOADED * size for each in own)
 
     def own_steps(self, column: int) -> float:
         """Standard deviation of the steps of a joint's own encoder, or of a coarse sensor."""

@@ -67,6 +67,8 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
     out = explanation.copy()
     kind = effect(candidate.effect)
     columns = (candidate.columns or problem.columns) if candidate.column is None else [candidate.column]
+    if "load" in kind.needs:
+        columns = [column for column in columns if problem.bears(column)]
     for rival in replaced(kind, out):
         del out[rival]
     term = out.setdefault(candidate.effect, Term(candidate.effect, candidate.form))
