@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Core, Effect, Now
@@ -157,8 +158,25 @@ def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Arr
     """
     body = arm.body
     if effects:
-        core = Core(geometry=Geometry.nominal(len(arm.joints)), along=body.along)
+        core = core_of(body)
         for e in effects:
             e.adjust(core, now)
-        body = changed(body, core.geometry)
+        body, theta = changed(body, core.geometry), theta + core.bent
     return body.poses(theta)
+
+
+def core_of(body: Body) -> Core:
+    """What the effects of the arm stage may change of a body."""
+    geometry = Geometry.nominal(len(body.own))
+    return Core(geometry=geometry, along=body.along, across=across(body.along), beside=across(body.axes))
+
+
+def across(along: Array) -> Array:
+    """(n, 2, 3) unit vectors across vectors (n, 3) and each other; 0 where there is no direction."""
+    out = np.zeros((len(along), 2, 3))
+    for k, one in enumerate(along):
+        if one.any():
+            first = np.cross(one, np.eye(3)[int(np.argmin(np.abs(one)))])
+            out[k, 0] = first / np.linalg.norm(first)
+            out[k, 1] = np.cross(one, out[k, 0]) / np.linalg.norm(one)
+    return out

@@ -57,6 +57,17 @@ class Body:
         return np.asarray(np.where(size > 1e-9, links / np.maximum(size, 1e-9), 0.0))
 
     @cached_property
+    def axes(self) -> Array:
+        """(joints, 3) unit vectors along which or about which each joint moves, in its frame."""
+        motions = [np.ravel(self.model.joints[i].createData().S) for i in self.own]
+        return np.array([motion[:3] if motion[:3].any() else motion[3:] for motion in motions])
+
+    @cached_property
+    def slides(self) -> np.ndarray:
+        """(joints,): which are prismatic."""
+        return np.array([bool(np.ravel(self.model.joints[i].createData().S)[:3].any()) for i in self.own])
+
+    @cached_property
     def mass(self) -> float:
         """What the joints carry [kg], payload aside."""
         return float(sum(inertia.mass for inertia in list(self.model.inertias)[1:]))
@@ -126,6 +137,21 @@ class Body:
             pin.framesForwardKinematics(model, data, q[k])
             out[k] = pin.SE3ToXYZQUAT(back * data.oMf[self.tip])
         return out
+
+    def places(self, theta: Array) -> tuple[Array, Array]:
+        """Positions (n, joints + 1, 3) and rotations (n, joints + 1, 3, 3) of the joints' frames and the tip,
+        in the base link.
+        """
+        pin, own, back = library(), self.own, self.base.inverse()
+        model, data = self._with(0.0, True)
+        q = self._whole(theta) + self.offset
+        place, turn = np.empty((len(q), len(own) + 1, 3)), np.empty((len(q), len(own) + 1, 3, 3))
+        for k in range(len(q)):
+            pin.framesForwardKinematics(model, data, q[k])
+            for j, i in enumerate(own):
+                place[k, j], turn[k, j] = data.oMi[i].translation, data.oMi[i].rotation
+            place[k, -1], turn[k, -1] = data.oMf[self.tip].translation, data.oMf[self.tip].rotation
+        return place @ back.rotation.T + back.translation, back.rotation @ turn
 
     def frames(self, theta: Array, ids: list[int]) -> list[Any]:
         """Poses (SE3) of frames in the model's root at joint angles (joints,)."""

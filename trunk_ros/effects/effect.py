@@ -83,6 +83,12 @@ class Core:
     geometry: Geometry = field(default_factory=lambda: Geometry.nominal(0))
     along: Array = field(default_factory=lambda: np.empty((0, 3)))
     """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""
+    across: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    """(joints, 2, 3) unit vectors across those."""
+    beside: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    """(joints, 2, 3) unit vectors across each joint's axis."""
+    bent: Array | float = 0.0
+    """(n, joints) rad or m that the tip has more of each joint than its sensor shows."""
 
 
 class Effect(ABC):

@@ -50,7 +50,7 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
             "unit": UNITS[signal],
             "rmse_before": _rms(before[:, k]),
             "rmse_after": _rms(after[:, k]),
-            "noise_floor": problem.noise[k],
+            "noise_floor": float(problem.noise[k]),
         }
         for k, signal in enumerate(problem.signals)
     }
