@@ -168,15 +168,4 @@ def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Arr
 def core_of(body: Body) -> Core:
     """What the effects of the arm stage may change of a body."""
     geometry = Geometry.nominal(len(body.own))
-    return Core(geometry=geometry, along=body.along, across=across(body.along), beside=across(body.axes))
-
-
-def across(along: Array) -> Array:
-    """(n, 2, 3) unit vectors across vectors (n, 3) and each other; 0 where there is no direction."""
-    out = np.zeros((len(along), 2, 3))
-    for k, one in enumerate(along):
-        if one.any():
-            first = np.cross(one, np.eye(3)[int(np.argmin(np.abs(one)))])
-            out[k, 0] = first / np.linalg.norm(first)
-            out[k, 1] = np.cross(one, out[k, 0]) / np.linalg.norm(one)
-    return out
+    return Core(geometry=geometry, along=body.along, across=body.across, beside=body.beside)

@@ -36,14 +36,14 @@ class Body:
     _loaded: dict[Any, tuple[Any, Any]] = field(default_factory=dict, repr=False)
     _matrices: dict[Any, Array] = field(default_factory=dict, repr=False)
 
-    @property
+    @cached_property
     def own(self) -> tuple[int, ...]:
         """The model's joints that are the arm's own, in the arm's order."""
         rows = [int(np.flatnonzero(column == 1.0)[0]) for column in self.spread.T]
         by_row = {self.model.joints[i].idx_v: i for i in range(1, self.model.njoints)}
         return tuple(by_row[row] for row in rows)
 
-    @property
+    @cached_property
     def along(self) -> Array:
         """(joints, 3) unit vectors from each joint to the next on the way to the tip, in the joint's frame; 0
         where they are at one place, or the joint is not on the way.
@@ -61,6 +61,16 @@ class Body:
         """(joints, 3) unit vectors along which or about which each joint moves, in its frame."""
         motions = [np.ravel(self.model.joints[i].createData().S) for i in self.own]
         return np.array([motion[:3] if motion[:3].any() else motion[3:] for motion in motions])
+
+    @cached_property
+    def across(self) -> Array:
+        """(joints, 2, 3) unit vectors across ``along``."""
+        return across(self.along)
+
+    @cached_property
+    def beside(self) -> Array:
+        """(joints, 2, 3) unit vectors across ``axes``."""
+        return across(self.axes)
 
     @cached_property
     def slides(self) -> np.ndarray:
@@ -189,3 +199,12 @@ class Body:
                 self._loaded.clear()
             self._loaded[key] = model, model.createData()
         return self._loaded[key]
+
+
+def across(ways: Array) -> Array:
+    """(n, 2, 3) unit vectors across unit vectors (n, 3) and each other; 0 where there is no direction."""
+    aside = np.eye(3)[np.argmin(np.abs(ways), axis=1)]
+    first = np.cross(ways, aside)
+    size = np.linalg.norm(first, axis=1, keepdims=True)
+    first = np.divide(first, size, out=np.zeros_like(first), where=size > 0.0)
+    return np.stack([first, np.cross(ways, first)], axis=1)

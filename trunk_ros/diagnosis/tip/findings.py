@@ -100,8 +100,8 @@ def _rivals(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
     free = [k for k in problem.candidates if k not in others and owner(k) not in {owner(k) for k in mine}]
     names = dict.fromkeys(owner(k) for k in free if k[0] != ZERO)
     trials = [[k for k in free if owner(k) == name] for name in names] + [[k] for k in free if k[0] == ZERO]
-    if not problem.arm.is_planar:  # with values for all joints many a name can do everything
-        trials = [_best_few(problem, others, keys, len(mine)) for keys in trials]
+    if not problem.arm.is_planar:  # a frame moves as a whole; values for all joints together fit anything
+        trials = [keys if keys[0][1] < 0 else _best_few(problem, others, keys, len(mine)) for keys in trials]
     out: Losses = {}
     for keys in trials:
         told = UNKNOWN if keys[0][0] in NAMELESS else owner(keys[0])

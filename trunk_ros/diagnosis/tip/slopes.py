@@ -32,10 +32,13 @@ class Slopes:
         more = geometry.zero + change.bent
         if np.any(more):
             out += np.einsum("nij,nj->ni", self.jacobian, np.broadcast_to(more, self.theta.shape))
-        out += np.hstack([geometry.base[:3] + np.cross(geometry.base[3:], self.place[:, -1]),
-                          np.tile(geometry.base[3:], (n, 1))])  # fmt: skip
-        tip = self.turn[:, -1]
-        return out + np.hstack([tip @ geometry.tool[:3], tip @ geometry.tool[3:]])
+        if geometry.base.any():
+            out[:, :3] += geometry.base[:3] + np.cross(geometry.base[3:], self.place[:, -1])
+            out[:, 3:] += geometry.base[3:]
+        if geometry.tool.any():
+            out[:, :3] += self.turn[:, -1] @ geometry.tool[:3]
+            out[:, 3:] += self.turn[:, -1] @ geometry.tool[3:]
+        return out
 
     def _tilted(self, c: int, about: Array) -> Array:
         """The frame of a joint turns before the joint moves, and back after it."""

@@ -41,6 +41,7 @@ IN_PLANE = ("y", "z", "roll")
 OF_THE_PLANE = ("link_length_error", "base_tilt")
 """What a chain in a plane can have; all else moves it out of the plane, or is as good as one of these."""
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
+LINK = 1.001  # of the price of a frame
 BLOCKS = 10
 TURNS = 4
 SETTLED = 0.1  # squared unit-noise residual: what a further turn would remove less than is left
@@ -83,8 +84,8 @@ class ArmProblem:
         self.estimate_noise(self.known)
         free = self._free()
         self.estimate_noise(free)
-        self._leave_out_strays(self.residual(free))
-        self.estimate_noise(self._free())
+        if self._leave_out_strays(self.residual(free)):
+            self.estimate_noise(self._free())
         self.linearise(self.known)
 
     @property
@@ -98,8 +99,11 @@ class ArmProblem:
         return max((SIGNIFICANT + FURTHER) * self.alike, RELEVANT * self.count)
 
     def price(self, keys: list[Key]) -> float:
-        """Of some values: what has no name is dearer."""
-        return self.need * sum(CURVE if name in NAMELESS else 1.0 for name, _ in keys)
+        """Of some values: what has no name is dearer; a frame that is off comes before a link that looks the
+        same.
+        """
+        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in keys)
+        return self.need * dear
 
     def _candidates(self) -> list[Key]:
         joints = range(len(self.arm.joints))
@@ -128,8 +132,10 @@ class ArmProblem:
         self._normals.clear()
         self._scores.clear()
 
-    def _leave_out_strays(self, rests: list[Array]) -> None:
-        """Poses that are far from those beside them do not count, unless that is the sensor's noise."""
+    def _leave_out_strays(self, rests: list[Array]) -> bool:
+        """Poses that are far from those beside them do not count, unless that is the sensor's noise; whether
+        there are any.
+        """
         off = [np.abs(rest - median_filter(rest, (BESIDE, 1))) / self.noise for rest in rests]
         stray = [np.any(each > FAR, axis=1) for each in off]
         self.strays = int(sum(each.sum() for each in stray))
@@ -138,6 +144,7 @@ class ArmProblem:
         elif self.strays:
             self.data = [d.rows(~each) for d, each in zip(self.data, stray, strict=True)]
             self.linearise(self.origin)
+        return self.strays > 0
 
     def _at_the_tip(self, lasting: Array) -> Array:
         """(signals,) what lasting noise of the joints comes to at the tip."""
