@@ -229,7 +229,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "no package": ({"arm.urdf": "package://gone/a.urdf"}, "in a package 'gone'"),
     "no link": ({"arm.urdf": GRIPPER, "arm.tip": "hand"}, "no link 'hand', but arm, left"),
     "wrong way": ({"arm.urdf": GRIPPER, "arm.base": "left", "arm.tip": "right"}, "no way from link 'left'"),
-    "another joint": ({"arm.urdf": GRIPPER, "arm.joints": ["elbow"], "arm.tip": "palm"}, "'elbow', the URDF from"),
+    "another joint": ({"arm.urdf": GRIPPER, "arm.joints": ["elbow"], "arm.tip": "palm"}, "'elbow', the URDF"),
     "lengths as well": ({"arm.urdf": GRIPPER, "arm.link_length": [0.1]}, "the place of arm.link_length"),
     "a tip alone": ({"arm.tip": "hand"}, "give arm.urdf as well"),
     "two values of gravity": ({"arm.gravity": [0.0, -9.8]}, "give three values"),
