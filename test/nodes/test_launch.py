@@ -13,8 +13,8 @@ import pytest
 
 from test.nodes.graph import JOINTS, ROOT, needs_ros, running
 from trunk_ros.__main__ import COMMANDS
-from trunk_ros.model import load_model, save_model
 from trunk_ros.arm.urdf import urdf
+from trunk_ros.model import load_model, save_model
 
 FILES = sorted((ROOT / "launch").glob("*.launch.py"))
 TRUNK, REPLAY = (ROOT / "launch" / f"{name}.launch.py" for name in ("trunk", "replay"))
