@@ -82,7 +82,8 @@ class Chain:
         recording tells of the load.
         """
         if self.stage == "arm":
-            return self.tip(x, stamp), State(float(stamp[-1]), x[-1], x[-1])
+            now = self._look(stamp, x, state.x if state else None, state, UNKNOWN)
+            return tip_pass(self.arm, self.effects, x, now), State(float(stamp[-1]), x[-1], x[-1])
         if self.stage == "servo":
             out, _, after = self._blockwise(self._servo, x, stamp, state, Given(velocity, resistance))
             return out, after
@@ -118,7 +119,7 @@ class Chain:
 
         Raises ModelError where the links are not known.
         """
-        return tip_pass(self.arm, self.effects, theta, self._look(stamp, theta, None, None, UNKNOWN))
+        return self.run(theta, stamp)[0]
 
     def _blockwise(
         self, advance: Advance, x: Array, stamp: Array, state: State | None, given: Given

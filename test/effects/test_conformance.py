@@ -163,7 +163,7 @@ def test_what_its_inverse_asks_for_gives_what_was_wanted(name: str, form: str, j
 def test_any_number_of_joints_will_do(name: str, form: str, joints: int) -> None:
     stamp = stamps(4, 100)
     out = run(model_of(name, form, joints), registry()[name].stage, motion(stamp, joints), stamp)
-    assert out.shape == (len(stamp), 3 if registry()[name].stage == "arm" else joints)
+    assert out.shape == (len(stamp), 7 if registry()[name].stage == "arm" else joints)
 
 
 def close(difference: Array, floor: float) -> bool:

@@ -27,6 +27,10 @@ class Geometry:
     tool: Array
     """(6,): of the tip along and about its own axes."""
 
+    def __bool__(self) -> bool:
+        """Whether anything is changed."""
+        return any(each.any() for each in (self.shift, self.tilt, self.zero, self.base, self.tool))
+
     @staticmethod
     def nominal(joints: int) -> Geometry:
         """No change."""
@@ -37,6 +41,8 @@ class Geometry:
 
 def changed(body: Body, geometry: Geometry) -> Body:
     """The body with another geometry."""
+    if not geometry:
+        return body
     pin = library()
     model = body.model.copy()
     own = {i: j for j, i in enumerate(body.own)}

@@ -58,6 +58,7 @@ class WireElasticity(TrunkNode):
         """Begin with no memory, the play at its centre."""
         self.wire, self.tip = (Chain(self.model, stage, hold_time=True) for stage in ("wire", "arm"))
         self.state: State | None = None
+        self.seen: State | None = None
         self.elapsed = Elapsed()
         self.last: tuple[int, Array] | None = None
         self.phi = np.full(len(self.joints), np.nan)
@@ -98,7 +99,7 @@ class WireElasticity(TrunkNode):
             stretch, tension = wire_state(self.model.arm, phi, self.state.angles, effort)
             self.publish_wires(now, stretch, None, tension)
         if self.model.arm.has_geometry:
-            tip = self.tip.tip(theta[None], stamp)[0]
+            (tip,), self.seen = self.tip.run(theta[None], stamp, self.seen)
             self.publish_tip(fill_pose(self.pose, now, self.base_frame, tip))
         if self.frames is not None:
             self.frames.publish(now, theta)
