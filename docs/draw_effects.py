@@ -150,7 +150,9 @@ def residual(kind: type[Effect], seen: Scene) -> tuple[Array, str]:
     x = seen.theta if kind.stage == "arm" else seen.gearbox
     out, plain = (Chain(each, kind.stage).run(x, seen.stamp)[0] for each in (model, Model(arm)))
     if kind.stage == "arm":
-        return 1e3 * (out - plain)[:, 0], "y of the tip [mm]"
+        moved = 1e3 * (out - plain)[:, [1, 2, 0]]
+        most = int(np.argmax((moved**2).sum(axis=0)))
+        return moved[:, most], f"{'yzx'[most]} of the tip [mm]"
     return 1e3 * (out - plain)[:, JOINT], "residual [mrad]"
 
 
