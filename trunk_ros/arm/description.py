@@ -67,7 +67,7 @@ class Description:
 @lru_cache(maxsize=16)
 def read(text: str) -> tuple[Joint, ...]:
     """All joints of a URDF, in its order. Raises ModelError where the text is none."""
-    robot = _tree(text)
+    robot = tree(text)
     joints = tuple(_joint(element) for element in robot.findall("joint"))
     links = [str(link.get("name")) for link in robot.findall("link")]
     names = [joint.name for joint in joints]
@@ -85,7 +85,8 @@ def read(text: str) -> tuple[Joint, ...]:
     return joints
 
 
-def _tree(text: str) -> Element:
+def tree(text: str) -> Element:
+    """The robot of a URDF. Raises ModelError where the text is none, or xacro."""
     try:
         robot = ElementTree.fromstring(text.strip())
     except ElementTree.ParseError as error:
@@ -226,7 +227,7 @@ def body_of(description: Description, joints: tuple[str, ...]) -> Body:
 @lru_cache(maxsize=8)
 def _parsed(text: str) -> Any:
     """Pinocchio's model of a URDF, in which every joint that turns has one number."""
-    robot = _tree(text)
+    robot = tree(text)
     for joint in robot.findall("joint"):
         if joint.get("type") == "continuous":
             joint.set("type", "revolute")

@@ -9,8 +9,8 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from trunk_ros.arm.arm import Arm
-from trunk_ros.arm.description import read
-from trunk_ros.errors import TrunkError
+from trunk_ros.arm.description import limits, tree
+from trunk_ros.errors import ModelError, TrunkError
 
 RADIUS = 0.012  # m, of the links as drawn
 DRAWN_LENGTH = 0.05  # m of a link whose length is not known
@@ -47,7 +47,13 @@ def joint_limits(text: str) -> dict[str, tuple[float, float]]:
 
     Raises ModelError where the text is no URDF.
     """
-    return {joint.name: (joint.lower, joint.upper) for joint in read(text) if joint.kind != "fixed"}
+    try:
+        moving = [joint for joint in tree(text).findall("joint") if joint.get("type") != "fixed"]
+        return {
+            str(joint.get("name")): limits(joint.find("limit"), str(joint.get("type"))) for joint in moving
+        }
+    except (ModelError, ValueError) as error:
+        raise ModelError(f"robot_description is not URDF: {error}") from None
 
 
 def _link(robot: Element, name: str, length: float, mass: float, colour: int) -> None:
