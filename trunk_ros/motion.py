@@ -16,6 +16,7 @@ FULL_CYCLE = 24.0  # s that all sections take one after the other at full size
 LEAD_IN = 0.5  # s at rest before the first move
 QUICKEST = 0.12  # s for the smallest moves
 REACH_WITHOUT_LIMITS = 0.4  # rad
+APPROACH = 0.5  # of the top speed, on the way to the middle of its range
 FARTHEST = 1.0  # rad to either side, of joints that could go farther: a run is short
 SEED = 134  # the one of 150 with which joints move the least alike: correlation below 0.3 from 12 s on
 
@@ -96,6 +97,9 @@ def waypoints(arm: Arm, joint: int, sections: list[Section], seconds: float, siz
     top = arm.top_speed[joint]
     points = [(0.0, arm.rest[joint]), (min(LEAD_IN, seconds / 4), arm.rest[joint])]
     turn = joint
+    way = abs(centre - arm.rest[joint])
+    if way > 0.0 and (arrival := points[-1][0] + PEAK * way / (top * APPROACH)) <= seconds:
+        points.append((arrival, centre))
     while True:
         for move in sections[turn % len(sections)](rng):
             angle = centre + reach * size * move.target
