@@ -12,25 +12,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from trunk_ros.arm import Arm
 from trunk_ros.arm.description import Description
-from trunk_ros.arm.parameters import (
-    ANY_JOINTS,
-    arm_from,
-    arm_parameters,
-    check_names,
-    checked,
-    declared_arm,
-    limits_in,
-)
+from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in
+from trunk_ros.arm.parameters import ANY_JOINTS, check_names, checked, declared_arm
 from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
-from trunk_ros.recording import plain_yaml
-from trunk_ros.share import share_folder
+from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
 
 Values = dict[str, Any]
 
@@ -265,59 +256,14 @@ def declared_parameters() -> list[Declaration]:
 
 def load_model(name: str | Path) -> Model:
     """Read a model file, or one of those in config/ by name. Raises ModelError in one line."""
-    path = _model_path(name)
+    path = model_path(name)
+    flat = read_parameters(path)
     try:
-        content = plain_yaml.load(path.read_bytes(), references=False)
-    except OSError as error:
-        raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise ModelError(f"{path} {error}") from None
-    try:
-        return Model.from_parameters(dict(_flatten(_tree(content))), path.parent)
+        return Model.from_parameters(flat, path.parent)
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
 
 
-def _model_path(name: str | Path) -> Path:
-    path = Path(name)
-    if path.is_file() or len(path.parts) != 1 or path.suffix == ".yaml":
-        return path
-    known = {file.stem: file for file in sorted((share_folder() / "config").glob("*.yaml"))}
-    if str(name) not in known:
-        raise ModelError(f"no model {str(name)!r}: give a file or one of {', '.join(known)}")
-    return known[str(name)]
-
-
-def _tree(content: Any) -> dict[str, Any]:
-    """The parameters under '/**', or under the only node there is."""
-    nodes = content if isinstance(content, dict) else {}
-    node = nodes.get("/**") or next(iter(nodes.values()), None)
-    tree = node.get("ros__parameters") if isinstance(node, dict) else None
-    if not isinstance(tree, dict):
-        raise ModelError("not a ROS 2 parameter file: it wants '/**: ros__parameters:' at the top")
-    return {key: value for key, value in tree.items() if key != "use_sim_time"}
-
-
 def save_model(model: Model, path: str | Path) -> None:
     """Write a model as a ROS 2 parameter file."""
-    tree: dict[str, Any] = {}
-    for key, value in model.parameters().items():
-        branch = tree
-        *parents, leaf = key.split(".")
-        for parent in parents:
-            branch = branch.setdefault(parent, {})
-        branch[leaf] = value
-    text = yaml.safe_dump(
-        {"/**": {"ros__parameters": tree}}, sort_keys=False, default_flow_style=None, width=120
-    )
-    Path(path).write_text(text)
-
-
-def _flatten(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
-    if not isinstance(tree, dict):
-        return [(prefix, tree)]
-    return [
-        pair
-        for key, value in tree.items()
-        for pair in _flatten(value, f"{prefix}.{key}" if prefix else str(key))
-    ]
+    write_parameters(model.parameters(), Path(path))

@@ -123,6 +123,8 @@ class Effect(ABC):
     compensable: ClassVar[bool] = True
     tried: ClassVar[bool] = True
     """The diagnosis tries it; others are switched on in a model by hand."""
+    moves_joints: ClassVar[bool] = False
+    """At the tip it looks as if a joint stood elsewhere than its sensor says."""
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
     scalable: ClassVar[bool] = True

@@ -52,6 +52,11 @@ def _named(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
         said.append(f"A constant error of the readings would look the same: {FRAMES}.")
     same = [joint for joint, loss in elsewhere.items() if loss < problem.need]
     said += [f"On {' or '.join(same)} it would look the same."] if same else []
+    if shown := [joints[c] for _, c in mine if c >= 0 and problem.zeros[c] and kind.moves_joints]:
+        near.insert(0, "zero_offset")
+        said.append(
+            f"{', '.join(shown)}: also off against the gearbox, so the sensor's zero may be what is off."
+        )
     if kind.everywhere and problem.zeros[0]:
         near.append("zero_offset")
         said.append(f"A zero error of {joints[0]}'s sensor would look the same.")

@@ -25,12 +25,11 @@ from trunk_ros.diagnosis.tip.values import (
     Key,
     Point,
     bound,
+    candidates,
     credible,
     parameter_of,
     point_of,
-    value_name,
 )
-from trunk_ros.effects import registry
 from trunk_ros.effects.effect import Core, Now
 from trunk_ros.model import Values
 from trunk_ros.stage import core_of
@@ -38,8 +37,6 @@ from trunk_ros.stage import core_of
 SIGNALS = ("x", "y", "z", "roll", "pitch", "yaw")
 UNITS = {"x": "m", "y": "m", "z": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}
 IN_PLANE = ("y", "z", "roll")
-OF_THE_PLANE = ("link_length_error", "base_tilt")
-"""What a chain in a plane can have; all else moves it out of the plane, or is as good as one of these."""
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
 LINK = 1.001  # of the price of a frame
 BLOCKS = 10
@@ -74,7 +71,7 @@ class ArmProblem:
         self.known = point_of(effects or {}, len(self.arm.joints))
         self.zeros = (effects or {}).get("zero_offset", {}).get("offset", np.zeros(len(self.arm.joints)))
         """(joints,) rad by which the readings of joints and gearbox disagree."""
-        self.candidates = self._candidates()
+        self.candidates = candidates(self.arm, len(self.signals))
         self.strays, self.alike = 0, 1.0
         self.noise = np.ones(len(self.signals))
         self._normals: dict[bytes, Normal] = {}
@@ -104,20 +101,6 @@ class ArmProblem:
         """
         dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in keys)
         return self.need * dear
-
-    def _candidates(self) -> list[Key]:
-        joints = range(len(self.arm.joints))
-        planar = self.arm.is_planar
-        kinds = [kind for kind in registry().values() if kind.stage == "arm" and kind.tried]
-        named: list[Key] = []
-        for kind in kinds:
-            if (planar and kind.id not in OF_THE_PLANE) or ("weight" in kind.needs and not self.arm.has_load):
-                continue
-            for p in kind.parameters[: 1 if planar else None]:
-                named += [(value_name(kind, p), c) for c in ([-1] if p.shared else joints)]
-        if not planar:
-            return named
-        return [*named, *((SHIFT, k) for k in range(len(self.signals))), *((ZERO, c) for c in joints[1:])]
 
     # Noise
 

@@ -12,6 +12,7 @@ class JointZeroError(Effect):
     signature = "The tip is turned about one joint's axis by a constant angle."
     source = "Mooring, Roth & Driels, Fundamentals of Manipulator Calibration (1991), ch. 3: joint offsets."
     parameters = (Parameter("offset", "rad", (-1.0, 1.0), "angle less its reading", typical=2e-3),)
+    moves_joints = True
     confused_with = (("base_tilt", "turn the other joints: a tilt is about the base, not about the joint"),)
 
     def adjust(self, core: Core, now: Now) -> None:
