@@ -70,7 +70,8 @@ BY_REGIME = {
 OVER: dict[str, Over] = {
     "transmission_ripple": GEARBOX, "cogging": GEARBOX, "friction_wear": TIME, "link_resonance": STANDING,
     "load_elasticity": LOAD, "wire_slack": LOAD, "wire_stiffening": LOAD, "load_dependent_friction": LOAD,
-    "load_droop": LOAD, "link_compliance": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME, "unknown_slips": TIME,
+    "load_droop": LOAD, "link_compliance": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME,
+    "unknown_slips": TIME,
     "unknown_dead_zone": GEARBOX,
     "joint_coupling": ("angle of joint 1 [rad]", lambda s: s.theta[:, 0]),
     "presliding_hysteresis": ("travel since the reversal [mrad]", lambda s: travel(s)),

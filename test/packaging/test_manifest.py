@@ -22,7 +22,9 @@ PROVIDERS = {
     "mcap": ("mcap", "mcap-ros2-support"),
     "lz4": ("lz4", "mcap-ros2-support"),
     "zstandard": ("zstandard", "mcap-ros2-support"),
+    "pinocchio": ("pin", "pinocchio"),
     "control_msgs": (None, "control_msgs"),  # not on PyPI
+    "tf2_msgs": (None, "tf2_msgs"),
     "launch": (None, "launch"),
     "launch_ros": (None, "launch_ros"),
 }
