@@ -132,6 +132,8 @@ class Effect(ABC):
     compensable: ClassVar[bool] = True
     tried: ClassVar[bool] = True
     """The diagnosis tries it; others are switched on in a model by hand."""
+    shifts_links: ClassVar[bool] = False
+    """It moves what follows a joint by a constant, which behind the last joint is the tool's place."""
     moves_joints: ClassVar[bool] = False
     """At the tip it looks as if a joint stood elsewhere than its sensor says."""
     everywhere: ClassVar[bool] = False

@@ -29,6 +29,7 @@ from trunk_ros.diagnosis.tip.values import (
     credible,
     parameter_of,
     point_of,
+    told_otherwise,
 )
 from trunk_ros.effects.effect import Core, Now
 from trunk_ros.model import Values
@@ -72,6 +73,7 @@ class ArmProblem:
         self.zeros = (effects or {}).get("zero_offset", {}).get("offset", np.zeros(len(self.arm.joints)))
         """(joints,) rad by which the readings of joints and gearbox disagree."""
         self.candidates = candidates(self.arm, len(self.signals))
+        self.told_otherwise = told_otherwise(self.arm)
         self.strays, self.alike = 0, 1.0
         self.noise = np.ones(len(self.signals))
         self._normals: dict[bytes, Normal] = {}
@@ -262,7 +264,7 @@ class ArmProblem:
         keys: list[Key] = []
         best = self.score(keys)
         while True:
-            others = [k for k in self.candidates if k not in keys]
+            others = [k for k in self.candidates if k not in keys and k not in self.told_otherwise]
             fewer = [[x for x in keys if x != k] for k in keys]
             changes = [[*keys, k] for k in others] + fewer
             found, score = self._best(changes)

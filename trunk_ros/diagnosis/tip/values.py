@@ -53,6 +53,14 @@ def candidates(arm: Arm, signals: int) -> list[Key]:
     return [*named, *((SHIFT, k) for k in range(signals)), *((ZERO, c) for c in joints[1:])]
 
 
+def told_otherwise(arm: Arm) -> set[Key]:
+    """Values that are not chosen, as frames say the same: the last link is the tool's place."""
+    if arm.is_planar:
+        return set()
+    last = arm.body.own.index(max(arm.body.own, key=arm.body.path.index))
+    return {k for k in candidates(arm, 0) if k[1] == last and effect(owner(k)).shifts_links}
+
+
 def point_of(effects: Mapping[str, Values], joints: int) -> Point:
     """The arm effects that a model of so many joints has."""
     out: Point = {}

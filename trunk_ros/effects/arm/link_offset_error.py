@@ -11,6 +11,7 @@ class LinkOffsetError(Effect):
 
     id = "link_offset_error"
     stage, place, regime = "arm", 110, "always"
+    shifts_links = True
     signature = "The tip is off across one link's direction, in every posture."
     source = "Hayati (1983), IEEE CDC: link parameter errors beside Denavit-Hartenberg's lengths."
     parameters = tuple(
