@@ -3,6 +3,7 @@ VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
 FULL ?=
+SIMULATOR ?=
 
 # .venv stands alone, whatever the shell has sourced.
 unexport PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
@@ -22,8 +23,9 @@ $(STAMP): requirements/lock.txt setup.py setup.cfg package.xml tools/make_venv
 	@tools/make_venv
 	@touch $@
 
+# SIMULATOR=mujoco: a user's own MuJoCo arm in the place of ours.
 demo: setup
-	$(PYTHON) -m test.concealed.demo
+	$(PYTHON) -m $(if $(filter mujoco,$(SIMULATOR)),test.concealed.simulators.demo,test.concealed.demo)
 
 test: lint pytest
 

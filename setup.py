@@ -40,6 +40,10 @@ ROS = [
     "ros-jazzy-rosgraph-msgs~=2.0",
 ]
 
+MUJOCO = [
+    "mujoco-core>=4.0",
+]
+
 
 def commands():
     """Keys of COMMANDS in trunk_ros/__main__.py, read without importing what may not be installed yet."""
@@ -82,7 +86,7 @@ setup(
         *share("launch"),
     ],
     install_requires=REQUIRES,
-    extras_require={"ros": ROS},
+    extras_require={"ros": ROS, "mujoco": MUJOCO},
     entry_points={"console_scripts": scripts()},
     zip_safe=False,
 )

@@ -12,11 +12,14 @@ from pathlib import Path
 
 from trunk_ros import __version__
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.stop import Stop
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
     "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
     "simulate": ("trunk_ros.simulate", "run a model over a recording"),
+    "evaluate": ("trunk_ros.evaluate.command", "score models, or other simulators, on recordings"),
+    "export": ("trunk_ros.export.command", "write what was found into a simulator's file: MJCF, URDF, SDF"),
     "import": (
         "trunk_ros.recording.importing.csv",
         "turn a foreign CSV, or a bag of other topics, into a bag",
@@ -30,6 +33,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     ),
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
+    "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
+    "reality": ("trunk_ros.nodes.reality", "node: what a simulator lacks, between it and its controllers"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
 }
 
@@ -59,6 +64,8 @@ def usage() -> str:
 
 
 def _run(name: str, arguments: list[str]) -> int:
+    if COMMANDS[name][0].startswith("trunk_ros.nodes."):
+        Stop()  # importing takes seconds on a busy machine
     try:
         module = importlib.import_module(COMMANDS[name][0])
         return int(module.main(arguments))

@@ -16,7 +16,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.arm.description import Description
 from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in
-from trunk_ros.arm.parameters import ANY_JOINTS, check_names, checked, declared_arm
+from trunk_ros.arm.parameters import ANY_JOINTS, RENAMED, check_names, checked, declared_arm
 from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
@@ -125,7 +125,7 @@ class Model:
     def parameters(self) -> dict[str, Any]:
         """Flat ROS parameters, effects at their null left out."""
         flat = arm_parameters(self.arm)
-        flat["model.duration"] = float(self.duration)
+        flat["recording.duration"] = float(self.duration)
         for name, values in self.in_order():
             for key, value in _effect_values(effect(name), values, self.arm.joints).items():
                 flat[f"effects.{name}.{key}"] = np.asarray(value).tolist()
@@ -138,6 +138,7 @@ class Model:
         Raises ModelError for unknown names, lengths or values out of bounds.
         """
         declared = {d.name: d for d in declared_parameters()}
+        flat = {RENAMED.get(name, name): value for name, value in flat.items()}
         check_names(flat, declared)
         given = {name: checked(declared[name], value) for name, value in flat.items()}
         arm = arm_from(given, folder)
@@ -152,7 +153,7 @@ class Model:
             if values:
                 effects[name] = values
         _check_rivals(effects)
-        return Model(arm, effects, given.get("model.duration", 0.0))
+        return Model(arm, effects, given.get("recording.duration", 0.0))
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from trunk_ros.arm.parameters import shortened
 from trunk_ros.errors import ModelError
 from trunk_ros.recording import plain_yaml
 from trunk_ros.share import share_folder
@@ -45,11 +47,11 @@ def write_parameters(flat: Mapping[str, Any], path: Path) -> None:
 def model_path(name: str | Path) -> Path:
     """The file of a model, or of a name in config/. Raises ModelError for an unknown name."""
     path = Path(name)
-    if path.is_file() or len(path.parts) != 1 or path.suffix == ".yaml":
+    if os.path.isfile(path) or len(path.parts) != 1 or path.suffix == ".yaml":  # False, whatever the name
         return path
     known = {file.stem: file for file in sorted((share_folder() / "config").glob("*.yaml"))}
     if str(name) not in known:
-        raise ModelError(f"no model {str(name)!r}: give a file or one of {', '.join(known)}")
+        raise ModelError(f"no model {shortened(str(name))}: give a file or one of {', '.join(known)}")
     return known[str(name)]
 
 

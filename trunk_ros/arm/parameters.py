@@ -28,8 +28,15 @@ class Declaration:
     unit: str
     bounds: tuple[float, float] | None
     meaning: str
+    fixed: bool = False
+    """A node takes it at its start only."""
     free: bool = False
     """One number or a list: no ROS type is fixed."""
+
+
+RENAMED = {"model.duration": "recording.duration"}
+"""Names in files of earlier versions. A node cannot have a parameter ``model`` beside a ``model.duration``:
+``ros2 param dump`` makes a tree of them."""
 
 
 def _per_joint(name: str, unit: str, bounds: tuple[float, float], meaning: str) -> Declaration:
@@ -65,7 +72,7 @@ def declared_arm() -> list[Declaration]:
     large, positive = (0.0, 1e15), (1e-15, 1e15)
     return [
         Declaration(
-            "arm.joints", [ANY_JOINTS], "", None, "joint names; '*' for whatever joints a recording has"
+            "arm.joints", [ANY_JOINTS], "", None, "joint names; '*' for whatever joints a recording has", True
         ),
         _per_joint("arm.lower", "rad", (-ANY_ANGLE, ANY_ANGLE), "lower joint limit"),
         _per_joint("arm.upper", "rad", (-ANY_ANGLE, ANY_ANGLE), "upper joint limit"),
@@ -121,7 +128,11 @@ def declared_arm() -> list[Declaration]:
             for name, (value, unit, meaning) in SERVO.items()
         ),
         Declaration(
-            "model.duration", 0.0, "s", large, "length of the recording that effects of time were fitted on"
+            "recording.duration",
+            0.0,
+            "s",
+            large,
+            "length of the recording that effects of time were fitted on",
         ),
     ]
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.arm.arm import Arm
 from trunk_ros.arm.description import limits, tree
+from trunk_ros.arm.parameters import ANY_JOINTS
 from trunk_ros.errors import ModelError, TrunkError
 
 RADIUS = 0.012  # m, of the links as drawn
@@ -21,9 +22,13 @@ COLOURS = ("0.25 0.45 0.70 1", "0.85 0.85 0.80 1")
 def urdf(arm: Arm, name: str = "trunk") -> str:
     """The arm as URDF text: its own where it has one, else base upright, z up, axes along X, a link on each
     joint, ``tip`` at the end.
+
+    Raises ModelError for a model of any joints.
     """
     if arm.description is not None:
         return arm.description.text
+    if arm.joints == (ANY_JOINTS,):
+        raise ModelError("the model is for any joints: a URDF needs their names, in arm.joints")
     robot = Element("robot", name=name)
     for number, colour in enumerate(COLOURS):
         SubElement(SubElement(robot, "material", name=f"colour_{number}"), "color", rgba=colour)

@@ -16,7 +16,7 @@ from trunk_ros.model import load_model
 from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import new_folder, prepare_output
 
-FILES = ("diagnosis.json", "model.yaml", "report.html", "*.yaml", "*.png")
+FILES = ("diagnosis.json", "model.yaml", "simulation.yaml", "report.html", "*.yaml", "*.png")
 
 
 def main(argv: list[str]) -> int:
@@ -24,7 +24,7 @@ def main(argv: list[str]) -> int:
     arguments = parser().parse_args(argv)
     prepare_output(arguments.output, arguments.overwrite, FILES)
     urdf = urdf_text(arguments.urdf) if arguments.urdf else ""
-    model = load_model(arguments.model) if arguments.model else None
+    model = None if arguments.model is None else load_model(arguments.model)
     console = Console(stderr=True)
     with console.status("reading") as status:
         result = diagnose(
@@ -34,6 +34,7 @@ def main(argv: list[str]) -> int:
             arguments.from_time,
             arguments.until,
             lambda text: status.update(text),
+            arguments.namespace,
             urdf,
         )
     result.provenance = {
@@ -65,6 +66,8 @@ def write_report(result: Diagnosis, folder: Path) -> None:
 
 def say(result: Diagnosis, output: Path) -> None:
     """The verdict in a few lines."""
+    if result.simulator is not None:
+        print(f"your simulation has: {'; '.join(result.simulation['has']) or 'what the model says, no more'}")
     print(f"verdict: {result.verdict.replace('_', ' ')}")
     for finding in result.findings:
         print(f"  {finding.effect} ({finding.confidence:.0%}): {finding.statement}")
@@ -94,7 +97,9 @@ def parser() -> Parser:
     )
     out.add_argument("--output", required=True, metavar="DIR")
     out.add_argument(
-        "--model", metavar="MODEL.yaml", help="the nominal arm: a file, or trunk or direct; trunk by default"
+        "--model",
+        metavar="MODEL.yaml",
+        help="the nominal arm: a file, or trunk (default) or direct; with --against what is known of both",
     )
     out.add_argument(
         "--urdf", metavar="FILE", help="the arm's URDF: load and tip of any arm; direct is the default then"
@@ -102,5 +107,6 @@ def parser() -> Parser:
     out.add_argument("--against", metavar="SIM_BAG", help="another simulator's recording of the same motion")
     out.add_argument("--from-time", metavar="T", help="in s, or in %% of the recording")
     out.add_argument("--until", metavar="T", help="in s, or in %% of the recording")
+    out.add_argument("--namespace", metavar="NS", help="of the arm, such as /left, where bags hold several")
     out.add_argument("--overwrite", action="store_true")
     return out

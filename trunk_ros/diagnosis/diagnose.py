@@ -9,23 +9,26 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.against import SERVO, Simulator, identified, nominal_for
 from trunk_ros.diagnosis.context import LEAST, Context, Work
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.described import described
-from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
+from trunk_ros.diagnosis.data.other_simulator import completed, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
+from trunk_ros.diagnosis.evidence.veto import harmless
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.findings import (
     findings,
     is_known,
@@ -35,7 +38,7 @@ from trunk_ros.diagnosis.verdict.findings import (
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
-from trunk_ros.errors import RecordingError
+from trunk_ros.errors import ModelError, RecordingError
 from trunk_ros.model import Model, Values
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
@@ -49,28 +52,43 @@ WORK = 3e9  # simulated joint-steps of a stage: half a minute of one core, whate
 
 def diagnose(
     recordings: Sequence[Recording | str | Path],
-    model: Model | str | Path | None = "trunk",
+    model: Model | str | Path | None = None,
     against: Recording | str | Path | None = None,
     from_time: str | None = None,
     until: str | None = None,
     progress: Progress = lambda _: None,
+    namespace: str | None = None,
     urdf: str = "",
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
-    ``model`` None: the nominal arm's, or ``direct`` where the recordings are of another. ``urdf``: text of
-    the URDF that has the links; without, a model for any joints takes the recorded ``robot_description``.
-    ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
-    model's.
+    ``model``: by default the nominal arm, or ``direct`` where the recordings are of another. ``urdf``: text
+    of the URDF that has the links; without, a model for any joints takes the recorded ``robot_description``.
+    ``against``: another simulator's recording of the same motion; what
+    it does is found from it first, by default from an ideal transmission, and takes the place of the model.
+    ``namespace``: of the arm, where recordings hold several.
     Raises RecordingError or ModelError in one line.
     """
-    read = [_read(r, from_time, until) for r in recordings]
-    nominal, read = described(model, read, urdf)
+    read = [_read(r, from_time, until, namespace) for r in recordings]
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
     read = [without_faults(completed(r, other)) for r in read]
-    result = Diagnoser(read, nominal, other, progress).run()
+    if model is None and other is not None and not urdf:
+        model = nominal_for(read[0].joints)
+    nominal, read = described(model, read, urdf)
+    if other is None:
+        return _with_hash(Diagnoser(read, nominal, None, progress).run(), nominal)
+    if nominal.arm.coupling is not None:
+        raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
+    progress("what the simulation has itself")
+    simulator = identified(other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, False).run())
+    result = Diagnoser(read, simulator.model, simulator, progress).run()
+    return _with_hash(told_as_differences(result, simulator.model, simulator.found), nominal)
+
+
+def _with_hash(result: Diagnosis, nominal: Model) -> Diagnosis:
+    """The diagnosis that says what it began from."""
     result.provenance = {"model_hash": nominal.hash()}
     return result
 
@@ -79,10 +97,16 @@ class Diagnoser:
     """One diagnosis in the making."""
 
     def __init__(
-        self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
+        self,
+        recordings: list[Recording],
+        model: Model,
+        against: Simulator | None,
+        progress: Progress,
+        experiments: bool = True,
     ):
         recordings = [by_joint(r, model.arm) for r in recordings]
         self.recordings, self.against, self.say = recordings, against, progress
+        self.experiments = experiments
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -99,10 +123,7 @@ class Diagnoser:
         self.spans = (
             spans
             if against is None
-            else [
-                shifted(s, self.path, on_the_clock(against, r))
-                for s, r in zip(spans, recordings, strict=True)
-            ]
+            else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.effects: dict[str, Values] = {}
@@ -133,16 +154,12 @@ class Diagnoser:
             )
 
     def servo(self) -> None:
-        """Setpoint to gearbox, where setpoints were recorded and nothing else stands for the simulation."""
-        spans = (
-            [
-                servo_span(r, self.model)
-                for r in self.recordings
-                if {"setpoints", "gearbox_states"} <= set(r.series)
-            ]
-            if self.against is None
-            else []
-        )
+        """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
+        other = self.against
+        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
+        spans = [servo_span(r, self.model) for r in recorded if other is None or other.has_servo]
+        if other is not None and other.has_servo:
+            spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         spans = [s for s in spans if s.joints == self.joints]
         if spans:
             self.say("servo")
@@ -169,7 +186,9 @@ class Diagnoser:
             return None
         done = searched(context, lambda text: self.say(f"{stage.name}: {text}"))
         self.say(f"{stage.name}: evidence")
-        state, found = done.state, evidence(done.part, done.state)
+        state = harmless(done.state)
+        part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
+        found = evidence(part, state)
         std, context = spreads(state), state.context
         errors = held_out(state)
         effects = state.hypothesis.model_effects(len(stage.joints))
@@ -198,11 +217,13 @@ class Diagnoser:
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(context, state.hypothesis)
-        self._experiment(done.part, {f.effect: found[f.effect] for f in new if f.equivalents})
+        self._experiment(part, {f.effect: found[f.effect] for f in new if f.equivalents})
         return state
 
     def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
         """The motion that tells what was found from its equivalents."""
+        if not self.experiments:
+            return
         stage = state.context.stage.name
         self.say(f"{stage}: experiment")
         done, file = experiment(state, found), f"experiment_{stage}.yaml"
@@ -244,10 +265,12 @@ class Diagnoser:
         self.effects |= values
 
 
-def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
+def _read(
+    recording: Recording | str | Path, from_time: str | None, until: str | None, namespace: str | None
+) -> Recording:
     if isinstance(recording, Recording):
         return recording.part(*time_range(recording.duration, from_time, until))
-    return read_recording(recording, from_time, until)
+    return read_recording(recording, from_time, until, namespace=namespace)
 
 
 def on_the_arm(

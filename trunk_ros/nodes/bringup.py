@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.graph.losses import left_out
 from trunk_ros.nodes.run.plan import PARTS, PUBLISHED, Plan, plan_of
 from trunk_ros.recording.bag.metadata import read_metadata
 
@@ -19,8 +20,9 @@ CHAIN = [part for part in PARTS if part != "recorder"]
 def main(argv: list[str]) -> int:
     """Run and record: 0 when done or asked to end, 1 when a node gave up. Raises TrunkError at first."""
     plan = plan_of(argv)
-    from trunk_ros.nodes.graph.process import Stop, start_ros
+    from trunk_ros.nodes.graph.process import start_ros
     from trunk_ros.nodes.graph.ros import rclpy
+    from trunk_ros.nodes.stop import Stop
 
     if plan.trajectory is not None and plan.trajectory.duration > plan.seconds:
         say(f"the trajectory takes {plan.trajectory.duration:.4g} s, the run ends after {plan.seconds:g} s")
@@ -29,6 +31,7 @@ def main(argv: list[str]) -> int:
     try:
         fault = run_apart(plan, stop) if plan.apart else run_together(plan, stop)
     finally:
+        stop.ignore()
         rclpy.try_shutdown()
     summarise(plan)
     if fault:
@@ -60,8 +63,8 @@ def make_pacer(plan: Plan) -> Any:
 
 def run_together(plan: Plan, stop: Any) -> str:
     """All nodes in this process; returns why it ended early, "" otherwise."""
-    from trunk_ros.nodes.graph.base import DELIVERY
-    from trunk_ros.nodes.graph.process import serve_for
+    from trunk_ros.nodes.graph.managed import end, retire, start
+    from trunk_ros.nodes.graph.process import DELIVERY, serve_for
     from trunk_ros.nodes.graph.ros import EventsExecutor
 
     make_room(plan)
@@ -72,18 +75,18 @@ def run_together(plan: Plan, stop: Any) -> str:
     try:
         for part in plan.parts:
             nodes[part] = make_node(part, plan.parameters(part))
-            nodes[part].listener = pacer.note
-            nodes[part].start()
+            nodes[part].report.listener = pacer.note
+            start(nodes[part])
             executor.add_node(nodes[part])
         pump(executor, pacer, stop, lambda: first_fault(nodes), lambda: pacer.phase == "done")
         for part in CHAIN:
             if part in nodes:
-                nodes[part].retire()
+                retire(nodes[part])
         serve_for(DELIVERY, executor, pacer)
     finally:
         for part in [*CHAIN, "recorder"]:
             if part in nodes:
-                nodes[part].end()
+                end(nodes[part], DELIVERY)
     return pacer.fault or (nodes["recorder"].fault if "recorder" in nodes else "")
 
 
@@ -171,4 +174,6 @@ def summarise(plan: Plan) -> None:
         lost = losses.get(topic, {})
         missing = int(lost.get("lost", 0) + lost.get("dropped", 0))
         print(f"  {topic:28} {count:8d}" + (f"   lost {missing} of {count + missing}" if missing else ""))
+        if others := left_out(lost):
+            print(f"  {topic:28} {others}")
     print(f"lost: {sum(int(each['lost'] + each['dropped']) for each in losses.values())}")

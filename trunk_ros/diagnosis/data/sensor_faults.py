@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
+from trunk_ros.recording.signal.gaps import usual
 
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
 HARDLY = 0.1  # of the samples, sticking aside
@@ -24,7 +25,7 @@ def without_faults(recording: Recording) -> Recording:
         return recording
     position, notes = series.position.copy(), []
     for j, joint in enumerate(series.joints):
-        stuck, off = sticks(position[:, j]), strays(position[:, j])
+        stuck, off = sticks(position[:, j], series.stamp), strays(position[:, j])
         position[stuck | off, j] = np.nan
         if stuck.any():
             begin = series.stamp[np.flatnonzero(stuck)[0]]
@@ -39,8 +40,11 @@ def without_faults(recording: Recording) -> Recording:
     return replace(recording, series=changed, notes=(*recording.notes, *notes))
 
 
-def sticks(readings: Array) -> np.ndarray:
-    """(n,) where a sensor repeats one reading for long and leaps when it goes on."""
+def sticks(readings: Array, stamp: Array) -> np.ndarray:
+    """(n,) where a sensor repeats one reading for long and leaps when it goes on, at ``stamp`` (n,) s.
+
+    Where readings are missing in between the joint may have gone there.
+    """
     out = np.zeros(len(readings), dtype=bool)
     step = np.abs(np.diff(readings))
     same = step == 0.0
@@ -49,9 +53,10 @@ def sticks(readings: Array) -> np.ndarray:
     rest = same.sum() - sum(last - first for first, last in runs)
     if not runs or rest > HARDLY * len(same):
         return out
+    together = np.diff(stamp) <= usual(stamp)
     far = leap(readings)
     for first, last in runs:
-        if last < len(step) and step[last] > far:
+        if last < len(step) and step[last] > far and together[last]:
             out[first + 1 : last + 1] = True
     return out
 

@@ -47,6 +47,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
     return {
         "sentence": sentence(result),
         "verdict": result.verdict,
+        "simulation": result.simulation,
         "verdict_word": verdict_word(result),
         "recordings": recordings(result),
         "maps": maps(result),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import entries
 from trunk_ros.diagnosis.report.units import listed, spoken, times
+from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 
 ABOVE = 1.15  # times the noise: what is more is said to be left
@@ -30,7 +31,8 @@ def _missing(result: Diagnosis) -> list[str]:
 
 
 def _named(result: Diagnosis, finding: Finding) -> str:
-    return f"{spoken(finding.effect)} ({_place(result, finding.stage, finding.joints)})"
+    much = "less " if is_excess(finding) else ""
+    return f"{much}{spoken(finding.effect)} ({_place(result, finding.stage, finding.joints)})"
 
 
 def _unnamed(result: Diagnosis, finding: Finding) -> str:

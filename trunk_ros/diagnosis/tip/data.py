@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +18,9 @@ from trunk_ros.model import Model
 from trunk_ros.recording.recording import PoseSeries, Recording
 from trunk_ros.recording.signal.resample import longest_gap
 
+SIGNALS = ("x", "y", "z", "roll", "pitch", "yaw")
+UNITS = {"x": "m", "y": "m", "z": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}
+IN_PLANE = ("y", "z", "roll")
 LEAST = 4  # poses of a recording
 
 
@@ -49,9 +53,21 @@ class TipData:
         turn = Rotation.from_quat(self.pose[:, 3:]) * Rotation.from_quat(pose[:, 3:]).inv()
         return np.column_stack([self.pose[:, :3] - pose[:, :3], turn.as_rotvec()])
 
+    @cached_property
+    def seen(self) -> Array:
+        """(n, 6) place [m] and rotation vector [rad] of the poses."""
+        turn = Rotation.from_quat(self.pose[:, 3:]).as_rotvec() if self.oriented else 0.0 * self.pose[:, :3]
+        return np.column_stack([self.pose[:, :3], turn])
+
     def rows(self, keep: np.ndarray) -> TipData:
         """Some of the poses."""
         return TipData(self.arm, self.stamp[keep], self.theta[keep], self.pose[keep], self.oriented)
+
+
+def signals_of(data: Sequence[TipData]) -> tuple[str, ...]:
+    """What is compared: of a chain in a plane what lies in it, without orientations only places."""
+    told = IN_PLANE if data[0].arm.is_planar else SIGNALS
+    return tuple(s for s in told if UNITS[s] == "m" or all(d.oriented for d in data))
 
 
 def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData | None:

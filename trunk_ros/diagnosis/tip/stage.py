@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
 from trunk_ros.diagnosis.data.sensor_faults import FEW
 from trunk_ros.diagnosis.evidence.evidence import ROUGH, SCATTER
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT
-from trunk_ros.diagnosis.tip.data import TipData
+from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
 from trunk_ros.diagnosis.tip.linear import Linear, Normal
 from trunk_ros.diagnosis.tip.slopes import Slopes
 from trunk_ros.diagnosis.tip.values import (
@@ -35,9 +35,6 @@ from trunk_ros.effects.effect import Core, Now
 from trunk_ros.model import Values
 from trunk_ros.stage import core_of
 
-SIGNALS = ("x", "y", "z", "roll", "pitch", "yaw")
-UNITS = {"x": "m", "y": "m", "z": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}
-IN_PLANE = ("y", "z", "roll")
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
 LINK = 1.001  # of the price of a frame
 BLOCKS = 10
@@ -66,8 +63,7 @@ class ArmProblem:
         which the tip's own scatter does not show. ``effects``: what the model has already.
         """
         self.data, self.arm = data, data[0].arm
-        told = IN_PLANE if self.arm.is_planar else SIGNALS
-        self.signals = tuple(s for s in told if UNITS[s] == "m" or all(d.oriented for d in data))
+        self.signals = signals_of(data)
         self.rows = [SIGNALS.index(signal) for signal in self.signals]
         self.known = point_of(effects or {}, len(self.arm.joints))
         self.zeros = (effects or {}).get("zero_offset", {}).get("offset", np.zeros(len(self.arm.joints)))

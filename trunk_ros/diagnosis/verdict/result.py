@@ -58,6 +58,10 @@ class Diagnosis:
     plots: Plots | None = None
     trajectories: dict[str, Trajectory] = field(default_factory=dict)
     """Motions of the experiments by the names of their files."""
+    simulation: dict[str, Any] = field(default_factory=dict)
+    """What another simulator was found to do itself, where the arm is compared with one."""
+    simulator: Model | None = None
+    """The model of that."""
 
     @property
     def verdict(self) -> str:
@@ -82,6 +86,8 @@ class Diagnosis:
             "quality": self.quality,
             "provenance": self.provenance,
         }
+        if self.simulation:
+            content["simulation"] = self.simulation
         plain = _plain(content)
         assert isinstance(plain, dict)
         return plain
@@ -90,6 +96,8 @@ class Diagnosis:
         """Write ``diagnosis.json``, ``model.yaml`` and the experiments' trajectories into a folder."""
         (folder / "diagnosis.json").write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n")
         save_model(self.model, folder / "model.yaml")
+        if self.simulator is not None:
+            save_model(self.simulator, folder / "simulation.yaml")
         for name, trajectory in self.trajectories.items():
             save_trajectory(folder / name, trajectory)
 

@@ -14,11 +14,11 @@ from trunk_ros.trajectory import Array
 class FrameStream:
     """Publishes all links' transforms; nothing where the message is not there."""
 
-    def __init__(self, node: Any, arm: Arm):
-        self._send = None if TFMessage is None else node.publish_on(TFMessage, "/tf")
+    def __init__(self, streams: Any, arm: Arm):
+        self._send = None if TFMessage is None else streams.publish(TFMessage, "/tf")
         self._frames = None if TFMessage is None else Frames(arm)
 
-    def publish(self, ns: int, theta: Array) -> None:
+    def publish(self, ns: int, theta: Array, prefix: str = "") -> None:
         """The transforms of joint angles (joints,) at ``ns``."""
         if self._frames is None or self._send is None:
             return
@@ -26,8 +26,8 @@ class FrameStream:
         for (parent, child), values in zip(
             self._frames.pairs, self._frames.transforms(theta).tolist(), strict=True
         ):
-            one = TransformStamped(child_frame_id=child)
-            one.header.frame_id, one.header.stamp = parent, time_message(ns)
+            one = TransformStamped(child_frame_id=prefix + child)
+            one.header.frame_id, one.header.stamp = prefix + parent, time_message(ns)
             move, turn = one.transform.translation, one.transform.rotation
             move.x, move.y, move.z, turn.x, turn.y, turn.z, turn.w = values
             message.transforms.append(one)

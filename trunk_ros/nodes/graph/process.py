@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 import time
 from collections.abc import Callable
@@ -10,24 +9,16 @@ from typing import Any
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.graph import parameters
-from trunk_ros.nodes.graph.base import COMMON, DELIVERY, TrunkNode, steady_clock
+from trunk_ros.nodes.graph.base import COMMON, TrunkNode
+from trunk_ros.nodes.graph.loop import steady_clock
+from trunk_ros.nodes.graph.managed import end, retire, start
 from trunk_ros.nodes.graph.ros import EventsExecutor, Future, SignalHandlerOptions, rclpy
+from trunk_ros.nodes.stop import Stop
 
+DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
 MOMENT = 0.05  # s after which it is noticed that somebody asks to end
 LONG = 1e5  # s; without a timeout the events executor does not see that the future is done, and while
 # callbacks queue up it sees no timeout
-
-
-class Stop:
-    """Turns SIGINT and SIGTERM into a flag, so that a process ends in good order."""
-
-    def __init__(self) -> None:
-        self.asked = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
-
-    def _ask(self, *_: Any) -> None:
-        self.asked = True
 
 
 def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
@@ -40,16 +31,17 @@ def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
     try:
         node = kind()
         if node.value("autostart"):
-            node.start()
+            start(node)
         executor = EventsExecutor()
         executor.add_node(node)
         serve(executor, node, lambda: stop.asked or node.fault)
-        node.retire()
+        retire(node)
         serve_for(DELIVERY, executor, node)
-        node.end()
+        end(node, DELIVERY)
         if node.fault:
             raise TrunkError(f"{node.get_name()}: {node.fault}")
     finally:
+        stop.ignore()
         rclpy.try_shutdown()
     return 0
 

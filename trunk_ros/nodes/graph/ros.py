@@ -26,27 +26,36 @@ try:
     from builtin_interfaces.msg import Time
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
     from geometry_msgs.msg import PoseStamped
-    from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+    from rcl_interfaces.msg import (
+        FloatingPointRange,
+        IntegerRange,
+        ParameterDescriptor,
+        SetParametersResult,
+    )
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.clock import Clock as SteadyClock
     from rclpy.clock import ClockType
     from rclpy.event_handler import SubscriptionEventCallbacks
     from rclpy.exceptions import ParameterException
     from rclpy.experimental import EventsExecutor
+    from rclpy.impl.implementation_singleton import rclpy_implementation
     from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+    from rclpy.logging import LoggingSeverity
     from rclpy.node import Node
     from rclpy.parameter import Parameter
     from rclpy.qos import (
         DurabilityPolicy,
         HistoryPolicy,
+        QoSCompatibility,
         QoSProfile,
         ReliabilityPolicy,
+        qos_check_compatible,
     )
     from rclpy.serialization import deserialize_message
     from rclpy.signals import SignalHandlerOptions
     from rclpy.task import Future
     from rosgraph_msgs.msg import Clock
-    from sensor_msgs.msg import JointState
+    from sensor_msgs.msg import JointState, PointCloud2, PointField
     from std_msgs.msg import String
     from std_srvs.srv import SetBool, Trigger
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -55,6 +64,9 @@ except ImportError as error:
         f"this command needs ROS 2 ({error}): "
         "pip install '.[ros]' in this environment, or source a ROS 2 installation"
     ) from None
+
+INFO, WARNING = LoggingSeverity.INFO, LoggingSeverity.WARN
+RCLError, RMWError = rclpy_implementation.RCLError, rclpy_implementation.RMWError
 
 try:
     from control_msgs.action import FollowJointTrajectory
@@ -69,6 +81,8 @@ except ImportError:  # likewise
     TFMessage = TransformStamped = None
 
 __all__ = [
+    "INFO",
+    "WARNING",
     "ActionServer",
     "CancelResponse",
     "Clock",
@@ -82,6 +96,7 @@ __all__ = [
     "Future",
     "GoalResponse",
     "HistoryPolicy",
+    "IntegerRange",
     "JointState",
     "JointTrajectory",
     "JointTrajectoryControllerState",
@@ -94,8 +109,13 @@ __all__ = [
     "Parameter",
     "ParameterDescriptor",
     "ParameterException",
+    "PointCloud2",
+    "PointField",
     "PoseStamped",
+    "QoSCompatibility",
     "QoSProfile",
+    "RCLError",
+    "RMWError",
     "ReliabilityPolicy",
     "SetBool",
     "SetParametersResult",
@@ -110,5 +130,6 @@ __all__ = [
     "Trigger",
     "deserialize_message",
     "get_package_share_directory",
+    "qos_check_compatible",
     "rclpy",
 ]

@@ -7,12 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from trunk_ros.nodes.graph.base import PROGRESS_TOPIC, steady_clock
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.health import WARN
+from trunk_ros.nodes.graph.loop import steady_clock
 from trunk_ros.nodes.graph.messages import nanoseconds, time_message, trajectory_message
 from trunk_ros.nodes.graph.progress import Ledger, Progress
-from trunk_ros.nodes.graph.qos import LATCHED
+from trunk_ros.nodes.graph.qos import DEPTH, LATCHED
+from trunk_ros.nodes.graph.report import PROGRESS_TOPIC
 from trunk_ros.nodes.graph.ros import (
     Clock,
     DiagnosticArray,
@@ -22,7 +23,6 @@ from trunk_ros.nodes.graph.ros import (
     String,
     deserialize_message,
 )
-from trunk_ros.nodes.graph.streams import DEPTH
 from trunk_ros.trajectory import Trajectory
 
 BEGIN = 1_750_000_000 * SECOND  # ns, where simulated time begins, so that equal runs have equal stamps

@@ -9,7 +9,17 @@ from trunk_ros.recording.recording import Floats, JointSeries
 from trunk_ros.recording.signal.fill import fill
 
 GAP = 1.5  # usual times between samples
+REGULAR = 0.7  # share of the samples that come in time where others may have been lost one by one
 STEADY = 0.9  # share of the samples that come in time where a topic is published at a rate
+
+
+def usual(stamp: Floats) -> float:
+    """Longest time [s] between two samples that shows no loss; infinite where samples come as they like."""
+    between = np.diff(stamp)
+    if len(between) < 3:
+        return np.inf
+    longest = GAP * float(np.median(between))
+    return longest if float(np.mean(between <= longest)) >= REGULAR else np.inf
 
 
 def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
