@@ -78,19 +78,13 @@ def diagnose(
         model = nominal_for(read[0].joints)
     nominal, read = described(model, read, urdf)
     if other is None:
-        return _with_hash(Diagnoser(read, nominal, None, progress).run(), nominal)
+        return Diagnoser(read, nominal, None, progress).run()
     if nominal.arm.coupling is not None:
         raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
     progress("what the simulation has itself")
     simulator = identified(other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, False).run())
     result = Diagnoser(read, simulator.model, simulator, progress).run()
-    return _with_hash(told_as_differences(result, simulator.model, simulator.found), nominal)
-
-
-def _with_hash(result: Diagnosis, nominal: Model) -> Diagnosis:
-    """The diagnosis that says what it began from."""
-    result.provenance = {"model_hash": nominal.hash()}
-    return result
+    return told_as_differences(result, simulator.model, simulator.found)
 
 
 class Diagnoser:
@@ -126,6 +120,7 @@ class Diagnoser:
             else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
+        self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
         self.lasting: dict[str, float] = {}
         """Joint noise [rad] that lasts from sample to sample."""

@@ -22,6 +22,7 @@ class BaseShift(Effect):
         for k, axis in enumerate(AXES)
     )
     everywhere = True
+    confused_with = (("tool_offset", "turn the last link: the tool's offset turns with it"),)
 
     def adjust(self, core: Core, now: Now) -> None:
         for row, axis in enumerate(AXES):

@@ -15,6 +15,7 @@ class TipDelay(Effect):
     source = "Furgale, Rehder & Siegwart (2013), IROS: time offset between a camera and other sensors."
     parameters = (Parameter("delay", "s", (-0.5, 0.5), "age of the poses", typical=5e-3, shared=True),)
     everywhere = True
+    confused_with = (("joint_zero_error", "stand still: a delay is gone at rest"),)
     compensable = False
 
     def adjust(self, core: Core, now: Now) -> None:
