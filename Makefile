@@ -4,6 +4,7 @@ PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
 FULL ?=
 SIMULATOR ?=
+RELEASED := test/bench/releases/*.json
 
 # .venv stands alone, whatever the shell has sourced.
 unexport PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
@@ -15,7 +16,7 @@ export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export FULL TRUNK_PYTHON
 
-.PHONY: setup demo test pytest lint bench proof docs lock clean
+.PHONY: setup demo test pytest lint coverage bench proof docs lock clean
 
 setup: $(STAMP)
 
@@ -38,8 +39,16 @@ pytest: setup
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 120 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
 	$(PYTHON) -m pytest -q --timeout 300 test/nodes
 
+# Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
+coverage: setup
+	$(PYTHON) -m coverage run -m pytest -q --timeout 300 --ignore test/nodes --ignore test/packaging
+	$(PYTHON) -m coverage combine -q
+	$(PYTHON) -m coverage xml -q
+	$(PYTHON) -m coverage html -q
+	$(PYTHON) -m coverage report --skip-covered --sort=cover
+
 bench: setup
-	$(PYTHON) -m test.bench --output bench.json
+	$(PYTHON) -m test.bench --output bench.json $(if $(wildcard $(RELEASED)),--compare $(lastword $(sort $(wildcard $(RELEASED)))))
 
 # effects.md and its pictures, from the effects themselves.
 docs: setup
@@ -52,11 +61,11 @@ proof: setup
 # Pins what setup.py and requirements/dev.in ask for. One lock for every CPython: it is made for the oldest.
 lock: setup
 	$(PYTHON) -m pip install --quiet uv
-	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --upgrade --quiet --no-header \
+	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --extra fleet --upgrade --quiet --no-header \
 		--no-emit-index-url --no-emit-find-links --generate-hashes \
 		--python-version 3.11 --python-platform x86_64-manylinux_2_28 --output-file requirements/lock.txt
 
 # proof/ stays: it takes hours.
 clean:
-	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis demo-output bench.json
+	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis demo-output bench.json .coverage* coverage.xml htmlcov
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

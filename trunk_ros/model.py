@@ -22,12 +22,13 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
+from trunk_ros.predictor import Predictor
 
 Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(Predictor):
     """An arm and its effects: ``effects[id]`` maps a parameter to (joints,) values, a float where shared,
     words to lists.
 

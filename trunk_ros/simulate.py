@@ -1,30 +1,22 @@
-"""``simulate``: run a model over a recording."""
+"""A model run over a recording."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from trunk_ros import __version__
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
-from trunk_ros.model import Model, load_model
-from trunk_ros.recording.arguments import Parser
-from trunk_ros.recording.output import prepare_output
-from trunk_ros.recording.read import read_recording
+from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
 from trunk_ros.recording.signal.gaps import bridged, missing
 from trunk_ros.recording.signal.resample import SAME, joint_grid, resample
-from trunk_ros.recording.write import write_recording
 from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import LOST, all_setpoints, as_the_servo_went, servo_course
 from trunk_ros.transmission import at_joints, by_joint, uncoupled
-
-SOURCES = ("gearbox_states", "setpoints")
 
 
 def simulate(recording: Recording, model: Model, source: str = "gearbox_states") -> Recording:
@@ -86,25 +78,3 @@ def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: 
     if not len(lost):
         return gearbox
     return bridged(gearbox, servo_course(setpoints, np.union1d(gearbox.stamp, lost), model))
-
-
-def main(argv: list[str]) -> int:
-    """The command."""
-    parser = Parser(
-        "simulate",
-        description="Run a model over a recording: the bag OUT_BAG holds the predicted joint_states.",
-    )
-    parser.add_argument("bag", metavar="BAG")
-    parser.add_argument("--model", required=True, metavar="MODEL.yaml", help="a file, or trunk or direct")
-    parser.add_argument("--output", required=True, metavar="OUT_BAG")
-    parser.add_argument("--from", dest="source", choices=SOURCES, default="gearbox_states")
-    parser.add_argument("--overwrite", action="store_true")
-    arguments = parser.parse_args(argv)
-    prepare_output(arguments.output, arguments.overwrite)
-    model = load_model(arguments.model)
-    predicted = simulate(read_recording(arguments.bag), model, arguments.source)
-    custom = {"trunk_ros": __version__, "model": model.hash(), "from": arguments.source}
-    write_recording(Path(arguments.output), predicted, overwrite=arguments.overwrite, custom=custom)
-    said = predicted.series["joint_states"]
-    print(f"{arguments.output}: {len(said.stamp)} predictions of {', '.join(said.joints)}")
-    return 0

@@ -188,3 +188,9 @@ def stopping(recording: Recording) -> Recording:
         "joint_states": JointSeries(stamp, arm.joints, theta),
     }
     return replace(recording, series=series)
+
+
+def test_an_arm_of_which_nothing_is_known_may_have_setpoints_in_its_recording() -> None:
+    recording = recorded(seconds=5.0)
+    assert "setpoints" in recording.series
+    assert wire_span(recording, load_model("direct")).joints == recording.joints

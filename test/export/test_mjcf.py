@@ -12,7 +12,7 @@ from test.export.arms import KP, KV, MJCF, MOTORS, SERVOS, model_of, pair
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.errors import TrunkError
-from trunk_ros.export.command import export
+from trunk_ros.export.run import export
 from trunk_ros.export.sheet import Sheet
 
 mujoco = pytest.importorskip("mujoco")

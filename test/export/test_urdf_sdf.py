@@ -11,7 +11,7 @@ import pytest
 from test.export.arms import SDF, URDF, model_of, pair
 from trunk_ros.arm.urdf import joint_limits
 from trunk_ros.errors import TrunkError
-from trunk_ros.export.command import export
+from trunk_ros.export.run import export
 
 STOP = {"hard_stop": {"upper": pair(1.0, 100.0), "form": "upper"}}
 

@@ -23,6 +23,14 @@ PROVIDERS = {
     "lz4": ("lz4", "mcap-ros2-support"),
     "zstandard": ("zstandard", "mcap-ros2-support"),
     "pinocchio": ("pin", "pinocchio"),
+    "argcomplete": ("argcomplete", "python3-argcomplete"),
+    "pandas": ("pandas", None),  # the extra [tables]: pip's, not rosdep's
+    "markupsafe": ("jinja2", "python3-jinja2"),
+    "dask": ("distributed", None),  # the extra [fleet]: pip's, not rosdep's
+    "distributed": ("distributed", None),
+    "pyarrow": ("pyarrow", None),
+    "ruptures": ("ruptures", None),
+    "fsspec": ("fsspec", None),
     "control_msgs": (None, "control_msgs"),  # not on PyPI
     "tf2_msgs": (None, "tf2_msgs"),
     "mujoco": ("mujoco-core", None),  # an extra: export says so where it is missing
@@ -81,5 +89,5 @@ def test_package_and_manifest_have_one_version():
 
 
 def test_every_command_is_there():
-    nodes = {"servo_driver", "wire_elasticity", "compensator", "recorder", "replay"}
-    assert nodes | {"bringup", "diagnose", "simulate", "import"} <= set(COMMANDS)
+    nodes = {"servo_driver", "wire_elasticity", "compensator", "recorder", "replay", "watch"}
+    assert nodes | {"bringup", "diagnose", "simulate", "import", "fleet"} <= set(COMMANDS)

@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from trunk_ros.commands.import_table import main
 from trunk_ros.errors import ArgumentError, RecordingError
-from trunk_ros.recording.importing.csv import main, read_csv
+from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.importing.mapping import parse_mapping
 from trunk_ros.recording.read import read_recording
 

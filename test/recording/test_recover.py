@@ -14,11 +14,12 @@ from mcap.writer import Writer as McapWriter
 from rosbags.highlevel import AnyReader
 
 from test.recording.bags import KIND, STORE, motion, only_file
+from trunk_ros.commands.recover import main
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.mcap.write import ChunkWriter
 from trunk_ros.recording.messages.message_types import RELIABLE, definition, qos_text
 from trunk_ros.recording.read import read_recording
-from trunk_ros.recording.recover import main, recover, unfinished
+from trunk_ros.recording.recover import recover, unfinished
 
 COUNT = 2000
 

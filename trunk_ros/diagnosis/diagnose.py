@@ -13,15 +13,17 @@ from trunk_ros.diagnosis.against import SERVO, Simulator, identified, nominal_fo
 from trunk_ros.diagnosis.context import LEAST, Context, Work
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.described import described
+from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import completed, shifted
+from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.data.quality import quality_of_recording
-from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
+from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.evidence.veto import harmless
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, on_the_arm
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.search.score import STRONG
@@ -29,13 +31,8 @@ from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
-from trunk_ros.diagnosis.verdict.findings import (
-    findings,
-    is_known,
-    left_over,
-    without_a_name,
-)
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots, Unexplained
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.errors import ModelError, RecordingError
@@ -44,14 +41,14 @@ from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
-from trunk_ros.transmission import by_joint, uncoupled
+from trunk_ros.transmission import uncoupled
 
 Progress = Callable[[str], None]
 WORK = 3e9  # simulated joint-steps of a stage: half a minute of one core, whatever the recording
 
 
 def diagnose(
-    recordings: Sequence[Recording | str | Path],
+    recordings: Recording | str | Path | Sequence[Recording | str | Path],
     model: Model | str | Path | None = None,
     against: Recording | str | Path | None = None,
     from_time: str | None = None,
@@ -62,28 +59,34 @@ def diagnose(
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
-    ``model``: by default the nominal arm, or ``direct`` where the recordings are of another. ``urdf``: text
-    of the URDF that has the links; without, a model for any joints takes the recorded ``robot_description``.
-    ``against``: another simulator's recording of the same motion; what
-    it does is found from it first, by default from an ideal transmission, and takes the place of the model.
+    ``recordings``: one or several, each a path or in memory. ``model``: in memory, a file, or a name in
+    config/; by default the nominal arm, or ``direct`` where the recordings are of another. ``from_time``,
+    ``until``: "12.5" (s) or "70%" of each recording. ``progress`` is told each step. ``urdf``: text of the
+    URDF that has the links; without, a model for any joints takes the recorded ``robot_description``.
+    ``against``: a simulator's recording of the same motion; what it does is found from it first, by default
+    from an ideal transmission, and takes the place of the model.
     ``namespace``: of the arm, where recordings hold several.
     Raises RecordingError or ModelError in one line.
     """
-    read = [_read(r, from_time, until, namespace) for r in recordings]
+    several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
+    read = [_read(r, from_time, until, namespace) for r in several]
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
-    read = [without_faults(completed(r, other)) for r in read]
+    read = [completed(r, other) for r in read]
     if model is None and other is not None and not urdf:
         model = nominal_for(read[0].joints)
     nominal, read = described(model, read, urdf)
+    read, mixed = put_right(read, nominal)
     if other is None:
-        return Diagnoser(read, nominal, None, progress).run()
+        return Diagnoser(read, nominal, None, progress, mixed).run()
     if nominal.arm.coupling is not None:
         raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
     progress("what the simulation has itself")
-    simulator = identified(other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, False).run())
-    result = Diagnoser(read, simulator.model, simulator, progress).run()
+    simulator = identified(
+        other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, experiments=False).run()
+    )
+    result = Diagnoser(read, simulator.model, simulator, progress, mixed).run()
     return told_as_differences(result, simulator.model, simulator.found)
 
 
@@ -96,10 +99,11 @@ class Diagnoser:
         model: Model,
         against: Simulator | None,
         progress: Progress,
+        mixed: Sequence[list[MixUp]] = (),
         experiments: bool = True,
     ):
-        recordings = [by_joint(r, model.arm) for r in recordings]
-        self.recordings, self.against, self.say = recordings, against, progress
+        """``mixed``: what is mixed up in each recording, and left out of it."""
+        self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
         self.experiments = experiments
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
@@ -132,17 +136,27 @@ class Diagnoser:
         self.servo()  # with the payload that the wires show
         self.tip()
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
+        self._say_what_is_mixed_up()
         self._refuse_if_nothing_was_seen()
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
         self.result.model = replace(self.model, effects=kept, duration=longest)
-        self.result.quality = _by_name(self.recordings, self.model)
+        self.result.quality = _by_name(self.recordings, self.model, self.mixed)
         return self.result
+
+    def _say_what_is_mixed_up(self) -> None:
+        """What was left out for it is not explained."""
+        for one in dict.fromkeys(one for found in self.mixed for one in found if one.certain):
+            rest = Unexplained(one.stage, list(one.joints), "always", 1.0, [], one.statement)
+            self.result.unexplained.insert(0, rest)
+            stage = self.result.stages[one.stage]
+            stage["silent"] = [joint for joint in stage.get("silent", []) if joint not in one.joints]
 
     def _refuse_if_nothing_was_seen(self) -> None:
         stages = self.result.stages.values()
-        if not any(stage.get("joints") or stage.get("tip") for stage in stages):
+        seen = any(stage.get("joints") or stage.get("tip") for stage in stages)
+        if not seen and not self.result.unexplained:
             raise RecordingError(
                 f"{', '.join(r.name for r in self.recordings)}: no joint moves for {LEAST} samples or more: "
                 "record a motion that moves the joints, over a longer time"
@@ -179,6 +193,9 @@ class Diagnoser:
                 "compared": False, "joints": {}, "silent": list(stage.joints)
             }  # fmt: skip
             return None
+        wrong = contradiction(context, lambda text: self.say(f"{stage.name}: {text}"))
+        if wrong is not None:
+            raise RecordingError(wrong.statement())
         done = searched(context, lambda text: self.say(f"{stage.name}: {text}"))
         self.say(f"{stage.name}: evidence")
         state = harmless(done.state)
@@ -196,6 +213,7 @@ class Diagnoser:
                     "rmse_before": e.before,
                     "rmse_after": e.after,
                     "noise_floor": e.noise_floor,
+                    "resolution": float(np.hypot(stage.own_steps(c), stage.resolution(c))),
                     "rmse_before_std": e.before_std,
                     "rmse_after_std": e.after_std,
                 }
@@ -268,30 +286,13 @@ def _read(
     return read_recording(recording, from_time, until, namespace=namespace)
 
 
-def on_the_arm(
-    effects: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
-) -> dict[str, Values]:
-    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``."""
-
-    def spread(name: str, key: str, value: Any) -> Any:
-        if isinstance(value, (str, float)):
-            return value
-        here = dict(zip(seen, value, strict=True))
-        if isinstance(value, list):
-            return [here.get(joint, "") for joint in joints]
-        return np.array([here.get(joint, effect(name).parameter(key).null) for joint in joints])
-
-    return {
-        name: {key: spread(name, key, v) for key, v in values.items()} for name, values in effects.items()
-    }
-
-
-def _by_name(recordings: list[Recording], model: Model) -> dict[str, Any]:
+def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]]) -> dict[str, Any]:
     """Quality by name of recording; those of one name are numbered."""
     out: dict[str, Any] = {}
     for number, recording in enumerate(recordings, start=1):
         name = recording.name if recording.name not in out else f"{recording.name} ({number})"
-        out[name] = quality_of_recording(recording, model)
+        found = mixed[number - 1] if mixed else []
+        out[name] = quality_of_recording(recording, model, found)
     return out
 
 

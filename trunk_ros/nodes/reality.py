@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.export.reality import RealityLayer
-from trunk_ros.model import Declaration, load_model
+from trunk_ros.model import Declaration, Model, load_model
 from trunk_ros.nodes.bus import gearbox_limits
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND
@@ -28,6 +28,7 @@ class Reality(TrunkNode):
 
     NAME = "reality"
     idle = True
+    layer: RealityLayer | None = None
     OWN = (
         Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which either side is called stale"),
         Declaration("simulation", "", "", None, "model of what the simulator does itself; empty: its ratios"),
@@ -41,26 +42,38 @@ class Reality(TrunkNode):
         self.lower, self.upper = gearbox_limits(arm)
         theirs = self.value("simulation")
         simulation = load_model(theirs) if theirs else None
-        self.layer = RealityLayer(self.model, 1, simulation, self.value("lag"))
-        for remark in self.layer.remarks:
-            self.health.note(remark)
-        still = np.zeros(len(self.joints))
-        self.layer.step(still, still, FIRST)  # compiles, so that no sample is late
-        self.layer.reset()
+        self.simulation = simulation
+        self.layer = self.layered(self.model)
         self.asking, self.showing = JointMatcher(self.joints), JointMatcher(self.joints)
         self.asked = np.full(len(self.joints), np.nan)
         self.state = np.full(len(self.joints), np.nan)
         self.last: tuple[int, Array] | None = None
-        self.setpoints = self.watch("trunk/setpoints", self.value("timeout"))
-        self.states = self.watch("simulator/joint_states", self.value("timeout"))
-        self.publish_setpoints = self.joint_states_on("simulator/setpoints", self.joints)
-        self.publish_joints = self.joint_states_on("joint_states", self.joints)
-        self.listen_to(JointState, "trunk/setpoints", self.on_setpoints)
-        self.listen_to(JointState, "simulator/joint_states", self.on_states)
+        self.setpoints = self.streams.watch("trunk/setpoints", self.value("timeout"))
+        self.states = self.streams.watch("simulator/joint_states", self.value("timeout"))
+        self.publish_setpoints = self.streams.publish_joints("simulator/setpoints", self.joints)
+        self.publish_joints = self.streams.publish_joints("joint_states", self.joints)
+        self.streams.obey(JointState, "trunk/setpoints", self.on_setpoints)
+        self.streams.sense("simulator/joint_states", self.on_states)
+
+    def layered(self, model: Model) -> RealityLayer:
+        """What is added, compiled, so that no sample is late."""
+        layer = RealityLayer(model, 1, self.simulation, self.value("lag"))
+        for remark in layer.remarks:
+            self.health.note(remark)
+        still = np.zeros(len(self.joints))
+        layer.step(still, still, FIRST)
+        layer.reset()
+        return layer
+
+    def use(self, model: Model) -> None:
+        """Another model of the arm: its memory begins anew."""
+        super().use(model)
+        if self.layer is not None:
+            self.layer = self.layered(model)
 
     def on_setpoints(self, message: Any) -> None:
         """Keep a command for the next step. Raises MessageError where it is refused."""
-        self.arrived(self.setpoints, message)
+        self.streams.arrived(self.setpoints, message)
         given = self.asking.gather(message.name, message.position)
         named = [joint not in self.asking.missing for joint in self.joints]
         if not np.isfinite(given[named]).all():
@@ -70,11 +83,12 @@ class Reality(TrunkNode):
     def on_states(self, message: Any) -> None:
         """One step. Raises MessageError for a state that cannot be used."""
         now = nanoseconds(message.header.stamp)
-        self.heard(self.states, now)
+        self.streams.heard(self.states, now)
         given = self.showing.gather(message.name, message.position)
         self.state = np.where(np.isfinite(given), given, self.state)
         if not np.isfinite(self.state).all():
             raise MessageError(f"no angle yet of {self.joints[int(np.argmin(np.isfinite(self.state)))]}")
+        assert self.layer is not None
         dt = self.since(now)
         if dt == 0.0:
             raise MessageError("simulator/joint_states out of order: a sample was left out")
@@ -94,7 +108,8 @@ class Reality(TrunkNode):
         if -LONGEST < passed <= LONGEST:
             return max(passed, 0.0)
         self.health.note("the simulator's stamps jumped: the layer begins anew")
-        self.layer.reset()
+        if self.layer is not None:
+            self.layer.reset()
         self.last = None
         return FIRST
 

@@ -1,6 +1,5 @@
-"""`recover`: a bag whose recorder was killed becomes one that all readers open, and what was lost is said."""
+"""A bag whose recorder was killed becomes one that all readers open, and what was lost is said."""
 
-import argparse
 import fcntl
 import os
 from collections.abc import Sequence
@@ -13,7 +12,6 @@ from mcap.reader import make_reader
 
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording import plain_yaml
-from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.bag.bag import mcap_files
 from trunk_ros.recording.bag.metadata import (
     FILE,
@@ -184,19 +182,3 @@ def _merged(topics: Sequence[Topic]) -> list[Topic]:
         before = merged[topic.name].messages if topic.name in merged else 0
         merged[topic.name] = replace(topic, messages=topic.messages + before)
     return list(merged.values())
-
-
-def parser() -> argparse.ArgumentParser:
-    """Arguments of `recover`."""
-    made = Parser(
-        prog="recover", description="Repair a bag whose recorder was killed, and say what was lost."
-    )
-    made.add_argument("bag", metavar="BAG", type=Path, help="a rosbag2 folder, or an .mcap file")
-    return made
-
-
-def main(argv: list[str]) -> int:
-    """`recover BAG`."""
-    for sentence in recover(parser().parse_args(argv).bag):
-        print(sentence)
-    return 0

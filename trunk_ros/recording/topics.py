@@ -15,6 +15,7 @@ TIP_TOPIC = "trunk/tip_pose"
 DESCRIPTION_TOPIC = "robot_description"
 STRING = "std_msgs/msg/String"
 TOPICS = {**JOINT_TOPICS, TIP: TIP_TOPIC}
+SOURCES = ("gearbox_states", "setpoints")  # what a model can be driven by
 
 
 def split_topic(topic: str) -> tuple[str, str] | None:

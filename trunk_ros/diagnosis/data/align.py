@@ -77,6 +77,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     """
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
+    model = model.for_joints(joints)
     gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
     steps = counts(gearbox)
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
@@ -85,7 +86,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
     valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)
-    arm = model.for_joints(joints).arm.only(joints)
+    arm = model.arm.only(joints)
     u = phi * arm.ratio
     start = _start(u, rows, target, valid)
     least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))

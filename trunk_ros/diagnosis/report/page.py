@@ -62,6 +62,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "unnamed": any(f.effect == "unknown" for f in result.findings),
         "experiments": result.experiments,
         "runs": runs(result),
+        "recorded": " ".join(quote(str(bag)) for bag in result.provenance.get("bags", ["run1"])),
         "rivals_remain": any(f.equivalents for f in result.findings),
         "numbers": numbers(result),
         "provenance": provenance(result),

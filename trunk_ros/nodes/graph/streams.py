@@ -57,9 +57,11 @@ class Streams:
 
     # In
 
-    def sense(self, topic: str, handler: Handler, kind: Any = JointState) -> None:
-        """Hear a sensor, also with best effort: the next message makes up for a loss."""
-        self._listen(kind, topic, handler, RELIABLE if self.counted else SENSED)
+    def sense(self, topic: str, handler: Handler, kind: Any = JointState, raw: bool = False) -> None:
+        """Hear a sensor, also with best effort: the next message makes up for a loss. ``raw``: the handler
+        takes the bytes.
+        """
+        self._listen(kind, topic, handler, RELIABLE if self.counted else SENSED, raw=raw)
 
     def obey(self, kind: Any, topic: str, handler: Handler, raw: bool = False) -> None:
         """Hear commands, each of which counts. ``raw``: the handler takes the bytes."""

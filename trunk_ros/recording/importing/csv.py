@@ -1,25 +1,17 @@
-"""`import`: a table, or a bag with other topics, that others recorded becomes a bag of ours."""
+"""A table that others recorded, as a recording of an arm, by a mapping."""
 
-import argparse
 from pathlib import Path
 
 import numpy as np
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.arguments import Parser
-from trunk_ros.recording.bag.bag import is_recording
 from trunk_ros.recording.check import checked
-from trunk_ros.recording.importing.bag import read_bag
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.importing.table import read_table
 from trunk_ros.recording.importing.units import UNITS
 from trunk_ros.recording.messages.block import Whole
-from trunk_ros.recording.output import BAG_FILES, prepare_output
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
-from trunk_ros.recording.topics import TOPICS
-from trunk_ros.recording.write import write_recording
-from trunk_ros.share import config_names
 
 _LATEST_NS = (2**31) * 10**9
 
@@ -89,30 +81,3 @@ def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats]) -
 def _not_finite(series: JointSeries) -> int:
     values = [each for each in (series.position, series.velocity, series.effort) if each is not None]
     return sum(int(np.isnan(each).sum()) for each in values)
-
-
-def parser() -> argparse.ArgumentParser:
-    """Arguments of `import`."""
-    names = ", ".join(name.removeprefix("import/") for name in config_names("import"))
-    made = Parser(prog="import", description="Turn a foreign recording into a rosbag2 folder.")
-    made.add_argument("csv", metavar="CSV|BAG", type=Path, help="a table, or a bag whose topics are others")
-    made.add_argument("--mapping", metavar="MAP", required=True, help=f"MAP.yaml, or one of {names}")
-    made.add_argument("--output", metavar="BAG", required=True, type=Path, help="the folder to write")
-    made.add_argument("--overwrite", action="store_true", help="replace BAG if it exists")
-    return made
-
-
-def main(argv: list[str]) -> int:
-    """`import CSV|BAG --mapping MAP.yaml --output BAG [--overwrite]`; says what was odd."""
-    asked = parser().parse_args(argv)
-    prepare_output(asked.output, asked.overwrite, BAG_FILES)
-    if not asked.csv.exists():
-        raise RecordingError(f"{asked.csv}: does not exist")
-    read = read_bag if is_recording(asked.csv) else read_csv
-    recording = read(asked.csv, asked.mapping)
-    write_recording(asked.output, recording, asked.overwrite)
-    for note in recording.notes:
-        print(f"{asked.csv}: {note}")
-    topics = ", ".join(f"/{TOPICS[key]} ({len(each.stamp)})" for key, each in recording.series.items())
-    print(f"{asked.output}: {recording.duration:.6g} s, {topics}")
-    return 0
