@@ -1,4 +1,5 @@
-# make setup|demo|test|bench|proof: each sets up what it needs first. `make proof FULL=1` is the long one.
+# make setup|demo|test|fuzz|bench|proof: each sets up what it needs first. `make proof FULL=1` and
+# `make fuzz FULL=1` are the long ones.
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
@@ -16,7 +17,7 @@ export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export FULL TRUNK_PYTHON
 
-.PHONY: setup demo test pytest lint coverage bench proof docs lock clean
+.PHONY: setup demo test pytest lint coverage fuzz bench proof docs lock clean
 
 setup: $(STAMP)
 
@@ -47,6 +48,10 @@ coverage: setup
 	$(PYTHON) -m coverage html -q
 	$(PYTHON) -m coverage report --skip-covered --sort=cover
 
+# A bounded part, with other means, is among the tests: test/recording/test_fuzz.py and test/fuzz.
+fuzz: setup
+	$(PYTHON) -m test.fuzz
+
 bench: setup
 	$(PYTHON) -m test.bench --output bench.json $(if $(wildcard $(RELEASED)),--compare $(lastword $(sort $(wildcard $(RELEASED)))))
 
@@ -65,7 +70,7 @@ lock: setup
 		--no-emit-index-url --no-emit-find-links --generate-hashes \
 		--python-version 3.11 --python-platform x86_64-manylinux_2_28 --output-file requirements/lock.txt
 
-# proof/ stays: it takes hours.
+# proof/ and fuzz/ stay: they take hours.
 clean:
 	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis demo-output bench.json .coverage* coverage.xml htmlcov
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

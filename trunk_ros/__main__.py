@@ -6,6 +6,7 @@ installed.
 from __future__ import annotations
 
 import importlib
+import io
 import os
 import sys
 import traceback
@@ -15,7 +16,7 @@ from pathlib import Path
 from trunk_ros import __version__
 from trunk_ros.commands.arguments import did_you_mean
 from trunk_ros.commands.console import Level, ask_for
-from trunk_ros.errors import TrunkError
+from trunk_ros.errors import TrunkError, one_line
 from trunk_ros.nodes.stop import Stop
 
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -51,6 +52,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         from trunk_ros.commands.completion import complete
 
         complete(COMMANDS)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files need not be UTF-8
     arguments = list(sys.argv[1:] if argv is None else argv)
     script = Path(sys.argv[0]).name
     name = script if argv is None and script in COMMANDS else (arguments.pop(0) if arguments else "--help")
@@ -90,6 +94,9 @@ def _run(name: str, arguments: list[str]) -> int:
         if (error.name or "").startswith("trunk_ros"):
             return _our_fault()
         return _refuse(without_a_package(error.name or str(error)))
+    except OSError as error:  # of the machine: no room, no permission, a name that is too long
+        where = f"{error.filename}: " if error.filename else ""
+        return _refuse(one_line(f"{where}{error.strerror or error}"))
     except Exception:
         return _our_fault()
 

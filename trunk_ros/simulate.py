@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.data.sensor_faults import without_wild
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
@@ -27,7 +28,7 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
     gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
-    recording = by_joint(recording, model.arm)
+    recording = by_joint(without_wild(recording), model.arm)
     if source == "gearbox_states":
         recording, model = uncoupled(recording, model)
     given = recording.require(source)

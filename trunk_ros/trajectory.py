@@ -54,6 +54,8 @@ class Trajectory:
             raise TrajectoryError(f"a joint is named twice in {', '.join(self.joints)}")
         if not len(self.time):
             raise TrajectoryError("the trajectory has no points")
+        if not np.all(np.isfinite(self.time)):
+            raise TrajectoryError("time_from_start is not finite")
         if self.time[0] < 0 or np.any(np.diff(self.time) <= 0):
             raise TrajectoryError("time_from_start must grow from point to point, and not start below 0")
         for name in ("position", "velocity", "acceleration"):
@@ -230,6 +232,8 @@ def from_fields(fields: Any) -> Trajectory:
     if not isinstance(fields, dict) or not fields.get("joint_names") or not fields.get("points"):
         raise TrajectoryError("a trajectory needs joint_names and points")
     points = fields["points"]
+    if not isinstance(fields["joint_names"], list) or not isinstance(points, list):
+        raise TrajectoryError("joint_names and points must be lists")
     try:
         return Trajectory(
             tuple(str(joint) for joint in fields["joint_names"]),
@@ -240,7 +244,7 @@ def from_fields(fields: Any) -> Trajectory:
         )
     except KeyError as error:
         raise TrajectoryError(f"a point lacks {error.args[0]}") from None
-    except (TypeError, ValueError, AttributeError) as error:
+    except (TypeError, ValueError, AttributeError, OverflowError) as error:
         raise TrajectoryError(f"a point is not a set of numbers: {error}") from None
 
 

@@ -14,7 +14,8 @@ from trunk_ros.arm.files import urdf_text
 from trunk_ros.arm.parameters import ANY_ANGLE, ANY_JOINTS, SERVO, WIRE_ARRAYS, WIRE_SCALARS, shortened
 from trunk_ros.arm.wire import Wire
 from trunk_ros.compiled import Array
-from trunk_ros.errors import ModelError
+from trunk_ros.errors import ModelError, printable
+from trunk_ros.recording.messages.layout import MOST_JOINTS
 
 WORST = 1e6  # condition of a coupling that can be inverted
 
@@ -27,6 +28,8 @@ def arm_from(flat: Mapping[str, Any], folder: Path | None = None) -> Arm:
     joints = _joint_names(flat, description)
     if len(set(joints)) != len(joints) or not all(joints) or not joints:
         raise ModelError(f"arm.joints must be different names, one or more: got {shortened(list(joints))}")
+    if len(joints) > MOST_JOINTS:
+        raise ModelError(f"arm.joints names {len(joints)} joints: {MOST_JOINTS} at most")
     here = len(joints)
     wire, coupling = _wire(flat, here), _coupling(flat, here)
     lower, upper = limits_in(description, joints)
@@ -77,7 +80,7 @@ def _named(flat: Mapping[str, Any]) -> tuple[str, ...]:
 def _joint_names(flat: Mapping[str, Any], description: Description | None) -> tuple[str, ...]:
     named = _named(flat)
     if description is None:
-        return tuple(flat.get("arm.joints", [ANY_JOINTS]))
+        return tuple(printable(joint) for joint in flat.get("arm.joints", [ANY_JOINTS]))
     own = tuple(joint.name for joint in description.arm_joints)
     if other := [joint for joint in named if joint not in own]:
         raise ModelError(f"arm.joints has {other[0]!r}, the URDF from base to tip {', '.join(own)}")

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from trunk_ros.commands.console import Level, ask_for
 from trunk_ros.errors import ArgumentError
+from trunk_ros.recording import allowance
 
 SHORT = {"--output": "-o", "--model": "-m"}
 PROGRAM = "trunk_ros"
@@ -36,6 +37,7 @@ class Parser(argparse.ArgumentParser):
         spoken = self.add_mutually_exclusive_group()
         spoken.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
         spoken.add_argument("-v", "--verbose", action="store_true", help="say each step, with its time")
+        self.add_argument(allowance.OPTION, action=_Lift, nargs=0, help=allowance.HELP)
 
     def add_argument(self, *flags: Any, **settings: Any) -> argparse.Action:
         """As in argparse; the well-known options get their short forms."""
@@ -61,6 +63,17 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise ArgumentError(f"{self.name}: {message} (--help shows how)")
+
+
+class _Lift(argparse.Action):
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> None:
+        allowance.lift()
 
 
 def did_you_mean(word: str, known: Any) -> str:

@@ -64,10 +64,11 @@ HOW = (
 
 def foreign_topics(path: Path) -> dict[str, str]:
     """All topics of a bag with their types; empty where it cannot be read."""
+    from trunk_ros.recording.allowance import Allowance
     from trunk_ros.recording.bag.bag import read_blocks
     from trunk_ros.recording.messages.block import Contents, DamageError
 
-    contents = Contents()
+    contents = Contents(Allowance(path))
     try:
         for _ in read_blocks(path, lambda topic: False, contents, lambda _: None):
             pass

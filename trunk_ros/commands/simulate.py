@@ -31,6 +31,7 @@ def parser() -> Parser:
 def main(argv: list[str]) -> int:
     """The command."""
     asked = parser().parse_args(argv)
+    from trunk_ros.diagnosis.data.sensor_faults import without_wild
     from trunk_ros.model import load_model
     from trunk_ros.recording.output import prepare_output
     from trunk_ros.recording.read import read_recording
@@ -39,7 +40,9 @@ def main(argv: list[str]) -> int:
 
     prepare_output(asked.output, asked.overwrite)
     model = load_model(asked.model)
-    predicted = simulate(read_recording(asked.bag), model, asked.source)
+    recording = without_wild(read_recording(asked.bag))
+    say(*(f"{asked.bag}: {note}" for note in recording.notes))
+    predicted = simulate(recording, model, asked.source)
     custom = {"trunk_ros": __version__, "model": model.hash(), "from": asked.source}
     write_recording(Path(asked.output), predicted, overwrite=asked.overwrite, custom=custom)
     said = predicted.series["joint_states"]

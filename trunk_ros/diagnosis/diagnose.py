@@ -37,7 +37,7 @@ from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.errors import ModelError, RecordingError
 from trunk_ros.model import Model, Values
-from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
@@ -69,7 +69,7 @@ def diagnose(
     Raises RecordingError or ModelError in one line.
     """
     several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
-    read = [_read(r, from_time, until, namespace) for r in several]
+    read = [part for r in several for part in _read(r, from_time, until, namespace)]
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
@@ -280,10 +280,11 @@ class Diagnoser:
 
 def _read(
     recording: Recording | str | Path, from_time: str | None, until: str | None, namespace: str | None
-) -> Recording:
+) -> list[Recording]:
+    """The recordings that one is: two where its clock was set."""
     if isinstance(recording, Recording):
-        return recording.part(*time_range(recording.duration, from_time, until))
-    return read_recording(recording, from_time, until, namespace=namespace)
+        return [recording.part(*time_range(recording.duration, from_time, until))]
+    return read_parts(recording, from_time, until, namespace)
 
 
 def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]]) -> dict[str, Any]:

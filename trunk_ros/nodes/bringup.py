@@ -19,7 +19,9 @@ CHAIN = [part for part in PARTS if part != "recorder"]
 
 
 def main(argv: list[str]) -> int:
-    """Run and record: 0 when done or asked to end, 1 when a node gave up. Raises TrunkError at first."""
+    """Run and record: 0 when done or asked to end; 2 when a node gave up for a reason outside of it, such as
+    a full disk, 1 for any other. Raises TrunkError at first.
+    """
     plan = plan_of(argv)
     from trunk_ros.nodes.graph.process import start_ros
     from trunk_ros.nodes.graph.ros import rclpy
@@ -30,14 +32,14 @@ def main(argv: list[str]) -> int:
     stop = Stop()
     start_ros(plan.ros_arguments)
     try:
-        fault = run_apart(plan, stop) if plan.apart else run_together(plan, stop)
+        fault, code = run_apart(plan, stop) if plan.apart else run_together(plan, stop)
     finally:
         stop.ignore()
         rclpy.try_shutdown()
     summarise(plan)
     if fault:
         say(f"ended early: {fault}")
-    return 1 if fault else 0
+    return code if fault else 0
 
 
 def say(text: str) -> None:
@@ -62,8 +64,8 @@ def make_pacer(plan: Plan) -> Any:
     return pacer
 
 
-def run_together(plan: Plan, stop: Any) -> str:
-    """All nodes in this process; returns why it ended early, "" otherwise."""
+def run_together(plan: Plan, stop: Any) -> tuple[str, int]:
+    """All nodes in this process; returns why it ended early, "" otherwise, and the exit code for that."""
     from trunk_ros.nodes.graph.managed import end, retire, start
     from trunk_ros.nodes.graph.process import DELIVERY, serve_for
     from trunk_ros.nodes.graph.ros import EventsExecutor
@@ -88,7 +90,8 @@ def run_together(plan: Plan, stop: Any) -> str:
         for part in [*CHAIN, "recorder"]:
             if part in nodes:
                 end(nodes[part], DELIVERY)
-    return pacer.fault or (nodes["recorder"].fault if "recorder" in nodes else "")
+    given_up = first_fault(nodes)
+    return pacer.fault or given_up, 2 if given_up else 1
 
 
 def make_node(part: str, parameters: dict[str, Any]) -> Any:
@@ -105,8 +108,8 @@ def make_node(part: str, parameters: dict[str, Any]) -> Any:
     )
 
 
-def run_apart(plan: Plan, stop: Any) -> str:
-    """Each node in a process of its own; returns why it ended early, "" otherwise."""
+def run_apart(plan: Plan, stop: Any) -> tuple[str, int]:
+    """Each node in a process of its own; returns why it ended early, "" otherwise, and the exit code."""
     from trunk_ros.nodes.graph.ros import EventsExecutor
     from trunk_ros.nodes.run.child_processes import Processes
 
@@ -129,7 +132,7 @@ def run_apart(plan: Plan, stop: Any) -> str:
         processes.stop(["recorder"])
     finally:
         processes.close()
-    return str(pacer.fault)
+    return str(pacer.fault), processes.code
 
 
 def first_fault(nodes: dict[str, Any]) -> str:
@@ -156,7 +159,11 @@ def pump(executor: Any, pacer: Any, stop: Any, trouble: Callable[[], str], over:
 
 def make_room(plan: Plan) -> None:
     """Remove the recording that is to be replaced."""
-    if plan.output is not None and plan.overwrite and plan.output.exists():
+    if plan.output is None or not plan.overwrite:
+        return
+    if plan.output.is_symlink() or plan.output.is_file():
+        plan.output.unlink()
+    elif plan.output.exists():
         shutil.rmtree(plan.output)
 
 

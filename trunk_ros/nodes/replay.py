@@ -21,7 +21,15 @@ from trunk_ros.nodes.graph.managed import end, start
 from trunk_ros.nodes.graph.messages import time_message
 from trunk_ros.nodes.graph.process import DELIVERY, start_ros
 from trunk_ros.nodes.graph.qos import recorded
-from trunk_ros.nodes.graph.ros import Clock, EventsExecutor, SetBool, Trigger, rclpy
+from trunk_ros.nodes.graph.ros import (
+    Clock,
+    EventsExecutor,
+    InvalidTopicNameException,
+    SetBool,
+    Trigger,
+    rclpy,
+    validate_full_topic_name,
+)
 from trunk_ros.nodes.run.plan import split_ros
 from trunk_ros.nodes.stop import Stop
 
@@ -156,6 +164,10 @@ def renamed(pairs: list[str]) -> dict[str, str]:
         old, sign, new = pair.partition(":=")
         if not (old and sign and new):
             raise ArgumentError(f"--remap {pair}: give OLD:=NEW")
+        try:
+            validate_full_topic_name(full(new))
+        except InvalidTopicNameException as error:
+            raise ArgumentError(f"--remap {pair}: {str(error).splitlines()[0]}") from None
         names[full(old)] = full(new)
     return names
 

@@ -52,6 +52,7 @@ def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
         for name, evidence in found.items()
         for rival in evidence.equivalents
     ]
+    sides = [duels for duels in ([d for d in side if d.columns] for side in sides) if duels]
     return Design(state.context, sides).run() if sides else None
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from trunk_ros.nodes.graph.elapsed import LONGEST_PAUSE, SECOND
 from trunk_ros.nodes.graph.messages import nanoseconds
 from trunk_ros.nodes.graph.qos import DEPTH
+from trunk_ros.nodes.graph.reader import if_readable
 from trunk_ros.nodes.graph.ros import Clock, ClockType, SteadyClock
 
 WATCH = SECOND // 20  # ns between two steps of a loop that only looks after health
@@ -39,7 +40,8 @@ class Loop:
     def start(self) -> None:
         """Begin; ends with the node's streams."""
         if self.node.simulated:
-            clock = self.node.create_subscription(Clock, "/clock", self._on_clock, DEPTH)
+            heard = if_readable(Clock, self._on_clock)
+            clock = self.node.create_subscription(Clock, "/clock", heard, DEPTH, raw=True)
             self.node.streams.own(self.node.destroy_subscription, clock)
         else:
             self._woken = None

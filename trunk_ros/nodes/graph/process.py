@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import time
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from trunk_ros.nodes.stop import Stop
 
 DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
 MOMENT = 0.05  # s after which it is noticed that somebody asks to end
+LEAVING = 10.0  # s that the middleware has to end in
 LONG = 1e5  # s; without a timeout the events executor does not see that the future is done, and while
 # callbacks queue up it sees no timeout
 
@@ -41,9 +43,18 @@ def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
         if node.fault:
             raise TrunkError(f"{node.get_name()}: {node.fault}")
     finally:
+        leave_in_time()
         stop.ignore()
         rclpy.try_shutdown()
     return 0
+
+
+def leave_in_time() -> None:
+    """End the process by SIGALRM where the middleware does not let go of it: it may wait for ever for a lock
+    in shared memory that a partner held when it was killed. All that is ours has ended by then.
+    """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, LEAVING)
 
 
 def serve(executor: Any, node: Any, over: Callable[[], Any]) -> None:

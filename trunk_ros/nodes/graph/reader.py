@@ -20,6 +20,19 @@ def reader(kind: Any) -> Callable[[bytes], Any]:
     return lambda data: unpacked(data, kind)
 
 
+def if_readable(kind: Any, callback: Callable[[Any], None]) -> Callable[[bytes], None]:
+    """A callback for bytes that passes on the messages among them."""
+
+    def arrived(data: bytes) -> None:
+        try:
+            message = unpacked(data, kind)
+        except MessageError:
+            return
+        callback(message)
+
+    return arrived
+
+
 def unpacked(data: bytes, kind: Any) -> Any:
     """A message of its bytes. Raises MessageError where they are not one."""
     try:

@@ -36,7 +36,7 @@ try:
     from rclpy.clock import Clock as SteadyClock
     from rclpy.clock import ClockType
     from rclpy.event_handler import SubscriptionEventCallbacks
-    from rclpy.exceptions import ParameterException
+    from rclpy.exceptions import InvalidTopicNameException, ParameterException
     from rclpy.experimental import EventsExecutor
     from rclpy.impl.implementation_singleton import rclpy_implementation
     from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
@@ -54,6 +54,7 @@ try:
     from rclpy.serialization import deserialize_message
     from rclpy.signals import SignalHandlerOptions
     from rclpy.task import Future
+    from rclpy.validate_full_topic_name import validate_full_topic_name
     from rosgraph_msgs.msg import Clock
     from sensor_msgs.msg import JointState, PointCloud2, PointField
     from std_msgs.msg import String
@@ -97,6 +98,7 @@ __all__ = [
     "GoalResponse",
     "HistoryPolicy",
     "IntegerRange",
+    "InvalidTopicNameException",
     "JointState",
     "JointTrajectory",
     "JointTrajectoryControllerState",
@@ -132,4 +134,5 @@ __all__ = [
     "get_package_share_directory",
     "qos_check_compatible",
     "rclpy",
+    "validate_full_topic_name",
 ]

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.check import checked
+from trunk_ros.recording.check import checked, is_reading
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.importing.table import read_table
 from trunk_ros.recording.importing.units import UNITS
@@ -46,16 +46,19 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
     if mapping.time is None:
         seconds = np.arange(count) / mapping.rate_hz
     else:
-        seconds = mapping.time[0].evaluate(table) * mapping.time[1]
+        with np.errstate(over="ignore"):
+            seconds = mapping.time[0].evaluate(table) * mapping.time[1]
     known = np.flatnonzero(np.isfinite(seconds))
     if not len(known):
         raise RecordingError(f"{path}: the time has no finite value")
     remarks = [f"{count - len(known)} rows have no time and are left out"] if len(known) < count else []
     seconds = seconds[known]
+    if seconds.min() <= -_LATEST_NS / 1e9:
+        raise RecordingError(f"{path}: the time begins at {seconds.min():.3g} s: is its unit right?")
     if seconds.min() < 0:
         remarks.append(f"time begins at {seconds.min():g} s: moved to begin at 0")
         seconds = seconds - seconds.min()
-    if seconds.max() * 1e9 >= _LATEST_NS:
+    if not seconds.max() < _LATEST_NS / 1e9:
         raise RecordingError(f"{path}: the time reaches {seconds.max():.3g} s: is its unit right?")
     every = np.rint(seconds * 1e9).astype(np.int64)
     stamp_ns, first = np.unique(every, return_index=True)
@@ -69,9 +72,9 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
 def _values(quantity: Quantity, table: dict[str, Floats]) -> Floats:
     """(rows, joints) in SI."""
     values = np.column_stack([each.evaluate(table) for each in quantity.columns])
-    values[~np.isfinite(values)] = np.nan
-    scaled: Floats = values * np.array([UNITS[unit][1] for unit in quantity.units])
-    return scaled
+    with np.errstate(over="ignore"):
+        scaled: Floats = values * np.array([UNITS[unit][1] for unit in quantity.units])
+    return np.where(is_reading(scaled), scaled, np.nan)
 
 
 def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats]) -> JointSeries:
