@@ -23,6 +23,7 @@ REQUIRES = [
     "mcap>=1.2.1",
     "lz4>=4.0",
     "zstandard>=0.22",
+    "pin>=3.4; platform_system != 'Windows'",  # Pinocchio; on Windows conda has it
 ]
 ROS = [
     "ros-jazzy-rclpy~=7.1",

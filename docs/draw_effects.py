@@ -70,7 +70,8 @@ BY_REGIME = {
 OVER: dict[str, Over] = {
     "transmission_ripple": GEARBOX, "cogging": GEARBOX, "friction_wear": TIME, "link_resonance": STANDING,
     "load_elasticity": LOAD, "wire_slack": LOAD, "wire_stiffening": LOAD, "load_dependent_friction": LOAD,
-    "load_droop": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME, "unknown_slips": TIME,
+    "load_droop": LOAD, "link_compliance": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME,
+    "unknown_slips": TIME,
     "unknown_dead_zone": GEARBOX,
     "joint_coupling": ("angle of joint 1 [rad]", lambda s: s.theta[:, 0]),
     "presliding_hysteresis": ("travel since the reversal [mrad]", lambda s: travel(s)),
@@ -150,7 +151,9 @@ def residual(kind: type[Effect], seen: Scene) -> tuple[Array, str]:
     x = seen.theta if kind.stage == "arm" else seen.gearbox
     out, plain = (Chain(each, kind.stage).run(x, seen.stamp)[0] for each in (model, Model(arm)))
     if kind.stage == "arm":
-        return 1e3 * (out - plain)[:, 0], "y of the tip [mm]"
+        moved = 1e3 * (out - plain)[:, [1, 2, 0]]
+        most = int(np.argmax((moved**2).sum(axis=0)))
+        return moved[:, most], f"{'yzx'[most]} of the tip [mm]"
     return 1e3 * (out - plain)[:, JOINT], "residual [mrad]"
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from trunk_ros.chain import Chain
@@ -15,6 +17,7 @@ from trunk_ros.recording.signal.gaps import bridged, missing
 from trunk_ros.recording.signal.resample import SAME, joint_grid, resample
 from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import LOST, all_setpoints, as_the_servo_went, servo_course
+from trunk_ros.transmission import at_joints, by_joint, uncoupled
 
 
 def simulate(recording: Recording, model: Model, source: str = "gearbox_states") -> Recording:
@@ -25,7 +28,9 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
     gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
-    recording = without_wild(recording)
+    recording = by_joint(without_wild(recording), model.arm)
+    if source == "gearbox_states":
+        recording, model = uncoupled(recording, model)
     given = recording.require(source)
     joints = common_joints(recording, model, given)
     given, model = given.select(joints), model.for_joints(joints)
@@ -38,9 +43,14 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
         wanted = recording.series.get("gearbox_states", given).stamp
         grid, rows, kept = joint_grid(wanted, shown_at, beyond=True)
         driven = servo_course(setpoints, grid, model)
-        phi, velocity = resample(driven, grid)
+        phi = resample(driven, grid)[0]
         there = phi[np.clip(np.searchsorted(grid, wanted - SAME), 0, len(grid) - 1)]
-        series["gearbox_states"] = JointSeries(wanted, joints, there)
+        series["gearbox_states"] = JointSeries(wanted, model.only(joints).arm.motor_names, there)
+        driven, model = (
+            at_joints(driven, model.arm, measured=False),
+            replace(model, arm=model.arm.uncoupled()),
+        )
+        phi, velocity = resample(driven, grid)
     else:
         steps = counts(given) if model.effects else np.zeros(len(joints))
         driven = _as_driven(recording, given, steps, model)

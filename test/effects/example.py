@@ -52,6 +52,11 @@ def wire_of(joints: int) -> Wire:
     )
 
 
+def in_plane(tip: Array) -> Array:
+    """Poses (n, 7) of a planar arm's tip as y, z [m], roll [rad] (n, 3)."""
+    return np.column_stack([tip[:, 1:3], 2.0 * np.arctan2(tip[:, 3], tip[:, 6])])
+
+
 def motion(stamp: Array, joints: int = 5, amplitude: float = 0.3, pace: float = 1.0) -> Array:
     """Smooth joint angles (n, joints) that start at rest, each joint at a frequency of its own below 0.4
     Hz.

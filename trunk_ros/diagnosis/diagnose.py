@@ -12,18 +12,18 @@ import numpy as np
 from trunk_ros.diagnosis.against import SERVO, Simulator, identified, nominal_for
 from trunk_ros.diagnosis.context import LEAST, Context, Work
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
-from trunk_ros.diagnosis.data.mix_ups import MixUp, mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.described import described
+from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import completed, shifted
+from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.data.quality import quality_of_recording
-from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
-from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.evidence.veto import harmless
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, on_the_arm
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.search.score import STRONG
@@ -31,21 +31,17 @@ from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
-from trunk_ros.diagnosis.verdict.findings import (
-    findings,
-    is_known,
-    left_over,
-    without_a_name,
-)
+from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots, Unexplained
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
-from trunk_ros.errors import RecordingError
-from trunk_ros.model import Model, Values, load_model
+from trunk_ros.errors import ModelError, RecordingError
+from trunk_ros.model import Model, Values
 from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
+from trunk_ros.transmission import uncoupled
 
 Progress = Callable[[str], None]
 WORK = 3e9  # simulated joint-steps of a stage: half a minute of one core, whatever the recording
@@ -59,13 +55,16 @@ def diagnose(
     until: str | None = None,
     progress: Progress = lambda _: None,
     namespace: str | None = None,
+    urdf: str = "",
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
     ``recordings``: one or several, each a path or in memory. ``model``: in memory, a file, or a name in
-    config/; by default the nominal arm. ``from_time``, ``until``: "12.5" (s) or "70%" of each recording.
-    ``progress`` is told each step. ``against``: a simulator's recording of the same motion; what it does
-    is found from it first, by default from an ideal transmission, and takes the place of the model.
+    config/; by default the nominal arm, or ``direct`` where the recordings are of another. ``from_time``,
+    ``until``: "12.5" (s) or "70%" of each recording. ``progress`` is told each step. ``urdf``: text of the
+    URDF that has the links; without, a model for any joints takes the recorded ``robot_description``.
+    ``against``: a simulator's recording of the same motion; what it does is found from it first, by default
+    from an ideal transmission, and takes the place of the model.
     ``namespace``: of the arm, where recordings hold several.
     Raises RecordingError or ModelError in one line.
     """
@@ -75,16 +74,14 @@ def diagnose(
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
     read = [completed(r, other) for r in read]
-    if model is None:
-        nominal = load_model("trunk") if other is None else nominal_for(read[0].joints)
-    else:
-        nominal = model if isinstance(model, Model) else load_model(model)
-    read = [without_faults(readings_put_right(r, nominal)) for r in read]
-    mixed = [mix_ups(r, nominal) for r in read]
-    read = [without_mix_ups(r, found) for r, found in zip(read, mixed, strict=True)]
-    read = [clocks_put_right(r, nominal) for r in read]
+    if model is None and other is not None and not urdf:
+        model = nominal_for(read[0].joints)
+    nominal, read = described(model, read, urdf)
+    read, mixed = put_right(read, nominal)
     if other is None:
         return Diagnoser(read, nominal, None, progress, mixed).run()
+    if nominal.arm.coupling is not None:
+        raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
     progress("what the simulation has itself")
     simulator = identified(
         other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, experiments=False).run()
@@ -111,19 +108,23 @@ class Diagnoser:
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
-        spans = [] if servo_alone or tip_alone else [wire_span(r, model) for r in recordings]
+        self.wires = [uncoupled(r, model)[0] for r in recordings]
+        """The recordings with a path of its own to each joint."""
+        path = replace(model, arm=model.arm.uncoupled())
+        spans = [] if servo_alone or tip_alone else [wire_span(r, path) for r in self.wires]
         key = "gearbox_states" if servo_alone else "joint_states"
         seen = [s.joints for s in spans] or [common_joints(r, model, r.require(key)) for r in recordings]
         self.joints = seen[0]
         if any(joints != self.joints for joints in seen):
             raise RecordingError("the recordings have different joints: they are not of one arm")
-        self.model = model.for_joints(self.joints)
+        self.model, self.path = model.for_joints(self.joints), path.for_joints(self.joints)
         self.spans = (
             spans
             if against is None
             else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
+        self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
         self.lasting: dict[str, float] = {}
         """Joint noise [rad] that lasts from sample to sample."""
@@ -180,7 +181,7 @@ class Diagnoser:
             self.result.stages["wire"] = {"compared": False, "joints": {}}
             return
         self.say("wire")
-        state = self._stage(WireStage(self.spans, self.model, self.recordings[0].units))
+        state = self._stage(WireStage(self.spans, self.path, self.recordings[0].units))
         if state is not None:
             noises = zip(self.joints, state.context.noise, strict=True)
             self.lasting = {joint: noise.std for joint, noise in noises if noise.correlation > 0.0}
@@ -263,8 +264,8 @@ class Diagnoser:
     def tip(self) -> None:
         """Joint to tip."""
         late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
-        model = replace(self.model, effects={**self.model.effects, **self.effects})
-        best = fitted_tip(self.recordings, model, late, self.lasting) if self.against is None else None
+        model = replace(self.path, effects={**self.path.effects, **self.effects})
+        best = fitted_tip(self.wires, model, late, self.lasting) if self.against is None else None
         if best is None:
             self.result.stages["arm"] = {"compared": False, "tip": {}}
             return
@@ -284,24 +285,6 @@ def _read(
     if isinstance(recording, Recording):
         return [recording.part(*time_range(recording.duration, from_time, until))]
     return read_parts(recording, from_time, until, namespace)
-
-
-def on_the_arm(
-    effects: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
-) -> dict[str, Values]:
-    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``."""
-
-    def spread(name: str, key: str, value: Any) -> Any:
-        if isinstance(value, (str, float)):
-            return value
-        here = dict(zip(seen, value, strict=True))
-        if isinstance(value, list):
-            return [here.get(joint, "") for joint in joints]
-        return np.array([here.get(joint, effect(name).parameter(key).null) for joint in joints])
-
-    return {
-        name: {key: spread(name, key, v) for key, v in values.items()} for name, values in effects.items()
-    }
 
 
 def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]]) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from trunk_ros.recording.signal.resample import (
 )
 from trunk_ros.resistance import Resistance, resistance
 from trunk_ros.servo_course import as_the_servo_went
+from trunk_ros.transmission import at_joints
 
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
@@ -130,7 +131,8 @@ def servo_span(recording: Recording, model: Model) -> Span:
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
-    known = resistance(model.for_joints(joints).arm.only(joints), gearbox, grid, phi)
+    arm = model.for_joints(joints).arm.only(joints)
+    known = resistance(arm.uncoupled(), at_joints(gearbox, arm, measured=False), grid, arm.driven(phi))
     return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
 
