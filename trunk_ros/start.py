@@ -21,9 +21,10 @@ SETTLE = 5.0  # s of measured joint angles that are looked at
 TURNS = 2  # places that each motor is taken to have come from, one after the other
 ROUNDS = 2  # over all joints
 NEAR, FAR, STEPS = 1e-3, 2.0, 7  # rad, either side: distances that are tried first
-PAYS = 0.02  # of the squared error: what a place further away must take off it
+SETTLED = 0.02  # of the squared errors: a round that takes no more off them is the last
 CLOSE = 0.02  # of a distance: as exactly as that it is looked for
-SMALL = 1e-4  # rad: errors below it are none
+SMALL = 1e-5  # rad: errors below it are none
+USUAL = 0.5  # rad: how far motors go where a model does not say
 
 
 @dataclass(frozen=True)
@@ -61,25 +62,40 @@ def begun(chain: Chain, driven: Driven) -> State | None:
 def history(chain: Chain, driven: Driven) -> Array:
     """(TURNS, joints) rad, joint side: how far from where they were first seen the motors had been before.
 
-    Joint by joint, until the angles predicted at the first measured rows are likest to the measured ones.
+    The likeliest, joint by joint: where angles predicted at the first measured rows are off by no more than the
+    model's usual error, and the motors came from no further than they usually are. A model's error lasts for
+    seconds, so that all of a joint's first rows count as one.
     """
     places = np.zeros((TURNS, len(chain.arm.joints)))
-    size = np.sqrt(np.nan_to_num(np.nanmean(_off(chain, driven, places) ** 2, axis=0))) + SMALL
+    size = _usual_error(chain, _off(chain, driven, places))
     best = _power(chain, driven, places, size)
     for _ in range(ROUNDS):
         before = best
         for turn, joint in np.ndindex(places.shape):
             if np.isfinite(driven.measured[:, joint]).any():
                 places, best = _moved(chain, driven, places, (turn, joint), size, best)
-        if best > (1.0 - PAYS) * before:
+        if best > (1.0 - SETTLED) * before:
             break
     return places
+
+
+def _usual_error(chain: Chain, off: Array) -> Array:
+    """(joints,) rad, of the model; as large as the first errors ``off`` (k, joints) where it does not say."""
+    known = chain.model.error
+    seen = np.sqrt(np.nan_to_num(_mean(off**2)))
+    return np.maximum(known if len(known) else seen, SMALL)
+
+
+def _mean(values: Array) -> Array:
+    """(joints,) means of what is known of (k, joints)."""
+    known = np.isfinite(values)
+    return np.asarray(np.where(known, values, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1))
 
 
 def _moved(
     chain: Chain, driven: Driven, places: Array, at: tuple[int, ...], size: Array, best: float
 ) -> tuple[Array, float]:
-    """One place moved to where the error is least, if that pays."""
+    """One place moved to where it is likest."""
 
     def with_(distance: float) -> Array:
         out = places.copy()
@@ -90,7 +106,7 @@ def _moved(
         return _power(chain, driven, with_(distance), size)
 
     far = _farthest(power)
-    return (with_(far[0]), far[1]) if far[1] < (1.0 - PAYS) * best else (places, best)
+    return (with_(far[0]), far[1]) if far[1] < best else (places, best)
 
 
 def _farthest(power: Callable[[float], float]) -> tuple[float, float]:
@@ -107,9 +123,12 @@ def _farthest(power: Callable[[float], float]) -> tuple[float, float]:
 
 
 def _power(chain: Chain, driven: Driven, places: Array, size: Array) -> float:
-    """Mean square of the errors at the first measured rows, each joint's in its own ``size``."""
-    off = _off(chain, driven, places)
-    return float(np.nanmean((off / size) ** 2))
+    """Mean squares of the errors at the first measured rows, each joint's in its own ``size``, and of the places
+    in what is usual.
+    """
+    reach = chain.model.reach if len(chain.model.reach) else np.full(places.shape[1], USUAL)
+    far = places / np.maximum(reach, NEAR)
+    return float(_mean((_off(chain, driven, places) / size) ** 2).sum() + (far**2).sum())
 
 
 def _off(chain: Chain, driven: Driven, places: Array) -> Array:

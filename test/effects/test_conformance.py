@@ -26,6 +26,7 @@ from test.effects.example import (
 from trunk_ros.chain import Chain, State
 from trunk_ros.compiled import Array
 from trunk_ros.effects import registry
+from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.effect import Effect
 from trunk_ros.model import Model
 
@@ -73,6 +74,8 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
     if kind.own_parameters(form)[0].name == "low":
         with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters[2:]}
     with_lead_at_null |= {more: np.zeros(5) for more in ("gain_2", "gain_3", "drag") if more in values}
+    if issubclass(kind, Bank):
+        with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters if p.name.startswith("weight")}
     without = run(Model(arm_of(5)), kind.stage, theta, stamp)
     assert run(Model(arm_of(5), {name: with_lead_at_null}), kind.stage, theta, stamp) == pytest.approx(
         without, abs=1e-12

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
+from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
-from trunk_ros.diagnosis.evidence.evidence import Evidence, spreads
+from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence, spreads
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.hypothesis import Explanation
@@ -93,6 +95,8 @@ class Diagnoser:
         )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.effects: dict[str, Values] = {}
+        self.error: dict[str, float] = {}
+        """Joint error [rad] that the fit left of samples that it did not see."""
         self.lasting: dict[str, float] = {}
         """Joint noise [rad] that lasts from sample to sample."""
 
@@ -107,9 +111,21 @@ class Diagnoser:
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
-        self.result.model = replace(self.model, effects=kept, duration=longest)
+        self.result.model = replace(self.model, effects=kept, duration=longest, **self._limits())
         self.result.quality = _by_name(self.recordings, self.model)
         return self.result
+
+    def _limits(self) -> dict[str, Array]:
+        """What the model left, and how far the motors went; nothing where the wire was not compared."""
+        if not self.error:
+            return {}
+        arm = self.model.arm
+        wires = np.concatenate([s.gearbox * arm.only(self.joints).ratio for s in self.spans])
+        reach = dict(zip(self.joints, np.std(wires, axis=0), strict=True))
+        return {
+            "error": np.array([self.error.get(joint, 0.0) for joint in arm.joints]),
+            "reach": np.array([reach.get(joint, 0.0) for joint in arm.joints]),
+        }
 
     def _refuse_if_nothing_was_seen(self) -> None:
         stages = self.result.stages.values()
@@ -154,11 +170,14 @@ class Diagnoser:
             }  # fmt: skip
             return
         done = searched(problem, lambda text: self.say(f"{problem.stage}: {text}"))
-        search, state, found = done.search, done.state, done.found
+        search, state, found = done.search, with_banks(problem, done.state), done.found
+        found = found | banks_evidence(search, state)
         std = spreads(search, state)
         errors = held_out(search, state.explanation)
         effects = state.explanation.model_effects(len(problem.joints))
         self.effects |= on_the_arm(effects, problem.joints, self.model.arm.joints)
+        if problem.stage == "wire":
+            self.error = {problem.joints[c]: e.after for c, e in errors.items()}
         self.result.stages[problem.stage] = {
             "compared": True,
             "joints": {

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.memory import (
+    CUTS,
+    FOLDS,
     Source,
-    by_blocks,
     drawn,
+    redrawn_banks,
     sources,
-    unseen,
     without_banks,
 )
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
@@ -22,7 +24,8 @@ from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.effects import effect
 
 FORMS = 0.01  # of the misfit: what forms of the same physics may differ by
-CLEAR = 0.1  # of what is left: what a bank must take off it on blocks not seen
+CLEAR = 0.05  # of what is left: what a bank must take off it on blocks not seen
+SPARES = 0.03  # of what is left on blocks not seen: what an effect with a name must take off it beside banks
 SURE = 2.0  # standard errors over the blocks
 HALF = 0.5  # of the misfit: a model that leaves more of it is of something else than what is at work
 
@@ -44,59 +47,80 @@ def _banked(problem: Problem, state: Fit, column: int, misfit: float) -> Fit:
     if not found:
         return state
     lean = _lean(problem, state.explanation, column, found)
-    bare = without_banks(lean, column)
-    rest = problem.whitened(bare, column)
-    after = problem.whitened(lean, column)
-    gone = unseen(found, rest, alike([after]))
-    before = by_blocks(problem.whitened(state.explanation, column) ** 2)
-    if not _wins(before, by_blocks(gone**2), misfit):
+    before = unseen(problem, state.explanation, column)
+    if not _wins(before, lean.unseen, misfit):
         return state
-    return Fit(lean, state.cost | {column: float(after @ after)})
+    rest = problem.whitened(lean.explanation, column)
+    return Fit(lean.explanation, state.cost | {column: float(rest @ rest)})
 
 
 def _wins(before: Array, after: Array, misfit: float) -> bool:
-    """Whether the power that banks leave in blocks that they were not fitted to is clearly less than before,
-    and little of the misfit.
+    """Whether the power that is left in blocks that nothing was fitted to is clearly less than before, and little
+    of the misfit.
     """
-    gain = before - after
+    gain = np.log(before / after)
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain))
-    least = max(CLEAR * float(before.mean()), SURE * error)
-    return bool(gain.mean() > least and after.mean() - 1.0 < HALF * misfit)
+    return bool(gain.mean() > max(CLEAR, SURE * error) and after.mean() - 1.0 < HALF * misfit)
 
 
-def _lean(problem: Problem, explanation: Explanation, column: int, found: list[Source]) -> Explanation:
-    """The explanation with banks on a column, and without its own effects that the banks make superfluous: those
-    whose values are not worth their number (Schwarz 1978), going by how many samples are worth one.
-    """
-    best, cost = _refitted(problem, explanation, column, found)
-    worth = alike([problem.whitened(best, column)])
-    count = problem.count(column)
+@dataclass(frozen=True)
+class Judged:
+    """An explanation, and what it leaves of blocks that it was not fitted to, (CUTS,) mean squares."""
+
+    explanation: Explanation
+    unseen: Array
+
+
+def _lean(problem: Problem, explanation: Explanation, column: int, found: list[Source]) -> Judged:
+    """The explanation with banks on a column, and without its own effects that the banks make superfluous."""
+    best = _refitted(problem, explanation, column, found)
     while True:
-        own = [t.effect for t in without_banks(best, column).on(column) if _may_go(problem, t.effect)]
-        trials = [(_refitted(problem, best.without(name, column), column, found), name) for name in own]
-        if not trials:
+        own = [t.effect for t in without_banks(best.explanation, column).on(column)]
+        trials = [
+            _refitted(problem, best.explanation.without(name, column), column, found)
+            for name in own
+            if not effect(name).everywhere and name not in problem.known
+        ]
+        least = min(trials, key=lambda t: float(t.unseen.mean()), default=None)
+        if least is None or least.unseen.mean() > (1.0 + SPARES) * best.unseen.mean():
             return best
-        (trial, power), name = min(trials, key=lambda t: t[0][1] - _price(best, t[1], column, count, worth, cost))
-        if power - cost > _price(best, name, column, count, worth, cost):
-            return best
-        best, cost = trial, power
+        best = least
 
 
-def _may_go(problem: Problem, name: str) -> bool:
-    return not effect(name).everywhere and name not in problem.known
-
-
-def _price(now: Explanation, name: str, column: int, count: int, worth: float, cost: float) -> float:
-    """What an effect's values on a column must take off its squared residuals."""
-    values = sum(f.effect == name for f in now.free([column]))
-    return float(max(values, 1) * np.log(count / worth) * worth * cost / count)
-
-
-def _refitted(
-    problem: Problem, explanation: Explanation, column: int, found: list[Source]
-) -> tuple[Explanation, float]:
-    """Named values and banks of a column fitted in turn, and what they leave."""
+def _refitted(problem: Problem, explanation: Explanation, column: int, found: list[Source]) -> Judged:
+    """Named values of a column fitted, and banks on what they leave."""
     bare = fit(problem, without_banks(explanation, column), [column]).explanation
     out = drawn(problem, bare, column, found)
-    rest = problem.whitened(out, column)
-    return out, float(rest @ rest)
+    return Judged(out, unseen(problem, out, column))
+
+
+def unseen(problem: Problem, explanation: Explanation, column: int) -> Array:
+    """(CUTS,) mean squares of blocks of time, by named values and banks that were fitted to the others."""
+    out, views = np.zeros(CUTS), problem.views
+    block = blocks(problem, column)
+    for fold in range(FOLDS):
+        judged = np.arange(CUTS) % FOLDS == fold
+        try:
+            problem.views = [
+                view.only(~judged[number]) for view, number in zip(views, block, strict=True)
+            ]
+            fitted = fit(problem, without_banks(explanation, column), [column]).explanation
+            fitted = redrawn_banks(problem, fitted, column, explanation)
+        finally:
+            problem.views = views
+        out[judged] = by_blocks(problem.whitened(fitted, column) ** 2)[judged]
+    return out
+
+
+def blocks(problem: Problem, column: int) -> list[np.ndarray]:
+    """(n,) number of the block of time that each row of a span is in, by what counts on a column."""
+    valid = [view.span.valid[:, column] for view in problem.views]
+    place = np.cumsum(np.concatenate(valid)) - 1
+    number = np.clip(place * CUTS // max(int(place[-1]) + 1, 1), 0, CUTS - 1)
+    return np.split(number, np.cumsum([len(v) for v in valid])[:-1])
+
+
+def by_blocks(power: Array) -> Array:
+    """(CUTS,) means of what counts (rows,) over the blocks."""
+    number = np.arange(len(power)) * CUTS // max(len(power), 1)
+    return np.asarray(np.bincount(number, power, CUTS) / np.maximum(np.bincount(number, minlength=CUTS), 1))

@@ -86,7 +86,7 @@ def redrawn(problem: Problem, explanation: Explanation, column: int) -> Explanat
 
 def drawn_on(problem: Problem, explanation: Explanation, column: int) -> list[Term]:
     """The curves on a column that the model does not have already."""
-    curves = [term for term in explanation.on(column) if not effect(term.effect).named]
+    curves = [term for term in explanation.on(column) if issubclass(effect(term.effect), Curve)]
     return [term for term in curves if term.effect not in problem.known]
 
 

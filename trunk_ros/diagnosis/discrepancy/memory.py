@@ -5,7 +5,7 @@ own. Linear in their weights, few by marginal likelihood, and kept only where th
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -18,10 +18,14 @@ from trunk_ros.effects import effect, registry
 from trunk_ros.effects.bank import WEIGHTS, Bank, choices, motion, words_of
 
 STANDS = 1e-3  # of a joint's angle [rad]: a source that moves less shows nothing
-ROUNDS = 40
-TELLS = 1.0  # values that the data must determine in a source's weights
-FOLDS = 5
 CUTS = 10  # blocks of time, each left out with those FOLDS further on
+FOLDS = 5
+AGAIN = 2  # times, since what is left tells how many samples are worth one
+PAYS = 0.005  # of what is left of blocks not seen: what a further source must take off it
+ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
+PRECISIONS = (1e-3, 1e8)
+ROUNDED = 1e-12
+TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -33,14 +37,6 @@ class Source:
     low: float
     high: float
     design: Array
-
-
-@dataclass(frozen=True)
-class Weighed:
-    """Sources with their weights, (WEIGHTS,) each."""
-
-    sources: list[Source]
-    weights: list[Array]
 
 
 def banks() -> list[type[Bank]]:
@@ -90,58 +86,115 @@ def _source(problem: Problem, column: int, kind: type[Bank], word: str) -> Sourc
     return Source(kind, word, low, high, np.column_stack(columns))
 
 
-def weighed(found: Sequence[Source], target: Array, worth: float = 1.0) -> Weighed:
-    """The weights that a target (rows,) needs, and the sources that it needs; ``worth``: samples that are worth
-    one.
+@dataclass(frozen=True)
+class Sums:
+    """What a linear fit needs of a residual and of all sources' designs, by blocks of time."""
 
-    Each source has a precision of its own, of the largest marginal likelihood (MacKay 1992; Tipping 2001, J.
-    Mach. Learn. Res. 1), which leaves those out that say nothing.
-    """
-    left = list(found)
-    while left:
-        weights, told = _likeliest([s.design for s in left], target, worth)
-        silent = [k for k, values in enumerate(told) if values < TELLS]
-        crowded = [k for k in range(len(left)) if _crowded(left, told, k)]
-        gone = set(silent or crowded)
-        if not gone:
-            return Weighed(left, weights)
-        left = [s for k, s in enumerate(left) if k not in gone]
-    return Weighed([], [])
+    normal: Array
+    """(CUTS, k, k)."""
+    side: Array
+    """(CUTS, k)."""
+    power: Array
+    """(CUTS,)."""
+    count: Array
+    """(CUTS,) rows."""
+
+    @staticmethod
+    def of(found: Sequence[Source], rest: Array) -> Sums:
+        """Of a whitened residual (rows,)."""
+        cuts = np.array_split(np.arange(len(rest)), CUTS)
+        parts = [(np.column_stack([s.design[rows] for s in found]), rest[rows]) for rows in cuts]
+        return Sums(
+            np.array([x.T @ x for x, _ in parts]),
+            np.array([x.T @ y for x, y in parts]),
+            np.array([float(y @ y) for _, y in parts]),
+            np.array([float(len(y)) for _, y in parts]),
+        )
+
+    def weights(self, chosen: Sequence[int], worth: float, seen: np.ndarray) -> Array:
+        """Weights (WEIGHTS times chosen,) of the chosen sources from the blocks ``seen`` (CUTS,), where ``worth``
+        samples are worth one.
+
+        Each source has a precision of its own, of the largest marginal likelihood (MacKay 1992, Neural
+        Computation 4(3)), and the noise as well.
+        """
+        at = places(chosen)
+        normal = self.normal[seen].sum(axis=0)[np.ix_(at, at)] / worth
+        side, power = self.side[seen].sum(axis=0)[at] / worth, self.power[seen].sum() / worth
+        return likeliest(normal, side, float(power), float(self.count[seen].sum()) / worth)
+
+    def left(self, chosen: Sequence[int], weights: Array) -> Array:
+        """(CUTS,) squares that are left of each block by weights."""
+        at = places(chosen)
+        square = np.einsum("i,bij,j->b", weights, self.normal[:, at][:, :, at], weights)
+        return np.asarray(self.power - 2.0 * self.side[:, at] @ weights + square)
+
+    def unseen(self, chosen: Sequence[int], worth: float) -> Array:
+        """(CUTS,) mean squares that are left of blocks by weights from other blocks."""
+        out = self.power.copy()
+        if chosen:
+            for fold in range(FOLDS):
+                judged = np.arange(CUTS) % FOLDS == fold
+                out[judged] = self.left(chosen, self.weights(chosen, worth, ~judged))[judged]
+        return np.asarray(out / np.maximum(self.count, 1.0))
 
 
-def _crowded(left: Sequence[Source], told: Sequence[float], k: int) -> bool:
-    """Whether a bank has more sources than room, and this one of them tells least."""
-    same = [i for i, s in enumerate(left) if s.kind is left[k].kind]
-    return len(same) > left[k].kind.sources and min(same, key=lambda i: told[i]) == k
+def places(chosen: Sequence[int]) -> np.ndarray:
+    """Where the weights of some sources are among those of all."""
+    return (np.asarray(chosen, dtype=int)[:, None] * WEIGHTS + np.arange(WEIGHTS)).ravel()
 
 
-def _likeliest(designs: Sequence[Array], target: Array, worth: float) -> tuple[list[Array], list[float]]:
-    """Weights of each design, and how many values the data determine of each."""
-    every = np.column_stack(list(designs))
-    ends = np.cumsum([d.shape[1] for d in designs])[:-1]
-    normal, side, power = every.T @ every / worth, every.T @ target / worth, float(target @ target) / worth
-    count = len(target) / worth
-    group = np.repeat(np.arange(len(designs)), [d.shape[1] for d in designs])
-    precision = np.full(len(designs), 1.0)
-    sharp = count / max(power, 1e-300)
-    weights = np.zeros(len(side))
-    told = np.zeros(len(designs))
+def likeliest(normal: Array, side: Array, power: float, count: float) -> Array:
+    """Weights (k,) of groups of WEIGHTS each."""
+    groups = len(side) // WEIGHTS
+    precision, sharp = np.full(groups, 1.0), count / max(power, TINY)
+    weights = np.zeros_like(side)
     for _ in range(ROUNDS):
-        inside = sharp * normal + np.diag(precision[group])
-        factor = cho_factor(inside + 1e-12 * float(np.trace(inside)) / len(side) * np.eye(len(side)))
-        weights = sharp * cho_solve(factor, side)
-        spread = np.diag(cho_solve(factor, np.eye(len(side))))
-        told = np.bincount(group, 1.0 - precision[group] * spread)
-        precision = np.clip(told / np.maximum(np.bincount(group, weights**2), 1e-12), 1e-3, 1e8)
+        inside = sharp * normal + np.diag(np.repeat(precision, WEIGHTS))
+        spread = inverse(inside)
+        weights = sharp * spread @ side
+        told = WEIGHTS - precision * np.diag(spread).reshape(groups, WEIGHTS).sum(axis=1)
+        size = (weights**2).reshape(groups, WEIGHTS).sum(axis=1)
+        before, precision = precision, np.clip(told / np.maximum(size, TINY), *PRECISIONS)
         rest = power - 2.0 * float(weights @ side) + float(weights @ normal @ weights)
-        sharp = max(count - float(told.sum()), 0.1 * count) / max(rest, 1e-300)
-    return np.split(weights, ends), told.tolist()
+        sharp = max(count - float(told.sum()), 0.1 * count) / max(rest, TINY)
+        if np.abs(np.log(precision / before)).max() < SETTLED:
+            break
+    return weights
 
 
-def in_banks(bare: Explanation, column: int, found: Weighed) -> Explanation:
-    """The explanation with weighed sources on a column."""
+def inverse(matrix: Array) -> Array:
+    """Of a positive matrix (k, k)."""
+    grown = matrix + ROUNDED * float(np.trace(matrix)) / len(matrix) * np.eye(len(matrix))
+    return np.asarray(cho_solve(cho_factor(grown), np.eye(len(matrix))))
+
+
+def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
+    """The sources that are needed, in the order of their need: one after the other the one with which least is left
+    of blocks not seen, as long as that pays.
+    """
+    chosen: list[int] = []
+    best = float(sums.unseen([], worth).mean())
+    while True:
+        room = [k for k in range(len(found)) if k not in chosen and _has_room(found, chosen, found[k].kind)]
+        trials = [(float(sums.unseen([*chosen, k], worth).mean()), k) for k in room]
+        least, k = min(trials, default=(np.inf, 0))
+        if least > (1.0 - PAYS) * best:
+            return chosen
+        best = least
+        chosen.append(k)
+
+
+def _has_room(found: Sequence[Source], chosen: Sequence[int], kind: type[Bank]) -> bool:
+    return sum(found[k].kind is kind for k in chosen) < kind.sources
+
+
+def in_banks(
+    bare: Explanation, column: int, found: Sequence[Source], weights_of: Sequence[Array]
+) -> Explanation:
+    """The explanation with sources and their weights (WEIGHTS,) on a column."""
     out, taken = bare.copy(), dict[str, int]()
-    for source, weights in zip(found.sources, found.weights, strict=True):
+    for source, weights in zip(found, weights_of, strict=True):
         kind = source.kind
         term = out.setdefault(kind.id, Term(kind.id, given=frozenset(p.name for p in kind.parameters)))
         k = taken[kind.id] = taken.get(kind.id, 0) + 1
@@ -155,29 +208,36 @@ def in_banks(bare: Explanation, column: int, found: Weighed) -> Explanation:
 def drawn(problem: Problem, bare: Explanation, column: int, found: Sequence[Source]) -> Explanation:
     """The explanation with the banks that its rest on a column needs."""
     rest = problem.whitened(bare, column)
-    first = weighed(found, rest)
-    worth = alike([rest - _sum(first)]) if first.sources else 1.0
-    return in_banks(bare, column, weighed(found, rest, worth))
+    sums, worth = Sums.of(found, rest), alike([rest])
+    for _ in range(AGAIN):
+        chosen = chosen_of(sums, found, worth)
+        worth = alike([_left(found, rest, sums, chosen, worth)])
+    return _with(bare, column, found, sums, chosen, worth)
 
 
-def _sum(done: Weighed) -> Array:
-    return np.asarray(sum(s.design @ w for s, w in zip(done.sources, done.weights, strict=True)))
+def redrawn_banks(problem: Problem, bare: Explanation, column: int, like: Explanation) -> Explanation:
+    """The explanation with the banks of another one, weighed anew."""
+    found = sources(problem, column, like)
+    rest = problem.whitened(bare, column)
+    if not found or not len(rest):
+        return bare
+    sums, chosen, worth = Sums.of(found, rest), list(range(len(found))), alike([rest])
+    worth = alike([_left(found, rest, sums, chosen, worth)])
+    return _with(bare, column, found, sums, chosen, worth)
 
 
-def unseen(found: Sequence[Source], rest: Array, worth: float) -> Array:
-    """(rows,) what is left of a whitened residual by banks that were fitted to other blocks of time."""
-    block = np.arange(len(rest)) * CUTS // max(len(rest), 1)
-    out = rest.copy()
-    for fold in range(FOLDS):
-        judged = block % FOLDS == fold
-        seen = [replace(s, design=s.design[~judged]) for s in found]
-        done = weighed(seen, rest[~judged], worth)
-        places = [next(k for k, s in enumerate(seen) if s is chosen) for chosen in done.sources]
-        for k, weights in zip(places, done.weights, strict=True):
-            out[judged] -= found[k].design[judged] @ weights
-    return out
+def _left(found: Sequence[Source], rest: Array, sums: Sums, chosen: list[int], worth: float) -> Array:
+    """(rows,) of a residual that banks of the chosen sources leave."""
+    if not chosen:
+        return rest
+    weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))
+    return np.asarray(rest - np.column_stack([found[k].design for k in chosen]) @ weights)
 
 
-def by_blocks(power: Array) -> Array:
-    """(CUTS,) means of a power (rows,) over blocks of time."""
-    return np.array([part.mean() for part in np.array_split(power, CUTS)])
+def _with(
+    bare: Explanation, column: int, found: Sequence[Source], sums: Sums, chosen: list[int], worth: float
+) -> Explanation:
+    if not chosen:
+        return bare
+    weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))
+    return in_banks(bare, column, [found[k] for k in chosen], np.split(weights, len(chosen)))

@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
+from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
 from trunk_ros.diagnosis.hypothesis import Explanation
 from trunk_ros.diagnosis.search.greedy import Search
 from trunk_ros.diagnosis.stage import Problem
@@ -56,9 +57,14 @@ def _fitted_anew(search: Search, explanation: Explanation) -> Explanation:
     """Values and curves as what counts now tells them; of curves only what they are drawn over is kept."""
     if not explanation:
         return explanation
-    fitted = search.refit(explanation).explanation
-    for column in fitted.curved & set(search.problem.columns):
+    columns, bare = search.problem.columns, explanation
+    for column in columns:
+        bare = without_banks(bare, column)
+    fitted = search.refit(bare).explanation if bare else bare
+    for column in fitted.curved & set(columns):
         fitted = redrawn(search.problem, fitted, column)
+    for column in columns:
+        fitted = redrawn_banks(search.problem, fitted, column, explanation)
     return fitted
 
 

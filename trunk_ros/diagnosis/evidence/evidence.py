@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.search.revise import ONSET
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.bank import Bank
 
 RIVALS = 3
 BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
@@ -26,6 +27,7 @@ LONGEST = 5.0  # s
 WORSE = 4.0  # squared unit-noise residuals: two standard deviations
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 ROUGH = 1e-3  # of a value: integration and interpolation are no better
+UNNAMED = 0.7  # confidence in what no formula states, at most
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
 
 
@@ -126,6 +128,20 @@ def _natural(f: Free, explanation: Explanation, std: float, late: float) -> floa
 def evidence(search: Search, state: Fit) -> dict[str, Evidence]:
     """Evidence for each effect of an explanation."""
     return {name: one_evidence(search, state, name) for name in state.explanation}
+
+
+def banks_evidence(search: Search, state: Fit) -> dict[str, Evidence]:
+    """Evidence for the banks of an explanation: they have no rivals, and not more confidence than what has no
+    name.
+    """
+    out = {}
+    for name in [n for n in state.explanation if issubclass(effect(n), Bank)]:
+        less = {c: search.problem.whitened(state.explanation.without(name), c) for c in state.cost}
+        columns = [c for c in state.explanation[name].columns if c in less]
+        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in columns}
+        sure = min(confidence(search, Evidence(gain, 0.0)), UNNAMED)
+        out[name] = Evidence(gain, strength(search, state.explanation, name), confidence=sure)
+    return out
 
 
 def one_evidence(search: Search, state: Fit, name: str) -> Evidence:
