@@ -94,8 +94,12 @@ def declared_arm() -> list[Declaration]:
         Declaration(
             "model.duration", 0.0, "s", large, "length of the recording that effects of time were fitted on"
         ),
-        _per_joint("model.error", "rad", large, "what the model left of samples that its fit did not see, rms"),
-        _per_joint("model.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"),
+        _per_joint(
+            "model.error", "rad", large, "what the model left of samples that its fit did not see, rms"
+        ),
+        _per_joint(
+            "model.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"
+        ),
     ]
 
 

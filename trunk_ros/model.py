@@ -99,9 +99,7 @@ class Model:
             name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()
         }
         error, reach = (known[columns] if len(known) else known for known in (self.error, self.reach))
-        return replace(
-            self, arm=self.loaded_arm().only(joints), effects=effects, error=error, reach=reach
-        )
+        return replace(self, arm=self.loaded_arm().only(joints), effects=effects, error=error, reach=reach)
 
     def bound(self, stage: str) -> list[Effect]:
         """The effects of a stage as blocks over all joints, in physical order."""

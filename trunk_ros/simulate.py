@@ -11,7 +11,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.model import Model, load_model
-from trunk_ros.recording.arguments import Parser
+from trunk_ros.recording.arguments import Parser, add_settle
 from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -20,8 +20,8 @@ from trunk_ros.recording.signal.gaps import bridged, missing
 from trunk_ros.recording.signal.resample import SAME, joint_grid, resample
 from trunk_ros.recording.write import write_recording
 from trunk_ros.resistance import resistance
-from trunk_ros.start import SETTLE, Driven, begun, first_rows
 from trunk_ros.servo_course import LOST, all_setpoints, as_the_servo_went, servo_course
+from trunk_ros.start import SETTLE, Driven, begun, first_rows
 
 SOURCES = ("gearbox_states", "setpoints")
 
@@ -105,12 +105,17 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--model", required=True, metavar="MODEL.yaml", help="a file, or trunk or direct")
     parser.add_argument("--output", required=True, metavar="OUT_BAG")
     parser.add_argument("--from", dest="source", choices=SOURCES, default="gearbox_states")
+    add_settle(parser)
     parser.add_argument("--overwrite", action="store_true")
     arguments = parser.parse_args(argv)
     prepare_output(arguments.output, arguments.overwrite)
     model = load_model(arguments.model)
-    predicted = simulate(read_recording(arguments.bag), model, arguments.source)
-    custom = {"trunk_ros": __version__, "model": model.hash(), "from": arguments.source}
+    recording = read_recording(arguments.bag)
+    predicted = simulate(recording, model, arguments.source, arguments.settle)
+    settled = str(arguments.settle if "joint_states" in recording.series else 0.0)
+    custom = {
+        "trunk_ros": __version__, "model": model.hash(), "from": arguments.source, "settle": settled,
+    }  # fmt: skip
     write_recording(Path(arguments.output), predicted, overwrite=arguments.overwrite, custom=custom)
     said = predicted.series["joint_states"]
     print(f"{arguments.output}: {len(said.stamp)} predictions of {', '.join(said.joints)}")

@@ -126,7 +126,9 @@ class Gru:
         size = np.sqrt(sum(float(np.sum(g**2)) for g in gradient))
         for k, g in enumerate(gradient):
             g = g * min(1.0, LARGEST / max(size, 1e-12))
-            first, second = (keep * m + (1 - keep) * g**p for keep, m, p in zip(KEEP, moments[k], (1, 2), strict=True))
+            first, second = (
+                keep * m + (1 - keep) * g**p for keep, m, p in zip(KEEP, moments[k], (1, 2), strict=True)
+            )
             moments[k] = (first, second)
             slope = first / (1 - KEEP[0] ** step) / (np.sqrt(second / (1 - KEEP[1] ** step)) + 1e-8)
             self.weights[k] = self.weights[k] - RATE * slope

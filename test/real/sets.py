@@ -41,9 +41,7 @@ class RealSet:
 
 SHEATH = "tendon-sheath"
 SETS = (
-    RealSet(
-        "dvrk-wrist", "dvrk-wrist", ("train_random",), ("exp1", "exp2", "exp4"), ("q4", "q5", "q6"), 0.7
-    ),
+    RealSet("dvrk-wrist", "dvrk-wrist", ("train_random",), ("exp1", "exp2", "exp4"), ("q4", "q5", "q6"), 0.7),
     RealSet(SHEATH, SHEATH, ("test0224",), ("odd_test",), ("bend",), 0.7),
     RealSet(SHEATH, "tendon-sheath-feedforward", ("aurora_ff",), ("ff",), ("bend",), 0.7),
     *(

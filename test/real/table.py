@@ -54,12 +54,16 @@ def compared(real: RealSet, home: Path, peers: Sequence[str]) -> list[Row]:
         run = run_of(read[name], real.joints)
         first = real.share * run.stamp[-1] if rest else run.stamp[0] + SETTLE
         rows = run.stamp > first
-        said = {HERE: _simulated(read[name], model, real), NOMINAL: _simulated(read[name], load_model("direct"), real)}
+        said = {
+            HERE: _simulated(read[name], model, real),
+            NOMINAL: _simulated(read[name], load_model("direct"), real),
+        }
         said |= {peer: predict(run) for peer, predict in fitted.items()}
         errors = {m: np.sqrt(np.nanmean((p - run.angles)[rows] ** 2, axis=0)) for m, p in said.items()}
         label = f"{name}, last {100 * (1 - real.share):.0f} %" if rest else name
         out += [
-            Row(label, joint, {m: float(e[j]) for m, e in errors.items()}) for j, joint in enumerate(real.joints)
+            Row(label, joint, {m: float(e[j]) for m, e in errors.items()})
+            for j, joint in enumerate(real.joints)
         ]
     return out
 

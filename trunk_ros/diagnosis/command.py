@@ -12,7 +12,7 @@ from trunk_ros import __version__
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import load_model
-from trunk_ros.recording.arguments import Parser
+from trunk_ros.recording.arguments import Parser, add_settle
 from trunk_ros.recording.output import new_folder, prepare_output
 
 FILES = ("diagnosis.json", "model.yaml", "report.html", "*.yaml", "*.png")
@@ -32,6 +32,7 @@ def main(argv: list[str]) -> int:
             arguments.from_time,
             arguments.until,
             lambda text: status.update(text),
+            arguments.settle,
         )
     result.provenance = {
         "command": shlex.join(["trunk_ros", "diagnose", *argv]),
@@ -91,5 +92,6 @@ def parser() -> Parser:
     out.add_argument("--against", metavar="SIM_BAG", help="another simulator's recording of the same motion")
     out.add_argument("--from-time", metavar="T", help="in s, or in %% of the recording")
     out.add_argument("--until", metavar="T", help="in s, or in %% of the recording")
+    add_settle(out)
     out.add_argument("--overwrite", action="store_true")
     return out

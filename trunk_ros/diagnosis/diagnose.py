@@ -41,6 +41,7 @@ from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
+from trunk_ros.start import SETTLE
 
 Progress = Callable[[str], None]
 
@@ -52,11 +53,13 @@ def diagnose(
     from_time: str | None = None,
     until: str | None = None,
     progress: Progress = lambda _: None,
+    settle: float = SETTLE,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
     ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
-    model's.
+    model's. ``settle``: seconds of measured joint angles from which it is estimated how the wires lay where a
+    recording that stops to measure begins; 0: none.
     Raises RecordingError or ModelError in one line.
     """
     read = [_read(r, from_time, until) for r in recordings]
@@ -65,16 +68,21 @@ def diagnose(
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
     read = [without_faults(completed(r, other)) for r in read]
-    return Diagnoser(read, nominal, other, progress).run()
+    return Diagnoser(read, nominal, other, progress, settle).run()
 
 
 class Diagnoser:
     """One diagnosis in the making."""
 
     def __init__(
-        self, recordings: list[Recording], model: Model, against: Recording | None, progress: Progress
+        self,
+        recordings: list[Recording],
+        model: Model,
+        against: Recording | None,
+        progress: Progress,
+        settle: float,
     ):
-        self.recordings, self.against, self.say = recordings, against, progress
+        self.recordings, self.against, self.say, self.settle = recordings, against, progress, settle
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -170,7 +178,8 @@ class Diagnoser:
             }  # fmt: skip
             return
         done = searched(problem, lambda text: self.say(f"{problem.stage}: {text}"))
-        search, state, found = done.search, with_banks(problem, done.state), done.found
+        search, found = done.search, done.found
+        state = with_banks(problem, self._begun(problem, search, done.state))
         found = found | banks_evidence(search, state)
         std = spreads(search, state)
         errors = held_out(search, state.explanation)
@@ -206,6 +215,12 @@ class Diagnoser:
         self._experiment(
             done.part, done.part_state, {f.effect: found[f.effect] for f in new if f.equivalents}
         )
+
+    def _begun(self, problem: Problem, search: Search, state: Fit) -> Fit:
+        """Fitted with the start of each recording as its first joint angles tell it."""
+        if not isinstance(problem, WireProblem) or not problem.settle(state.explanation, self.settle):
+            return state
+        return search.refit(state.explanation)
 
     def _experiment(self, search: Search, state: Fit, found: dict[str, Evidence]) -> None:
         """The motion that tells what was found from its equivalents."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from trunk_ros.chain import Chain, run_servo, wire_pass
@@ -15,6 +17,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.resistance import loads
 from trunk_ros.stage import Order, State, through
+from trunk_ros.start import Driven, first_rows, history
 
 CLOSE = 0.01  # of the motion: a change of the angles that coupling and load need not be computed again for
 
@@ -59,6 +62,28 @@ class WireProblem(Problem):
             view.load, view.lever = loads(self.arm, view.angles, span.resistance)
         self.version = self._version()
         self._cache.clear()
+
+    def settle(self, explanation: Explanation, seconds: float) -> bool:
+        """Have recordings that stop to measure begin as an explanation says that their wires lay, going by the
+        joint angles of the first ``seconds``; whether there is such a recording.
+        """
+        chain = Chain(Model(self.arm, explanation.model_effects(len(self.joints))), "wire")
+        slow = [view for view in self.views if view.span.before and seconds > 0.0]
+        for view in slow:
+            span, before = view.span, view.span.before
+            seen = first_rows(span.stamp, seconds)
+            angles = np.where(span.valid, span.target, np.nan)[:seen]
+            known = None if span.resistance is None else span.resistance.part(slice(before, None))
+            driven = Driven(
+                span.gearbox[before:], span.grid[before:], span.rows[:seen] - before, angles,
+                span.velocity[before:], known,
+            )  # fmt: skip
+            path = span.gearbox.copy()
+            path[:before] = path[before] + history(chain, driven) / self.arm.ratio
+            view.span, view.wires = replace(span, source=path, gearbox=path), path * self.arm.ratio
+        if slow:
+            self.look_again(explanation)
+        return bool(slow)
 
     def _version(self) -> int:
         """A number for the angles that are seen now, the same for angles that are nearly the same."""

@@ -25,7 +25,7 @@ from trunk_ros.effects import effect
 
 FORMS = 0.01  # of the misfit: what forms of the same physics may differ by
 CLEAR = 0.05  # of what is left: what a bank must take off it on blocks not seen
-SPARES = 0.03  # of what is left on blocks not seen: what an effect with a name must take off it beside banks
+SPARES = 0.02  # likewise, an effect with a name beside banks
 SURE = 2.0  # standard errors over the blocks
 HALF = 0.5  # of the misfit: a model that leaves more of it is of something else than what is at work
 
@@ -58,9 +58,14 @@ def _wins(before: Array, after: Array, misfit: float) -> bool:
     """Whether the power that is left in blocks that nothing was fitted to is clearly less than before, and little
     of the misfit.
     """
+    return clearly(before, after, CLEAR) and float(after.mean()) - 1.0 < HALF * misfit
+
+
+def clearly(before: Array, after: Array, share: float) -> bool:
+    """Whether powers of blocks (CUTS,) are less than before by a ``share``, and by more than their scatter."""
     gain = np.log(before / after)
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain))
-    return bool(gain.mean() > max(CLEAR, SURE * error) and after.mean() - 1.0 < HALF * misfit)
+    return bool(gain.mean() > max(share, SURE * error))
 
 
 @dataclass(frozen=True)
@@ -82,7 +87,7 @@ def _lean(problem: Problem, explanation: Explanation, column: int, found: list[S
             if not effect(name).everywhere and name not in problem.known
         ]
         least = min(trials, key=lambda t: float(t.unseen.mean()), default=None)
-        if least is None or least.unseen.mean() > (1.0 + SPARES) * best.unseen.mean():
+        if least is None or clearly(least.unseen, best.unseen, SPARES):
             return best
         best = least
 
@@ -101,9 +106,7 @@ def unseen(problem: Problem, explanation: Explanation, column: int) -> Array:
     for fold in range(FOLDS):
         judged = np.arange(CUTS) % FOLDS == fold
         try:
-            problem.views = [
-                view.only(~judged[number]) for view, number in zip(views, block, strict=True)
-            ]
+            problem.views = [view.only(~judged[number]) for view, number in zip(views, block, strict=True)]
             fitted = fit(problem, without_banks(explanation, column), [column]).explanation
             fitted = redrawn_banks(problem, fitted, column, explanation)
         finally:

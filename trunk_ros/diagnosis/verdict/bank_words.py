@@ -79,8 +79,9 @@ def _loop(term: Term, column: int, k: int) -> tuple[Array, Array]:
     low, high = own[f"low_{k}"], own[f"high_{k}"]
     bottom, top = (-high, high) if kind.remembers else (low, high)
     swing = np.linspace(0.5 * (bottom + top), top, POINTS // 4)
-    path = np.concatenate([swing, np.linspace(top, bottom, POINTS // 2), np.linspace(bottom, top, POINTS // 2)])
+    path = np.concatenate(
+        [swing, np.linspace(top, bottom, POINTS // 2), np.linspace(bottom, top, POINTS // 2)]
+    )
     added = kind.shapes(path, low, high) @ weights
     settled = len(swing)
     return path[settled:], added[settled:]
-

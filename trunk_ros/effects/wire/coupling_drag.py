@@ -11,14 +11,19 @@ class CouplingDrag(Drags):
 
     id = "coupling_drag"
     stage, place = "wire", 246
-    signature = "The residual is a rounded loop against another joint's angle, whether this joint moves or not."
+    signature = (
+        "The residual is a rounded loop against another joint's angle, whether this joint moves or not."
+    )
     source = (
         "Presliding friction between two wires as a sum of plays: Prandtl-Ishlinskii, in the form of Al Janaideh, "
         "Rakheja & Su (2011), IEEE/ASME Trans. Mechatronics 16(4), eq. (3)."
     )
     sources = 4
     parameters = parameters_of(
-        sources, "half the motion after which the first contact slides", "likewise the last", "share of contact"
+        sources,
+        "half the motion after which the first contact slides",
+        "likewise the last",
+        "share of contact",
     )
     texts = words_of(sources)
     needs = ("several",)
