@@ -9,13 +9,15 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
-from trunk_ros.diagnosis.hypothesis import Explanation
-from trunk_ros.diagnosis.stage import Problem
-from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.data import tip_data
 from trunk_ros.diagnosis.tip.stage import ArmProblem
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
@@ -40,9 +42,10 @@ def with_gap(recording: Recording, *keys: str) -> Recording:
     return kept(recording, dict.fromkeys(keys, (stamp < 5.0) | (stamp > 10.0)))
 
 
-def worst(problem: Problem) -> float:
-    columns = range(len(problem.joints))
-    return max(float(np.abs(problem.residual(0, Explanation(), c)).max()) for c in columns)
+def worst(stage: Stage) -> float:
+    context = Context.of(stage)
+    columns = range(len(context.joints))
+    return max(float(np.abs(context.residual(0, Hypothesis(), c)).max()) for c in columns)
 
 
 def wire(recording: Recording) -> Span:
@@ -58,15 +61,15 @@ def test_a_prediction_does_not_swing_out_where_gearbox_angles_are_missing() -> N
 
 def test_after_a_long_gap_a_nominal_arm_shows_no_misfit() -> None:
     recording = with_gap(recorded(seconds=15.0), "gearbox_states", "joint_states", "setpoints")
-    assert worst(WireProblem([wire(recording)], TRUNK)) < 6e-4
-    assert worst(ServoProblem([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
+    assert worst(WireStage([wire(recording)], TRUNK)) < 6e-4
+    assert worst(ServoStage([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
 
 
 def test_a_servo_seen_rarely_is_not_blamed_for_its_unknown_start() -> None:
     recording = recorded(seconds=15.0)
     rare = np.arange(len(recording.series["gearbox_states"].stamp)) % 10 == 3
     recording = kept(recording, {"gearbox_states": rare})
-    assert worst(ServoProblem([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
+    assert worst(ServoStage([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
 
 
 def test_another_simulator_whose_bag_starts_later_is_no_delay() -> None:

@@ -16,15 +16,16 @@ from test.concealed.sensing import PERIOD, Sensing, record
 from test.concealed.servo import compensated
 from test.diagnosis.arms import recorded
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import evidence
 from trunk_ros.diagnosis.experiment.design import Experiment, experiment, proposals
 from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
-from trunk_ros.diagnosis.search.greedy import Search
-from trunk_ros.diagnosis.stage import Problem
-from trunk_ros.diagnosis.stages import WireProblem
+from trunk_ros.diagnosis.search.descent import Desk
+from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.motion import named_trajectory
 from trunk_ros.nodes.run.plan import plan_of
@@ -85,14 +86,13 @@ def ambiguous(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Diagnosis
 
 
 @pytest.fixture(scope="module")
-def designed(ambiguous: tuple[Path, Diagnosis]) -> tuple[Problem, Experiment]:
+def designed(ambiguous: tuple[Path, Diagnosis]) -> tuple[Context, Experiment]:
     model = load_model("trunk")
-    problem = WireProblem([wire_span(read_recording(ambiguous[0] / "bag"), model)], model)
-    search = Search(problem)
-    state = search.run()
-    found = experiment(search, state, evidence(search, state))
+    stage = WireStage([wire_span(read_recording(ambiguous[0] / "bag"), model)], model)
+    state = search(Context.of(stage), Desk())
+    found = experiment(state, evidence(state))
     assert found is not None
-    return problem, found
+    return state.context, found
 
 
 @pytest.mark.parametrize("truth", TRUTHS, ids=lambda h: h.effect)
@@ -133,20 +133,19 @@ def test_a_run_that_only_one_of_two_can_show_says_so_and_does_what_it_says(
 
 
 def test_a_rival_explains_in_one_form_what_is_said_of_it() -> None:
-    problem = WireProblem(
+    stage = WireStage(
         [wire_span(recorded({"tension_error": {"factor": 1.35}}, size=0.15), load_model("trunk"))],
         load_model("trunk"),
     )
-    search = Search(problem)
-    state = search.run()
-    found = evidence(search, state)["tension_error"]
+    state = search(Context.of(stage), Desk())
+    found = evidence(state)["tension_error"]
     assert {"stribeck_friction", "presliding_hysteresis"} <= set(found.equivalents)
     for rival in found.equivalents:
-        forward, *turned = sides_of(search, state, "tension_error", rival, found)
+        forward, *turned = sides_of(state, "tension_error", rival, found)
         assert [duel.true for duel in turned] == forward.others
         for other in forward.others:
-            problem.look_again(other.explanation)
-            cost = sum(float(np.sum(problem.whitened(other.explanation, c) ** 2)) for c in problem.columns)
+            context = state.context.seen_with(other.hypothesis)
+            cost = sum(float(np.sum(context.whitened(other.hypothesis, c) ** 2)) for c in context.columns)
             assert cost - state.total == pytest.approx(other.loss, abs=0.01)
 
 
@@ -160,7 +159,7 @@ def test_each_pair_is_told_with_its_file_and_what_to_look_for(ambiguous: tuple[P
 
 
 def test_the_file_is_within_the_limits_of_the_arm(
-    ambiguous: tuple[Path, Diagnosis], designed: tuple[Problem, Experiment]
+    ambiguous: tuple[Path, Diagnosis], designed: tuple[Context, Experiment]
 ) -> None:
     trajectory, arm = load_trajectory(ambiguous[0] / FILE), load_model("trunk").arm
     assert trajectory.joints == arm.joints
@@ -175,22 +174,22 @@ def test_bringup_accepts_the_file(ambiguous: tuple[Path, Diagnosis]) -> None:
 
 
 def test_the_designed_motion_separates_better_than_the_default_one(
-    designed: tuple[Problem, Experiment],
+    designed: tuple[Context, Experiment],
 ) -> None:
-    problem, done = designed
-    default = named_trajectory("default", problem.arm, done.motion.duration)
+    context, done = designed
+    default = named_trajectory("default", context.arm, done.motion.duration)
     for duel, seen in zip(done.duels, done.seen, strict=True):
-        assert seen.ratio > 1.5 * duel.seen_in(problem, default).ratio
+        assert seen.ratio > 1.5 * duel.seen_in(context, default).ratio
 
 
 def test_what_it_promises_is_what_the_arm_shows(
-    designed: tuple[Problem, Experiment], ambiguous: tuple[Path, Diagnosis], tmp_path: Path
+    designed: tuple[Context, Experiment], ambiguous: tuple[Path, Diagnosis], tmp_path: Path
 ) -> None:
-    problem, done = designed
+    context, done = designed
     (duel,) = done.duels
     for truth in TRUTHS:
         bag = made(tmp_path / truth.effect, truth, proposed(ambiguous[0] / FILE), 1)
-        problem_there = problem.over([wire_span(read_recording(bag), problem.model)])
+        problem_there = context.over([wire_span(read_recording(bag), context.model)])
         samples = sum(problem_there.count(c) for c in duel.columns)
         ruled_out = all(  # joints that move alike are the same source: any may come first
             other.refitted(problem_there, duel.columns)[0] - samples > duel.wanted(problem_there, other)
@@ -236,7 +235,7 @@ def test_a_joint_that_never_moved_is_left_where_it_stood(speed: float) -> None:
     assert {angle for _, angle in path.points} == {0.3}
 
 
-def test_units_are_those_of_the_joints(designed: tuple[Problem, Experiment]) -> None:
+def test_units_are_those_of_the_joints(designed: tuple[Context, Experiment]) -> None:
     (told,) = proposals(designed[1], FILE, {"joint_3": "m"})
     assert "mm" in told["statement"]
     assert "rad" not in told["statement"].replace("ratio", "")

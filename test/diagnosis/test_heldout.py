@@ -9,26 +9,27 @@ import pytest
 
 from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import KNOTS, UNKNOWN, Place, redrawn, with_curve
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, held_out
-from trunk_ros.diagnosis.hypothesis import Explanation, Term
-from trunk_ros.diagnosis.search.greedy import Search
-from trunk_ros.diagnosis.stages import WireProblem
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import costed
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
 JOINT = 2
-BEAM = Explanation(
+BEAM = Hypothesis(
     link_resonance=Term(
         "link_resonance", "beam", own={JOINT: {"frequency": 4.0, "damping": 0.02, "share": 0.3}}
     )
 )
 
 
-def curve_over(variable: str, low: float, high: float) -> Explanation:
+def curve_over(variable: str, low: float, high: float) -> Hypothesis:
     """A curve of nothing yet."""
-    return with_curve(Explanation(), Place(UNKNOWN, variable, low, high), JOINT, np.zeros(KNOTS))
+    return with_curve(Hypothesis(), Place(UNKNOWN, variable, low, high), JOINT, np.zeros(KNOTS))
 
 
 def with_added(added: Array) -> Recording:
@@ -39,10 +40,10 @@ def with_added(added: Array) -> Recording:
     return reshaped(whole, "joint_states", position=position)
 
 
-def searched(recording: Recording) -> Search:
-    """A search over the wires."""
+def looked_at(recording: Recording) -> Context:
+    """The wires."""
     model = load_model("trunk")
-    return Search(WireProblem([wire_span(recording, model)], model))
+    return Context.of(WireStage([wire_span(recording, model)], model))
 
 
 def wild(stamp: Array) -> Array:
@@ -53,35 +54,34 @@ def wild(stamp: Array) -> Array:
 
 def test_a_curve_is_not_judged_on_the_samples_that_it_was_drawn_through() -> None:
     stamp = recorded().series["joint_states"].stamp
-    search = searched(with_added(wild(stamp)))
-    problem = search.problem
-    drawn = redrawn(problem, curve_over("time", 0.0, float(stamp[-1])), JOINT)
-    seen = float(np.std(problem.residual(0, drawn, JOINT)[problem.views[0].span.valid[:, JOINT]]))
+    context = looked_at(with_added(wild(stamp)))
+    drawn = redrawn(context, curve_over("time", 0.0, float(stamp[-1])), JOINT)
+    seen = float(np.std(context.residual(0, drawn, JOINT)[context.views[0].span.valid[:, JOINT]]))
     assert seen < 3e-4
-    assert held_out(search, drawn)[JOINT].after > 2.0 * seen
+    assert held_out(costed(context, drawn))[JOINT].after > 2.0 * seen
 
 
-@pytest.mark.parametrize("explanation", [curve_over("position", -0.4, 0.4), BEAM], ids=["curve", "beam"])
-def test_what_is_judged_does_not_change_its_own_prediction(explanation: Explanation) -> None:
+@pytest.mark.parametrize("hypothesis", [curve_over("position", -0.4, 0.4), BEAM], ids=["curve", "beam"])
+def test_what_is_judged_does_not_change_its_own_prediction(hypothesis: Hypothesis) -> None:
     """The judged blocks shown otherwise are off by just that, before the folds are put together."""
     said = []
     for shown in (0.0, 5e-3):
-        search = searched(with_added(1e-3 * np.sin(recorded().series["gearbox_states"].position[:, JOINT])))
-        problem = search.problem
-        span = problem.views[0].span
+        bent = 1e-3 * np.sin(recorded().series["gearbox_states"].position[:, JOINT])
+        context = looked_at(with_added(bent))
+        span = context.views[0].span
         fold = np.arange(len(span.rows)) * BLOCKS // len(span.rows) % 2 == 0
         target = span.target + shown * fold[:, None]
-        problem.views = [replace(problem.views[0], span=replace(span, target=target))]
-        said.append(held_out_of(search, explanation))
+        views = (replace(context.views[0], span=replace(span, target=target)),)
+        said.append(held_out_of(replace(context, views=views), hypothesis))
     np.testing.assert_allclose(said[1], said[0], atol=1e-9)
 
 
-def held_out_of(search: Search, explanation: Explanation) -> Array:
+def held_out_of(context: Context, hypothesis: Hypothesis) -> Array:
     """What the first fold's samples are predicted to be."""
     from trunk_ros.diagnosis.evidence.cross_validation import _unseen
 
-    (errors,) = _unseen(search, explanation, 0)[JOINT]
-    span = search.problem.views[0].span
+    (errors,) = _unseen(costed(context, hypothesis), 0)[JOINT]
+    span = context.views[0].span
     fold = np.arange(len(errors)) * BLOCKS // len(errors) % 2 == 0
     chosen = fold & span.valid[:, JOINT]
     return np.asarray((span.target[:, JOINT] - errors)[chosen])

@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import LEAST, Context, Work
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
-from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence, spreads
+from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence, evidence, spreads
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
-from trunk_ros.diagnosis.hypothesis import Explanation
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.greedy import Search
 from trunk_ros.diagnosis.search.long import searched
-from trunk_ros.diagnosis.search.revise import STRONG
-from trunk_ros.diagnosis.stage import LEAST, Problem
-from trunk_ros.diagnosis.stages import ServoProblem, WireProblem
+from trunk_ros.diagnosis.search.score import STRONG
+from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.findings import (
     findings,
@@ -34,6 +34,7 @@ from trunk_ros.diagnosis.verdict.findings import (
     without_a_name,
 )
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.wire import WireStage, settled
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
@@ -44,6 +45,7 @@ from trunk_ros.recording.topics import TIP_TOPIC
 from trunk_ros.start import SETTLE
 
 Progress = Callable[[str], None]
+WORK = 3e9  # simulated joint-steps of a stage: half a minute of one core, whatever the recording
 
 
 def diagnose(
@@ -158,7 +160,7 @@ class Diagnoser:
         if spans:
             self.say("servo")
             arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
-            self._stage(ServoProblem(spans, replace(self.model, arm=arm), self.recordings[0].units))
+            self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
 
     def wire(self) -> None:
         """Gearbox to joint, where the joints have sensors."""
@@ -166,32 +168,34 @@ class Diagnoser:
             self.result.stages["wire"] = {"compared": False, "joints": {}}
             return
         self.say("wire")
-        problem = WireProblem(self.spans, self.model, self.recordings[0].units)
-        self._stage(problem)
-        noises = zip(problem.joints, problem.noise, strict=True)
-        self.lasting = {joint: noise.std for joint, noise in noises if noise.correlation > 0.0}
+        state = self._stage(WireStage(self.spans, self.model, self.recordings[0].units))
+        if state is not None:
+            noises = zip(self.joints, state.context.noise, strict=True)
+            self.lasting = {joint: noise.std for joint, noise in noises if noise.correlation > 0.0}
 
-    def _stage(self, problem: Problem) -> None:
-        if not problem.columns:
-            self.result.stages[problem.stage] = {
-                "compared": False, "joints": {}, "silent": list(problem.joints)
+    def _stage(self, stage: Stage) -> Fit | None:
+        context = Context.of(stage, Work(WORK))
+        if not context.columns:
+            self.result.stages[stage.name] = {
+                "compared": False, "joints": {}, "silent": list(stage.joints)
             }  # fmt: skip
-            return
-        done = searched(problem, lambda text: self.say(f"{problem.stage}: {text}"))
-        search, found = done.search, done.found
-        state = with_banks(problem, self._begun(problem, search, done.state))
-        found = found | banks_evidence(search, state)
-        std = spreads(search, state)
-        errors = held_out(search, state.explanation)
-        effects = state.explanation.model_effects(len(problem.joints))
-        self.effects |= on_the_arm(effects, problem.joints, self.model.arm.joints)
-        if problem.stage == "wire":
-            self.error = {problem.joints[c]: e.after for c, e in errors.items()}
-        self.result.stages[problem.stage] = {
+            return None
+        done = searched(context, lambda text: self.say(f"{stage.name}: {text}"))
+        self.say(f"{stage.name}: evidence")
+        found = evidence(done.part, done.state)
+        state = with_banks(settled(done.state, self.settle))
+        found = found | banks_evidence(state)
+        std, context = spreads(state), state.context
+        errors = held_out(state)
+        effects = state.hypothesis.model_effects(len(stage.joints))
+        self.effects |= on_the_arm(effects, stage.joints, self.model.arm.joints)
+        if stage.name == "wire":
+            self.error = {stage.joints[c]: e.after for c, e in errors.items()}
+        self.result.stages[stage.name] = {
             "compared": True,
             "joints": {
-                problem.joints[c]: {
-                    "unit": self.recordings[0].units.get(problem.joints[c], "rad"),
+                stage.joints[c]: {
+                    "unit": self.recordings[0].units.get(stage.joints[c], "rad"),
                     "rmse_before": e.before,
                     "rmse_after": e.after,
                     "noise_floor": e.noise_floor,
@@ -200,51 +204,44 @@ class Diagnoser:
                 }
                 for c, e in errors.items()
             },
-            "silent": [problem.joints[c] for c in range(len(problem.joints)) if c not in problem.columns],
+            "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
+            "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
-        new = [f for f in findings(problem, state.explanation, found, std) if not is_known(problem, f)]
-        rests = left_over(problem, state.explanation)
+        new = [f for f in findings(context, state.hypothesis, found, std) if not is_known(context, f)]
+        rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
-        strong = {
-            problem.joints[c] for c, power in powers(problem, state.explanation).items() if power > STRONG
-        }
+        strong = {stage.joints[c] for c, power in powers(context, state.hypothesis).items() if power > STRONG}
         told = {j for f in new if f.effect == "unknown" for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
-        self._plot(problem, state.explanation)
-        self._experiment(
-            done.part, done.part_state, {f.effect: found[f.effect] for f in new if f.equivalents}
-        )
+        self._plot(context, state.hypothesis)
+        self._experiment(done.part, {f.effect: found[f.effect] for f in new if f.equivalents})
+        return state
 
-    def _begun(self, problem: Problem, search: Search, state: Fit) -> Fit:
-        """Fitted with the start of each recording as its first joint angles tell it."""
-        if not isinstance(problem, WireProblem) or not problem.settle(state.explanation, self.settle):
-            return state
-        return search.refit(state.explanation)
-
-    def _experiment(self, search: Search, state: Fit, found: dict[str, Evidence]) -> None:
+    def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
         """The motion that tells what was found from its equivalents."""
-        self.say(f"{search.problem.stage}: experiment")
-        done, file = experiment(search, state, found), f"experiment_{search.problem.stage}.yaml"
+        stage = state.context.stage.name
+        self.say(f"{stage}: experiment")
+        done, file = experiment(state, found), f"experiment_{stage}.yaml"
         if done is not None:
             told = proposals(done, file, self.recordings[0].units)
             self.result.experiments += told
             if any(entry["trajectory"] for entry in told):
                 self.result.trajectories[file] = done.motion
 
-    def _plot(self, problem: Problem, explanation: Explanation) -> None:
+    def _plot(self, context: Context, hypothesis: Hypothesis) -> None:
         assert self.result.plots is not None
-        for c in problem.columns:
-            span: Span = problem.views[0].span
-            self.result.plots.signals[problem.stage, problem.joints[c]] = {
+        for c in context.columns:
+            span: Span = context.views[0].span
+            self.result.plots.signals[context.stage.name, context.joints[c]] = {
                 "stamp": span.stamp,
                 "measured": span.target[:, c],
                 "valid": span.valid[:, c],
-                "before": problem.predict(0, problem.known, c),
-                "after": problem.predict(0, explanation, c),
+                "before": context.predict(0, context.known, c),
+                "after": context.predict(0, hypothesis, c),
                 "gearbox": span.gearbox[span.rows, c],
                 "velocity": span.velocity[span.rows, c],
-                "noise": problem.noise[c].std,
+                "noise": context.noise[c].std,
             }
 
     def tip(self) -> None:

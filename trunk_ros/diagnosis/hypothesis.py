@@ -54,12 +54,12 @@ class Term:
         return {**self.shared, **self.own[column]}
 
 
-class Explanation(dict[str, Term]):
+class Hypothesis(dict[str, Term]):
     """Effects by ID."""
 
-    def copy(self) -> Explanation:
+    def copy(self) -> Hypothesis:
         """A copy whose values can be changed."""
-        return Explanation({name: term.copy() for name, term in self.items()})
+        return Hypothesis({name: term.copy() for name, term in self.items()})
 
     def on(self, column: int) -> list[Term]:
         """The terms on a joint, in physical order."""
@@ -86,7 +86,7 @@ class Explanation(dict[str, Term]):
         """The free values, logarithms where the parameter is fitted so."""
         return np.array([_encode(f.parameter, self._home(f)[f.parameter.name]) for f in free])
 
-    def put(self, free: list[Free], x: Array) -> Explanation:
+    def put(self, free: list[Free], x: Array) -> Hypothesis:
         """A copy with these values."""
         out = self.copy()
         for f, value in zip(free, x, strict=True):
@@ -101,8 +101,8 @@ class Explanation(dict[str, Term]):
         term = self[f.effect]
         return term.shared if f.column is None else term.own[f.column]
 
-    def take(self, column: int, other: Explanation) -> None:
-        """Have on a column what another explanation has there."""
+    def take(self, column: int, other: Hypothesis) -> None:
+        """Have on a column what another hypothesis has there."""
         for term in self.values():
             term.own.pop(column, None)
             term.words.pop(column, None)
@@ -118,7 +118,7 @@ class Explanation(dict[str, Term]):
         """What a prediction of one joint depends on, for caches."""
         return (payload_of(self), *(term.key(column) for term in self.on(column)))
 
-    def without(self, name: str, column: int | None = None) -> Explanation:
+    def without(self, name: str, column: int | None = None) -> Hypothesis:
         """A copy without an effect, on one joint or at all."""
         out = self.copy()
         if column is not None:
@@ -128,7 +128,7 @@ class Explanation(dict[str, Term]):
             del out[name]
         return out
 
-    def less(self, names: Iterable[str], column: int) -> Explanation:
+    def less(self, names: Iterable[str], column: int) -> Hypothesis:
         """A copy without some effects on one joint."""
         out = self
         for name in names:
@@ -140,9 +140,9 @@ class Explanation(dict[str, Term]):
         return {name: _model_values(self[name], joints) for name in registry() if name in self}
 
 
-def explanation_of(effects: Mapping[str, Values], stage: str, joints: int) -> Explanation:
+def hypothesis_of(effects: Mapping[str, Values], stage: str, joints: int) -> Hypothesis:
     """The effects that a model of so many joints has in a stage, as terms that a fit can move."""
-    out = Explanation()
+    out = Hypothesis()
     for name, values in effects.items():
         kind = effect(name)
         if kind.stage == stage:
@@ -227,16 +227,16 @@ def _model_values(term: Term, joints: int) -> Values:
     return values
 
 
-def payload_of(explanation: Explanation) -> float:
+def payload_of(hypothesis: Hypothesis) -> float:
     """Mass at the tip [kg] that the terms add."""
-    return float(sum(term.shared.get("payload", 0.0) for term in explanation.values()))
+    return float(sum(term.shared.get("payload", 0.0) for term in hypothesis.values()))
 
 
-def describe(explanation: Explanation) -> str:
+def describe(hypothesis: Hypothesis) -> str:
     """One line for logs: effect(form)@joints."""
 
     def one(term: Term) -> str:
         form = f"/{term.form}" if term.form else ""
         return f"{term.effect}{form}@{','.join(str(c + 1) for c in term.columns)}"
 
-    return " + ".join(one(t) for t in explanation.values()) or "nominal"
+    return " + ".join(one(t) for t in hypothesis.values()) or "nominal"

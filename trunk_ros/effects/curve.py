@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -16,6 +17,7 @@ from trunk_ros.parameter import Parameter
 KNOTS = 24
 VARIABLES = ("position", "speed", "time", "load")
 SPEED_OF = "speed of "
+HALF, OVER_TIME = 0.5, 0.15  # of a misfit that a curve may leave
 REACH = 0.5  # of its range that a curve goes on straight beyond its ends
 FAR = 3.0  # the same of a straight line
 STRAIGHT = 0.01  # of its rise: what leaves the line between its ends by no more is one
@@ -82,6 +84,13 @@ class Curve(Effect):
     def spline(cls, knots: Array, values: Array) -> CubicSpline:
         """The curve through ``values`` (KNOTS, ...) at ``knots`` (KNOTS,)."""
         return CubicSpline(knots, values, bc_type="natural")
+
+    @classmethod
+    def leaves(cls, words: Mapping[str, str]) -> float:
+        """Share of a misfit from which on a curve with these words is over something else than what is at
+        work; what moves slowly is imitated by any curve over time.
+        """
+        return OVER_TIME if "time" in words.values() else HALF
 
     @classmethod
     def bend(cls) -> Array:

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, in_gaps
-from trunk_ros.diagnosis.stages import WireProblem
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
@@ -28,14 +29,14 @@ def shifted(span: Span, model: Model, against: Recording) -> Span:
     """Targets as if the model's own prediction were the other simulator's: its difference is taken off."""
     said = against.require("joint_states").select(span.joints)
     span = replace(span, start=(np.empty(0, dtype=int),) * len(span.joints))
-    problem = WireProblem([span], model)
+    context = Context.of(WireStage([span], model))
     target, valid = span.target.copy(), span.valid.copy()
     inside = (span.stamp >= said.stamp[0]) & (span.stamp <= said.stamp[-1])
     lost = in_gaps(said, span.stamp)
     for c in range(len(span.joints)):
         known = np.isfinite(said.position[:, c])
         there = np.interp(span.stamp, said.stamp[known], said.position[known, c])
-        target[:, c] += problem.predict(0, problem.known, c) - there
+        target[:, c] += context.predict(0, context.known, c) - there
         valid[:, c] &= inside & ~lost[:, c]
     return replace(span, target=target, valid=valid)
 

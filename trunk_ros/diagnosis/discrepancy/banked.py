@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.memory import (
     CUTS,
     FOLDS,
@@ -17,10 +18,9 @@ from trunk_ros.diagnosis.discrepancy.memory import (
     without_banks,
 )
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
-from trunk_ros.diagnosis.hypothesis import Explanation
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, fit
-from trunk_ros.diagnosis.search.revise import STRONG
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.effects import effect
 
 FORMS = 0.01  # of the misfit: what forms of the same physics may differ by
@@ -30,28 +30,29 @@ SURE = 2.0  # standard errors over the blocks
 HALF = 0.5  # of the misfit: a model that leaves more of it is of something else than what is at work
 
 
-def with_banks(problem: Problem, state: Fit) -> Fit:
-    """The explanation with banks on the joints that need them."""
-    if problem.stage != "wire":
+def with_banks(state: Fit) -> Fit:
+    """The hypothesis with banks on the joints that need them."""
+    context = state.context
+    if context.stage.name != "wire":
         return state
-    left = rests(problem, state.explanation)
+    left = rests(context, state.hypothesis)
     for column in [c for c, power in left.items() if power > STRONG]:
-        misfit = float(np.mean(problem.whitened(problem.known, column) ** 2)) - 1.0
+        misfit = float(np.mean(context.whitened(context.known, column) ** 2)) - 1.0
         if left[column] > FORMS * misfit:
-            state = _banked(problem, state, column, misfit)
+            state = _banked(state, column, misfit)
     return state
 
 
-def _banked(problem: Problem, state: Fit, column: int, misfit: float) -> Fit:
-    found = sources(problem, column)
+def _banked(state: Fit, column: int, misfit: float) -> Fit:
+    context, found = state.context, sources(state.context, column)
     if not found:
         return state
-    lean = _lean(problem, state.explanation, column, found)
-    before = unseen(problem, state.explanation, column)
+    lean = _lean(context, state.hypothesis, column, found)
+    before = unseen(context, state.hypothesis, column)
     if not _wins(before, lean.unseen, misfit):
         return state
-    rest = problem.whitened(lean.explanation, column)
-    return Fit(lean.explanation, state.cost | {column: float(rest @ rest)})
+    rest = context.whitened(lean.hypothesis, column)
+    return Fit(lean.hypothesis, state.cost | {column: float(rest @ rest)}, context)
 
 
 def _wins(before: Array, after: Array, misfit: float) -> bool:
@@ -70,21 +71,21 @@ def clearly(before: Array, after: Array, share: float) -> bool:
 
 @dataclass(frozen=True)
 class Judged:
-    """An explanation, and what it leaves of blocks that it was not fitted to, (CUTS,) mean squares."""
+    """An hypothesis, and what it leaves of blocks that it was not fitted to, (CUTS,) mean squares."""
 
-    explanation: Explanation
+    hypothesis: Hypothesis
     unseen: Array
 
 
-def _lean(problem: Problem, explanation: Explanation, column: int, found: list[Source]) -> Judged:
-    """The explanation with banks on a column, and without its own effects that the banks make superfluous."""
-    best = _refitted(problem, explanation, column, found)
+def _lean(context: Context, hypothesis: Hypothesis, column: int, found: list[Source]) -> Judged:
+    """The hypothesis with banks on a column, and without its own effects that the banks make superfluous."""
+    best = _refitted(context, hypothesis, column, found)
     while True:
-        own = [t.effect for t in without_banks(best.explanation, column).on(column)]
+        own = [t.effect for t in without_banks(best.hypothesis, column).on(column)]
         trials = [
-            _refitted(problem, best.explanation.without(name, column), column, found)
+            _refitted(context, best.hypothesis.without(name, column), column, found)
             for name in own
-            if not effect(name).everywhere and name not in problem.known
+            if not effect(name).everywhere and name not in context.known
         ]
         least = min(trials, key=lambda t: float(t.unseen.mean()), default=None)
         if least is None or clearly(least.unseen, best.unseen, SPARES):
@@ -92,32 +93,28 @@ def _lean(problem: Problem, explanation: Explanation, column: int, found: list[S
         best = least
 
 
-def _refitted(problem: Problem, explanation: Explanation, column: int, found: list[Source]) -> Judged:
+def _refitted(context: Context, hypothesis: Hypothesis, column: int, found: list[Source]) -> Judged:
     """Named values of a column fitted, and banks on what they leave."""
-    bare = fit(problem, without_banks(explanation, column), [column]).explanation
-    out = drawn(problem, bare, column, found)
-    return Judged(out, unseen(problem, out, column))
+    bare = fit(context, without_banks(hypothesis, column), [column]).hypothesis
+    out = drawn(context, bare, column, found)
+    return Judged(out, unseen(context, out, column))
 
 
-def unseen(problem: Problem, explanation: Explanation, column: int) -> Array:
+def unseen(context: Context, hypothesis: Hypothesis, column: int) -> Array:
     """(CUTS,) mean squares of blocks of time, by named values and banks that were fitted to the others."""
-    out, views = np.zeros(CUTS), problem.views
-    block = blocks(problem, column)
+    out, block = np.zeros(CUTS), blocks(context, column)
     for fold in range(FOLDS):
         judged = np.arange(CUTS) % FOLDS == fold
-        try:
-            problem.views = [view.only(~judged[number]) for view, number in zip(views, block, strict=True)]
-            fitted = fit(problem, without_banks(explanation, column), [column]).explanation
-            fitted = redrawn_banks(problem, fitted, column, explanation)
-        finally:
-            problem.views = views
-        out[judged] = by_blocks(problem.whitened(fitted, column) ** 2)[judged]
+        seen = context.only([~judged[number] for number in block])
+        fitted = fit(seen, without_banks(hypothesis, column), [column]).hypothesis
+        fitted = redrawn_banks(seen, fitted, column, hypothesis)
+        out[judged] = by_blocks(context.whitened(fitted, column) ** 2)[judged]
     return out
 
 
-def blocks(problem: Problem, column: int) -> list[np.ndarray]:
+def blocks(context: Context, column: int) -> list[np.ndarray]:
     """(n,) number of the block of time that each row of a span is in, by what counts on a column."""
-    valid = [view.span.valid[:, column] for view in problem.views]
+    valid = [view.span.valid[:, column] for view in context.views]
     place = np.cumsum(np.concatenate(valid)) - 1
     number = np.clip(place * CUTS // max(int(place[-1]) + 1, 1), 0, CUTS - 1)
     return np.split(number, np.cumsum([len(v) for v in valid])[:-1])

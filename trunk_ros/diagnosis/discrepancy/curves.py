@@ -9,12 +9,12 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.diagnosis.hypothesis import Explanation, Term
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
-from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, abscissa
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS
@@ -67,27 +67,27 @@ class Drawn:
     worth: float
 
 
-def curve_fit(problem: Problem, bare: Explanation, column: int) -> Fit | None:
-    """The explanation with the curve, of whatever it is best a curve of and over what it is best drawn over,
+def curve_fit(context: Context, bare: Hypothesis, column: int) -> Fit | None:
+    """The hypothesis with the curve, of whatever it is best a curve of and over what it is best drawn over,
     that explains most of a column's rest.
     """
-    bare = fit(problem, bare, [column]).explanation
-    drawn = [_best(problem, bare, column, some) for some in places(problem, bare, column) if some]
+    bare = fit(context, bare, [column]).hypothesis
+    drawn = [_best(context, bare, column, some) for some in places(context, bare, column) if some]
     return min(drawn, key=lambda d: d.worth).fit if drawn else None
 
 
-def redrawn(problem: Problem, explanation: Explanation, column: int) -> Explanation:
-    """The explanation with its curves on a column drawn anew, over what they were drawn over before."""
-    for term in drawn_on(problem, explanation, column):
-        bare = explanation.without(term.effect, column)
-        explanation = _alternate(problem, bare, column, _place(term, column)).fit.explanation
-    return explanation
+def redrawn(context: Context, hypothesis: Hypothesis, column: int) -> Hypothesis:
+    """The hypothesis with its curves on a column drawn anew, over what they were drawn over before."""
+    for term in drawn_on(context, hypothesis, column):
+        bare = hypothesis.without(term.effect, column)
+        hypothesis = _alternate(context, bare, column, _place(term, column)).fit.hypothesis
+    return hypothesis
 
 
-def drawn_on(problem: Problem, explanation: Explanation, column: int) -> list[Term]:
+def drawn_on(context: Context, hypothesis: Hypothesis, column: int) -> list[Term]:
     """The curves on a column that the model does not have already."""
-    curves = [term for term in explanation.on(column) if issubclass(effect(term.effect), Curve)]
-    return [term for term in curves if term.effect not in problem.known]
+    curves = [term for term in hypothesis.on(column) if issubclass(effect(term.effect), Curve)]
+    return [term for term in curves if term.effect not in context.known]
 
 
 def _place(term: Term, column: int) -> Place:
@@ -96,94 +96,94 @@ def _place(term: Term, column: int) -> Place:
     return Place(term.effect, term.words[column]["on"], own["low"], own["high"], moments)
 
 
-def places(problem: Problem, bare: Explanation, column: int) -> list[list[Place]]:
+def places(context: Context, bare: Hypothesis, column: int) -> list[list[Place]]:
     """The curves that may be drawn in a stage, those of one kind together."""
-    over = variables(problem, column)
-    moving = [v for v in over if v.removeprefix(SPEED_OF) not in problem.joints]
-    own = [] if column in problem.wide else moving
+    over = variables(context, column)
+    moving = [v for v in over if v.removeprefix(SPEED_OF) not in context.joints]
+    own = [] if column in context.wide else moving
     kinds = {
         "wire": {UNKNOWN: over, FRICTION: own, GAIN: [v for v in own if v != "position"]},
         "servo": {SERVO: over, DEAD_ZONE: [v for v in own if v == "position"]},
-    }.get(problem.stage, {})
-    found = [[Place(kind, v, *ends(problem, column, v)) for v in some] for kind, some in kinds.items()]
-    timed = problem.stage == "wire" and "time" in over
-    return [*found, *(_in_time(problem, bare, column) if timed else [])]
+    }.get(context.stage.name, {})
+    found = [[Place(kind, v, *ends(context, column, v)) for v in some] for kind, some in kinds.items()]
+    timed = context.stage.name == "wire" and "time" in over
+    return [*found, *(_in_time(context, bare, column) if timed else [])]
 
 
-def _in_time(problem: Problem, bare: Explanation, column: int) -> Iterator[list[Place]]:
+def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[Place]]:
     """A curve over the time within the period that stands out of a column's rest, and one of its jumps."""
-    index = problem.telling(column)[0]
-    span, noise = problem.views[index].span, problem.noise[column]
+    index = context.telling(column)[0]
+    span, noise = context.views[index].span, context.noise[column]
     valid = span.valid[:, column]
-    stamp, rest = span.stamp[valid], problem.residual(index, bare, column)[valid]
+    stamp, rest = span.stamp[valid], context.residual(index, bare, column)[valid]
     frequency, share = spectrum(stamp, rest)
     if share > CYCLIC:
         yield [Place(CYCLE, "time", 0.0, 1.0 / frequency)]
     worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
-    angles = problem.views[index].angles[span.rows][valid]
+    angles = context.views[index].angles[span.rows][valid]
     # a single jump has a name, and many imitate anything
     if 1 < len(moments) <= MOST_JUMPS and not moved_by(stamp, rest, moments, angles, column):
         for kind in (JUMPS, SLIPS):
             yield [Place(kind, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
 
 
-def _best(problem: Problem, bare: Explanation, column: int, some: list[Place]) -> Drawn:
+def _best(context: Context, bare: Hypothesis, column: int, some: list[Place]) -> Drawn:
     """The curve of one kind over what a linear look finds best, fitted."""
-    rest = problem.whitened(bare, column)
+    rest = context.whitened(bare, column)
 
     def left(place: Place) -> float:
-        design = _design(problem, bare, column, place, np.zeros(KNOTS))
+        design = _design(context, bare, column, place, np.zeros(KNOTS))
         values, bends = smoothed(design, rest, place.curve.bend())
         off = rest - design @ values
         return float(off @ off) + bends * float(np.log(len(rest)))
 
-    return _alternate(problem, bare, column, min(some, key=left) if len(some) > 1 else some[0])
+    return _alternate(context, bare, column, min(some, key=left) if len(some) > 1 else some[0])
 
 
-def _alternate(problem: Problem, bare: Explanation, column: int, place: Place) -> Drawn:
+def _alternate(context: Context, bare: Hypothesis, column: int, place: Place) -> Drawn:
     """Curve and named values in turn, as long as that helps."""
-    values, bends = _begun(problem, bare, column, place), 0.0
-    done = fit(problem, with_curve(bare, place, column, values), [column])
+    values, bends = _begun(context, bare, column, place), 0.0
+    done = fit(context, with_curve(bare, place, column, values), [column])
     for _ in range(TURNS.get(place.kind, TURNS_OF_OTHERS)):
-        design = _design(problem, done.explanation, column, place, values)
-        rest = problem.whitened(done.explanation, column)
+        design = _design(context, done.hypothesis, column, place, values)
+        rest = context.whitened(done.hypothesis, column)
         moved, freedom = smoothed(design, rest + design @ values, place.curve.bend())
-        trial = fit(problem, with_curve(done.explanation, place, column, moved), [column])
+        trial = fit(context, with_curve(done.hypothesis, place, column, moved), [column])
         if trial.cost[column] > done.cost[column]:
             break
         done, values, bends = trial, moved, freedom
-    return Drawn(done, done.cost[column] + bends * float(np.log(problem.count(column))))
+    return Drawn(done, done.cost[column] + bends * float(np.log(context.count(column))))
 
 
-def _begun(problem: Problem, bare: Explanation, column: int, place: Place) -> Array:
+def _begun(context: Context, bare: Hypothesis, column: int, place: Place) -> Array:
     """(knots,) where a curve begins: at nothing, or at the best constant."""
     if place.kind != DEAD_ZONE:
         return np.zeros(KNOTS)
 
     def left(zone: float) -> float:
         trial = with_curve(bare, place, column, np.full(KNOTS, zone))
-        return float(np.sum(problem.whitened(trial, column) ** 2))
+        return float(np.sum(context.whitened(trial, column) ** 2))
 
     return np.full(KNOTS, min(NEAR * min(ZONES, key=left), key=left))
 
 
-def _design(problem: Problem, now: Explanation, column: int, place: Place, values: Array) -> Array:
+def _design(context: Context, now: Hypothesis, column: int, place: Place, values: Array) -> Array:
     """(rows, knots) change of the whitened prediction per curve value."""
     if place.kind in LINEAR:
-        return design_of(problem, column, place)
+        return design_of(context, column, place)
 
     def predictions(at: Array) -> list[Array]:
-        return problem.predictions(with_curve(now, place, column, at), column)
+        return context.predictions(with_curve(now, place, column, at), column)
 
     base = predictions(values)
     steps = [predictions(values + BUMP * one) for one in np.eye(KNOTS)]
     changes = [[(p - b) / BUMP for p, b in zip(there, base, strict=True)] for there in steps]
-    return np.column_stack([problem.whiten_change(change, column) for change in changes])
+    return np.column_stack([context.whiten_change(change, column) for change in changes])
 
 
-def with_curve(bare: Explanation, place: Place, column: int, values: Array) -> Explanation:
-    """The explanation with a curve on a column."""
+def with_curve(bare: Hypothesis, place: Place, column: int, values: Array) -> Hypothesis:
+    """The hypothesis with a curve on a column."""
     out, kind = bare.copy(), place.kind
     term = out.setdefault(kind, Term(kind, given=frozenset(p.name for p in effect(kind).parameters)))
     own = dict(zip((p.name for p in VALUES), values.tolist(), strict=True))
@@ -193,31 +193,31 @@ def with_curve(bare: Explanation, place: Place, column: int, values: Array) -> E
     return out
 
 
-def variables(problem: Problem, column: int) -> list[str]:
+def variables(context: Context, column: int) -> list[str]:
     """What a curve may be drawn over: words of the effect ``unknown``."""
-    others = [joint for k, joint in enumerate(problem.joints) if k != column]
-    load = ["load"] if problem.has_load else []
-    hidden = column in problem.wide
-    told = problem.step < SLOW and not hidden
+    others = [joint for k, joint in enumerate(context.joints) if k != column]
+    load = ["load"] if context.stage.has_load else []
+    hidden = column in context.wide
+    told = context.step < SLOW and not hidden
     speeds = ["speed", *(SPEED_OF + joint for joint in others)] if told else []
-    time = [] if hidden or column in problem.one_way else ["time"]
+    time = [] if hidden or column in context.stage.one_way else ["time"]
     return ["position", *speeds, *time, *load, *others]
 
 
-def ends(problem: Problem, column: int, variable: str) -> tuple[float, float]:
+def ends(context: Context, column: int, variable: str) -> tuple[float, float]:
     """Range of a variable over all spans."""
-    parts = [abscissa(variable, problem.now(i, column, 0.0), 0) for i in range(len(problem.views))]
+    parts = [abscissa(variable, context.now(i, column, 0.0), 0) for i in range(len(context.views))]
     low, high = min(float(p.min()) for p in parts), max(float(p.max()) for p in parts)
     return low, max(high, low + max(1e-6, 1e-6 * abs(low)))
 
 
-def design_of(problem: Problem, column: int, place: Place) -> Array:
+def design_of(context: Context, column: int, place: Place) -> Array:
     """(rows, knots) change of the whitened prediction per value of a curve that is added to the angle."""
     parts = []
-    for i, view in enumerate(problem.views):
-        x = abscissa(place.variable, problem.now(i, column, 0.0), 0)[view.span.rows]
+    for i, view in enumerate(context.views):
+        x = abscissa(place.variable, context.now(i, column, 0.0), 0)[view.span.rows]
         parts.append(place.basis(x))
-    return np.column_stack([problem.whiten_change([p[:, k] for p in parts], column) for k in range(KNOTS)])
+    return np.column_stack([context.whiten_change([p[:, k] for p in parts], column) for k in range(KNOTS)])
 
 
 def smoothed(design: Array, target: Array, bend: Array) -> tuple[Array, float]:

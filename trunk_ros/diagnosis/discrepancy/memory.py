@@ -11,9 +11,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import alike
-from trunk_ros.diagnosis.hypothesis import Explanation, Term
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.bank import WEIGHTS, Bank, choices, motion, words_of
 
@@ -44,28 +44,28 @@ def banks() -> list[type[Bank]]:
     return [kind for kind in registry().values() if issubclass(kind, Bank)]
 
 
-def without_banks(explanation: Explanation, column: int) -> Explanation:
-    """The explanation without its banks on a column."""
-    there = [term.effect for term in explanation.on(column) if issubclass(effect(term.effect), Bank)]
-    return explanation.less(there, column)
+def without_banks(hypothesis: Hypothesis, column: int) -> Hypothesis:
+    """The hypothesis without its banks on a column."""
+    there = [term.effect for term in hypothesis.on(column) if issubclass(effect(term.effect), Bank)]
+    return hypothesis.less(there, column)
 
 
-def sources(problem: Problem, column: int, like: Explanation | None = None) -> list[Source]:
-    """What may be in the banks of a column; those that an explanation ``like`` has where there is one."""
+def sources(context: Context, column: int, like: Hypothesis | None = None) -> list[Source]:
+    """What may be in the banks of a column; those that an hypothesis ``like`` has where there is one."""
     chosen = None if like is None else list(_used(like, column))
-    found = _possible(problem, column) if chosen is None else chosen
-    return [s for kind, word in found if (s := _source(problem, column, kind, word)) is not None]
+    found = _possible(context, column) if chosen is None else chosen
+    return [s for kind, word in found if (s := _source(context, column, kind, word)) is not None]
 
 
-def _possible(problem: Problem, column: int) -> Iterator[tuple[type[Bank], str]]:
-    joint, unit = problem.joints[column], problem.units
-    alike_ = tuple(j for j in problem.joints if unit.get(j, "rad") == unit.get(joint, "rad"))
+def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]:
+    joint, unit = context.joints[column], context.stage.units
+    alike_ = tuple(j for j in context.joints if unit.get(j, "rad") == unit.get(joint, "rad"))
     for kind in banks():
-        for word in choices(alike_ if kind.own else problem.joints, joint, kind.own):
+        for word in choices(alike_ if kind.own else context.joints, joint, kind.own):
             yield kind, word
 
 
-def _used(like: Explanation, column: int) -> Iterator[tuple[type[Bank], str]]:
+def _used(like: Hypothesis, column: int) -> Iterator[tuple[type[Bank], str]]:
     for term in like.on(column):
         kind = effect(term.effect)
         if issubclass(kind, Bank):
@@ -73,16 +73,16 @@ def _used(like: Explanation, column: int) -> Iterator[tuple[type[Bank], str]]:
                 yield kind, word
 
 
-def _source(problem: Problem, column: int, kind: type[Bank], word: str) -> Source | None:
-    signals = [motion(word, problem.now(i, column, 0.0)) for i in range(len(problem.views))]
+def _source(context: Context, column: int, kind: type[Bank], word: str) -> Source | None:
+    signals = [motion(word, context.now(i, column, 0.0)) for i in range(len(context.views))]
     together = np.concatenate(signals)
     if np.ptp(together) < STANDS:
         return None
     low, high = kind.range_of(together)
     parts = []
-    for view, signal in zip(problem.views, signals, strict=True):
+    for view, signal in zip(context.views, signals, strict=True):
         parts.append(kind.shapes(signal, low, high)[view.span.rows])
-    columns = [problem.whiten_change([p[:, k] for p in parts], column) for k in range(WEIGHTS)]
+    columns = [context.whiten_change([p[:, k] for p in parts], column) for k in range(WEIGHTS)]
     return Source(kind, word, low, high, np.column_stack(columns))
 
 
@@ -190,9 +190,9 @@ def _has_room(found: Sequence[Source], chosen: Sequence[int], kind: type[Bank]) 
 
 
 def in_banks(
-    bare: Explanation, column: int, found: Sequence[Source], weights_of: Sequence[Array]
-) -> Explanation:
-    """The explanation with sources and their weights (WEIGHTS,) on a column."""
+    bare: Hypothesis, column: int, found: Sequence[Source], weights_of: Sequence[Array]
+) -> Hypothesis:
+    """The hypothesis with sources and their weights (WEIGHTS,) on a column."""
     out, taken = bare.copy(), dict[str, int]()
     for source, weights in zip(found, weights_of, strict=True):
         kind = source.kind
@@ -205,9 +205,9 @@ def in_banks(
     return out
 
 
-def drawn(problem: Problem, bare: Explanation, column: int, found: Sequence[Source]) -> Explanation:
-    """The explanation with the banks that its rest on a column needs."""
-    rest = problem.whitened(bare, column)
+def drawn(context: Context, bare: Hypothesis, column: int, found: Sequence[Source]) -> Hypothesis:
+    """The hypothesis with the banks that its rest on a column needs."""
+    rest = context.whitened(bare, column)
     sums, worth = Sums.of(found, rest), alike([rest])
     for _ in range(AGAIN):
         chosen = chosen_of(sums, found, worth)
@@ -215,10 +215,10 @@ def drawn(problem: Problem, bare: Explanation, column: int, found: Sequence[Sour
     return _with(bare, column, found, sums, chosen, worth)
 
 
-def redrawn_banks(problem: Problem, bare: Explanation, column: int, like: Explanation) -> Explanation:
-    """The explanation with the banks of another one, weighed anew."""
-    found = sources(problem, column, like)
-    rest = problem.whitened(bare, column)
+def redrawn_banks(context: Context, bare: Hypothesis, column: int, like: Hypothesis) -> Hypothesis:
+    """The hypothesis with the banks of another one, weighed anew."""
+    found = sources(context, column, like)
+    rest = context.whitened(bare, column)
     if not found or not len(rest):
         return bare
     sums, chosen, worth = Sums.of(found, rest), list(range(len(found))), alike([rest])
@@ -235,8 +235,8 @@ def _left(found: Sequence[Source], rest: Array, sums: Sums, chosen: list[int], w
 
 
 def _with(
-    bare: Explanation, column: int, found: Sequence[Source], sums: Sums, chosen: list[int], worth: float
-) -> Explanation:
+    bare: Hypothesis, column: int, found: Sequence[Source], sums: Sums, chosen: list[int], worth: float
+) -> Hypothesis:
     if not chosen:
         return bare
     weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
-from trunk_ros.diagnosis.hypothesis import Explanation
-from trunk_ros.diagnosis.search.greedy import Search
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.fit import Fit, refit
 
 BLOCKS = 10
 
@@ -29,42 +29,38 @@ class Error:
     noise_floor: float
 
 
-def held_out(search: Search, explanation: Explanation) -> dict[int, Error]:
+def held_out(state: Fit) -> dict[int, Error]:
     """Error of each column, each block of time judged by a fit to the other half of the blocks."""
-    problem = search.problem
-    after: dict[int, list[Array]] = {c: [] for c in problem.columns}
+    context = state.context
+    after: dict[int, list[Array]] = {c: [] for c in context.columns}
     for fold in (0, 1):
-        for c, errors in _unseen(search, explanation, fold).items():
-            after[c] += _blocks(problem, errors, c, (fold,))
-    problem.look_again(problem.known)
-    before = {c: _blocks(problem, _errors(problem, problem.known, c), c, (0, 1)) for c in problem.columns}
-    problem.look_again(explanation)
-    return {c: Error(*_rms(before[c]), *_rms(after[c]), problem.noise[c].std) for c in problem.columns}
+        for c, errors in _unseen(state, fold).items():
+            after[c] += _blocks(context, errors, c, (fold,))
+    nominal = context.seen_with(context.known)
+    before = {c: _blocks(context, _errors(nominal, context.known, c), c, (0, 1)) for c in context.columns}
+    return {c: Error(*_rms(before[c]), *_rms(after[c]), context.noise[c].std) for c in context.columns}
 
 
-def _unseen(search: Search, explanation: Explanation, fold: int) -> dict[int, list[Array]]:
+def _unseen(state: Fit, fold: int) -> dict[int, list[Array]]:
     """Errors by column and span of what was fitted to the samples outside a fold alone."""
-    problem, views = search.problem, search.problem.views
-    problem.views = [view.only(_fold(len(view.span.rows)) != fold) for view in views]
-    fitted = _fitted_anew(search, explanation)
-    errors = {c: _errors(problem, fitted, c) for c in problem.columns}
-    problem.views = views
-    problem.forget()
-    return errors
+    context = state.context
+    half = context.only([_fold(len(view.span.rows)) != fold for view in context.views])
+    fitted = _fitted_anew(half, state.hypothesis)
+    return {c: _errors(half, fitted, c) for c in context.columns}
 
 
-def _fitted_anew(search: Search, explanation: Explanation) -> Explanation:
+def _fitted_anew(context: Context, hypothesis: Hypothesis) -> Hypothesis:
     """Values and curves as what counts now tells them; of curves only what they are drawn over is kept."""
-    if not explanation:
-        return explanation
-    columns, bare = search.problem.columns, explanation
-    for column in columns:
+    if not hypothesis:
+        return hypothesis
+    bare = hypothesis
+    for column in context.columns:
         bare = without_banks(bare, column)
-    fitted = search.refit(bare).explanation if bare else bare
-    for column in fitted.curved & set(columns):
-        fitted = redrawn(search.problem, fitted, column)
-    for column in columns:
-        fitted = redrawn_banks(search.problem, fitted, column, explanation)
+    fitted = refit(context, bare).hypothesis
+    for column in fitted.curved & set(context.columns):
+        fitted = redrawn(context, fitted, column)
+    for column in context.columns:
+        fitted = redrawn_banks(context, fitted, column, hypothesis)
     return fitted
 
 
@@ -78,16 +74,16 @@ def _fold(count: int) -> np.ndarray:
     return np.asarray(_number(count) % 2)
 
 
-def _errors(problem: Problem, explanation: Explanation, column: int) -> list[Array]:
+def _errors(context: Context, hypothesis: Hypothesis, column: int) -> list[Array]:
     """Measured less predicted, (n,) by span, wherever anything was measured."""
-    said = problem.predictions(explanation, column)
-    return [view.span.target[:, column] - p for view, p in zip(problem.views, said, strict=True)]
+    said = context.predictions(hypothesis, column)
+    return [view.span.target[:, column] - p for view, p in zip(context.views, said, strict=True)]
 
 
-def _blocks(problem: Problem, errors: list[Array], column: int, folds: tuple[int, ...]) -> list[Array]:
+def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int, ...]) -> list[Array]:
     """What counts of a column's errors, by blocks of time."""
     out = []
-    for view, error in zip(problem.views, errors, strict=True):
+    for view, error in zip(context.views, errors, strict=True):
         number, valid = _number(len(error)), view.span.valid[:, column]
         chosen = [(number == block) & valid for block in range(BLOCKS) if block % 2 in folds]
         out += [error[rows] for rows in chosen if rows.any()]

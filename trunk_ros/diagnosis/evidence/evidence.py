@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from trunk_ros.diagnosis.hypothesis import Explanation, Free, bounds
-from trunk_ros.diagnosis.search.candidates import extended, usable
-from trunk_ros.diagnosis.search.fit import Fit, Residuals
-from trunk_ros.diagnosis.search.greedy import Search
-from trunk_ros.diagnosis.search.revise import ONSET
+from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
+from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
+from trunk_ros.diagnosis.search.credible import hidden
+from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, effect
@@ -44,22 +43,23 @@ class Evidence:
     """Root mean square of the effect over the sensor noise, over its joints."""
     rivals: dict[str, float] = field(default_factory=dict)
     """Loss if another effect stood in its place, refitted to the same data."""
-    fitted: dict[str, Explanation] = field(default_factory=dict)
-    """The explanation with each rival in its place."""
+    fitted: dict[str, Hypothesis] = field(default_factory=dict)
+    """The hypothesis with each rival in its place."""
     equivalents: list[str] = field(default_factory=list)
     confidence: float = 0.0
 
 
-def spreads(search: Search, state: Fit) -> Spread:
+def spreads(state: Fit) -> Spread:
     """Standard deviation of each fitted value, in its own unit, by (effect, parameter, column)."""
     out: Spread = {}
-    for group in search.groups(state.explanation):
-        residuals = Residuals(search.problem, state.explanation, group)
+    context = state.context
+    for group in groups(context, state.hypothesis):
+        residuals = Residuals(context, state.hypothesis, group)
         if residuals.free:
-            x = np.clip(state.explanation.get(residuals.free), *bounds(residuals.free))
+            x = np.clip(state.hypothesis.get(residuals.free), *bounds(residuals.free))
             rest = np.concatenate(residuals.parts(x))
-            power = _power(rest, search.problem.stage == "servo")
-            found = _deviations(residuals, residuals.jacobian(x), state.explanation, power)
+            power = _power(rest, context.stage.name == "servo")
+            found = _deviations(residuals, residuals.jacobian(x), state.hypothesis, power)
             out |= _no_flatter(residuals, x, found)
     return out
 
@@ -80,8 +80,8 @@ def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
     out = dict(found)
     for k, f in enumerate(residuals.free):
         key = (f.effect, f.parameter.name, f.column)
-        if f.parameter.name == ONSET and f.column is not None:
-            least = LATE * residuals.problem.step
+        if f.parameter.moment and f.column is not None:
+            least = LATE * residuals.context.step
             std = float(np.clip(out[key], least, LONGEST)) if np.isfinite(out[key]) else least
             best = float(np.sum(residuals(x) ** 2))
             while std < LONGEST and _moved(residuals, x, k, std) - best < WORSE:
@@ -100,131 +100,133 @@ def _moved(residuals: Residuals, x: np.ndarray, k: int, off: float) -> float:
     return min(costs)
 
 
-def _deviations(residuals: Residuals, jacobian: np.ndarray, explanation: Explanation, power: float) -> Spread:
+def _deviations(residuals: Residuals, jacobian: np.ndarray, hypothesis: Hypothesis, power: float) -> Spread:
     size = np.linalg.norm(jacobian, axis=0)
     told = size > BLIND
     scaled = jacobian[:, told] / size[told]
     inverse = np.linalg.inv(scaled.T @ scaled + 1e-12 * np.eye(scaled.shape[1]))
     std = np.full(len(size), np.inf)
     std[told] = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size[told]
-    late = LATE * residuals.problem.step
+    late = LATE * residuals.context.step
     return {
-        (f.effect, f.parameter.name, f.column): _natural(f, explanation, float(s), late)
+        (f.effect, f.parameter.name, f.column): _natural(f, hypothesis, float(s), late)
         for f, s in zip(residuals.free, std, strict=True)
     }
 
 
-def _natural(f: Free, explanation: Explanation, std: float, late: float) -> float:
+def _natural(f: Free, hypothesis: Hypothesis, std: float, late: float) -> float:
     """From the fitted scale to the parameter's own unit."""
-    term = explanation[f.effect]
+    term = hypothesis[f.effect]
     value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
     if f.parameter.scale != "linear":
         return float(value * np.hypot(std, ROUGH))
     if f.parameter.name in TIMES:
         return float(np.hypot(std, late))
-    return std if f.parameter.name == ONSET else float(np.hypot(std, ROUGH * value))
+    return std if f.parameter.moment else float(np.hypot(std, ROUGH * value))
 
 
-def evidence(search: Search, state: Fit) -> dict[str, Evidence]:
-    """Evidence for each effect of an explanation."""
-    return {name: one_evidence(search, state, name) for name in state.explanation}
+def evidence(state: Fit, whole: Fit | None = None) -> dict[str, Evidence]:
+    """Evidence for each effect of a hypothesis; ``whole``: a fit of the same to more, for effects of which
+    ``state`` shows nothing.
+    """
+    return {name: one_evidence(_showing(state, whole, name), name) for name in state.hypothesis}
 
 
-def banks_evidence(search: Search, state: Fit) -> dict[str, Evidence]:
-    """Evidence for the banks of an explanation: they have no rivals, and not more confidence than what has no
+def banks_evidence(state: Fit) -> dict[str, Evidence]:
+    """Evidence for the banks of a hypothesis: they have no rivals, and not more confidence than what has no
     name.
     """
     out = {}
-    for name in [n for n in state.explanation if issubclass(effect(n), Bank)]:
-        less = {c: search.problem.whitened(state.explanation.without(name), c) for c in state.cost}
-        columns = [c for c in state.explanation[name].columns if c in less]
-        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in columns}
-        sure = min(confidence(search, Evidence(gain, 0.0)), UNNAMED)
-        out[name] = Evidence(gain, strength(search, state.explanation, name), confidence=sure)
+    for name in [n for n in state.hypothesis if issubclass(effect(n), Bank)]:
+        less = {c: state.context.whitened(state.hypothesis.without(name), c) for c in state.cost}
+        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in state.hypothesis[name].columns}
+        limit = sum(need(state.context, c, state.rest(c)) for c in gain)
+        sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
+        out[name] = Evidence(gain, strength(state, name), confidence=sure)
     return out
 
 
-def one_evidence(search: Search, state: Fit, name: str) -> Evidence:
+def _showing(state: Fit, whole: Fit | None, name: str) -> Fit:
+    return state if whole is None or strength(state, name) > 0.0 else whole
+
+
+def one_evidence(state: Fit, name: str) -> Evidence:
     """Evidence for one of them."""
-    problem = search.problem
-    bare = search.refit(state.explanation.without(name))
-    columns = state.explanation[name].columns
+    context = state.context
+    bare = refit(context, state.hypothesis.without(name))
+    columns = state.hypothesis[name].columns
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
-    out = Evidence(gain, strength(search, state.explanation, name))
+    out = Evidence(gain, strength(state, name))
+    limit = sum(need(context, c, state.rest(c)) for c in gain)
     if effect(name).named:
-        fits = _rivals(search, state, name, bare)
+        fits = _rivals(state, name, bare)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
-        limit = sum(need(problem, c) for c in gain)
         near = [rival for rival, loss in out.rivals.items() if loss < limit]
-        before = {rival: len(_without(bare.explanation, rival, columns)) for rival in near}
+        before = {rival: len(_without(bare.hypothesis, rival, columns)) for rival in near}
         told = [rival for rival in near if len(_without(out.fitted[rival], rival, columns)) < before[rival]]
         out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:RIVALS]
-    out.confidence = confidence(search, out)
-    problem.look_again(state.explanation)
+    out.confidence = likely(limit or 1.0, sum(gain.values()), list(out.rivals.values()))
     return out
 
 
-def strength(search: Search, explanation: Explanation, name: str) -> float:
+def strength(state: Fit, name: str) -> float:
     """Root mean square of what an effect does on its joints, over the noise."""
-    problem, power = search.problem, []
-    less = explanation.without(name)
-    for c in explanation[name].columns:
-        with_it, without_it = problem.predictions(explanation, c), problem.predictions(less, c)
+    context, power = state.context, []
+    less = state.hypothesis.without(name)
+    for c in state.hypothesis[name].columns:
+        with_it, without_it = context.predictions(state.hypothesis, c), context.predictions(less, c)
         power.append(
             np.mean(np.concatenate([a - b for a, b in zip(with_it, without_it, strict=True)]) ** 2)
-            / problem.noise[c].std ** 2
+            / context.noise[c].std ** 2
         )
     return float(np.sqrt(np.mean(power))) if power else 0.0
 
 
-def _rivals(search: Search, state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Explanation]]:
-    """Loss of each promising effect in the place of one, on the same joints, and the explanation with it."""
-    columns = [c for c in state.explanation[name].columns if c in search.problem.columns]
-    kinds = [k for k in usable(search.problem) if k.id != name]
-    losses = _local_rivals(search, state, bare, columns, [k for k in kinds if not k.everywhere])
-    if effect(name).everywhere or len(columns) == len(search.problem.columns):
-        for kind in (k for k in kinds if k.everywhere and k.id not in state.explanation):
-            candidate = Screen(search.problem, bare.explanation).everywhere(kind)
+def _rivals(state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Hypothesis]]:
+    """Loss of each promising effect in the place of one, on the same joints, and the hypothesis with it."""
+    context = state.context
+    columns = [c for c in state.hypothesis[name].columns if c in context.columns]
+    kinds = [k for k in usable(context) if k.id != name]
+    losses = _local_rivals(state, bare, columns, [k for k in kinds if not k.everywhere])
+    if effect(name).everywhere or len(columns) == len(context.columns):
+        for kind in (k for k in kinds if k.everywhere and k.id not in state.hypothesis):
+            candidate = Screen(context, bare.hypothesis).everywhere(kind)
             if candidate is not None:
-                trial = search.refit(extended(search.problem, bare.explanation, candidate))
-                losses[kind.id] = float(trial.total - state.total), trial.explanation
+                trial = refit(context, extended(context, bare.hypothesis, candidate))
+                losses[kind.id] = float(trial.total - state.total), trial.hypothesis
     return losses
 
 
 def _local_rivals(
-    search: Search, state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]]
-) -> dict[str, tuple[float, Explanation]]:
+    state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]]
+) -> dict[str, tuple[float, Hypothesis]]:
     """The same of effects that a joint has by itself; where a joint has one already, that is refitted."""
-    problem, screen = search.problem, Screen(search.problem, bare.explanation, columns)
-    new = {k.id: _without(bare.explanation, k.id, columns) for k in kinds}
-    kinds = [k for k in kinds if new[k.id] and all(search.open(k.id, c, bare.explanation) for c in new[k.id])]
+    context, screen = state.context, Screen(state.context, bare.hypothesis, columns)
+    new = {k.id: _without(bare.hypothesis, k.id, columns) for k in kinds}
+    kinds = [
+        k for k in kinds if new[k.id] and all(is_open(context, bare.hypothesis, k, c) for c in new[k.id])
+    ]
     ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, RIVALS) for c in columns}
-    losses: dict[str, tuple[float, Explanation]] = {}
+    losses: dict[str, tuple[float, Hypothesis]] = {}
     for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
-        loss, fitted = 0.0, bare.explanation.copy()
+        loss, fitted = 0.0, bare.hypothesis.copy()
         for c in columns:
             found = [x for x in ranked[c] if x.effect == name]
             trials = found or screen.forms(effect(name), c)[:1] if c in new[name] else []
-            fits = [search.refit_column(bare, extended(problem, bare.explanation, x), c) for x in trials]
-            fits = [f for f in fits if search.credible(f.explanation, c)]
+            fits = [refit_column(bare, extended(context, bare.hypothesis, x), c) for x in trials]
+            fits = [f for f in fits if c not in hidden(context, f.hypothesis[name])]
             best = min(fits, key=lambda f: f.cost[c], default=bare)
             loss += best.cost[c] - state.cost[c]
-            fitted.take(c, best.explanation)
+            fitted.take(c, best.hypothesis)
         losses[name] = float(loss), fitted
     return losses
 
 
-def _without(explanation: Explanation, name: str, columns: list[int]) -> list[int]:
+def _without(hypothesis: Hypothesis, name: str, columns: list[int]) -> list[int]:
     """Those of the columns that do not have an effect."""
-    has = explanation[name].columns if name in explanation else []
+    has = hypothesis[name].columns if name in hypothesis else []
     return [c for c in columns if c not in has]
-
-
-def confidence(search: Search, found: Evidence) -> float:
-    """Probability that the name is right, from its gain and its margin before the best rival."""
-    limit = sum(need(search.problem, c) for c in found.gain) or 1.0
-    return likely(limit, sum(found.gain.values()), list(found.rivals.values()))
 
 
 def likely(limit: float, gain: float, losses: list[float]) -> float:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.diagnosis.hypothesis import Explanation
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.effects.curve import abscissa, words_of
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -18,45 +18,45 @@ TELLS = 0.05  # share of the rest's power that a variable must account for
 PERIODIC = 0.2  # likewise, a period of time
 
 
-def rests(problem: Problem, explanation: Explanation) -> dict[int, float]:
+def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
     """Columns whose residual is above the noise: power over the noise's, less one."""
-    power = {c: float(np.mean(problem.whitened(explanation, c) ** 2)) - 1.0 for c in problem.columns}
-    return {c: p for c, p in power.items() if p > problem.rest(c) and _coherent(problem, explanation, c)}
+    power = {c: float(np.mean(context.whitened(hypothesis, c) ** 2)) - 1.0 for c in context.columns}
+    return {c: p for c, p in power.items() if p > context.rest(c) and _coherent(context, hypothesis, c)}
 
 
-def _coherent(problem: Problem, explanation: Explanation, column: int) -> bool:
+def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     """Whether a residual goes on from sample to sample, which outliers do not."""
-    if problem.step >= SLOW:
+    if context.step >= SLOW:
         return True
-    noise, products = problem.noise[column], []
-    for i, view in enumerate(problem.views):
-        rest, follows = problem.residual(i, explanation, column), view.follows[:, column]
+    noise, products = context.noise[column], []
+    for i, view in enumerate(context.views):
+        rest, follows = context.residual(i, hypothesis, column), view.follows[:, column]
         products.append((rest[1:] * rest[:-1])[follows[1:]])
     own = noise.correlation * (noise.std**2 - noise.white**2)
     excess = float(np.mean(np.concatenate(products))) - own
-    return excess > COHERENT * problem.rest(column) * noise.std**2
+    return excess > COHERENT * context.rest(column) * noise.std**2
 
 
-def depends_on(problem: Problem, explanation: Explanation, column: int) -> list[str]:
+def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[str]:
     """Words for what the residual of a column still varies with, the strongest first."""
     scores: dict[str, float] = {}
     residual = np.concatenate(
         [
-            problem.residual(i, explanation, column)[v.span.valid[:, column]]
-            for i, v in enumerate(problem.views)
+            context.residual(i, hypothesis, column)[v.span.valid[:, column]]
+            for i, v in enumerate(context.views)
         ]
     )
     if len(residual) < 20 * CELLS or not np.any(residual):
         return []
-    for name in ("direction", *variables(problem, column)):
+    for name in ("direction", *variables(context, column)):
         parts = []
-        for i, view in enumerate(problem.views):
-            now = problem.now(i, column, 0.0)
+        for i, view in enumerate(context.views):
+            now = context.now(i, column, 0.0)
             values = np.sign(now.speed[:, 0]) if name == "direction" else abscissa(name, now, 0)
             parts.append(values[view.span.rows][view.span.valid[:, column]])
-        scores[name] = accounted(np.concatenate(parts), residual, problem.noise[column].correlation)
-    index = problem.telling(column)[0]
-    _, share = spectrum(problem.views[index].span.stamp, problem.residual(index, explanation, column))
+        scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].correlation)
+    index = context.telling(column)[0]
+    _, share = spectrum(context.views[index].span.stamp, context.residual(index, hypothesis, column))
     if share > PERIODIC:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)

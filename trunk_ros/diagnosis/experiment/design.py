@@ -14,13 +14,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.experiment.discrimination import HOPELESS, Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, limits_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.greedy import Search
-from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.trajectory import Trajectory
 
 MOST = 4  # stretches of a motion
@@ -46,27 +45,25 @@ class Experiment:
     """Whether the other, taken for the truth, rules the duel's truth out as well."""
 
 
-def experiment(search: Search, state: Fit, found: dict[str, Evidence]) -> Experiment | None:
+def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
     """The motion that best tells the effects found from their equivalents; None where there are none."""
     sides = [
-        sides_of(search, state, name, rival, evidence)
+        sides_of(state, name, rival, evidence)
         for name, evidence in found.items()
         for rival in evidence.equivalents
     ]
-    done = Design(search.problem, sides).run() if sides else None
-    search.problem.look_again(state.explanation)
-    return done
+    return Design(state.context, sides).run() if sides else None
 
 
 class Design:
     """A search over motions for one that tells all rivals apart."""
 
-    def __init__(self, problem: Problem, sides: list[list[Duel]]):
+    def __init__(self, context: Context, sides: list[list[Duel]]):
         """``sides``: of each pair, the one to be told first if a motion can."""
-        self.problem, self.sides = problem, sides
+        self.context, self.sides = context, sides
         self.duels = [duels[0] for duels in sides]
         self.own = {c for duel in self.duels for c in duel.columns}
-        self.limits = limits_of(problem)
+        self.limits = limits_of(context)
 
     def run(self) -> Experiment:
         """Stretch by stretch, then in small steps; repeated where that is not enough."""
@@ -76,24 +73,24 @@ class Design:
         if self.duels and self.ratios(parts).min() < SURE:
             parts = max((parts, parts * REPEATS), key=self.score)
         there = self.motion(parts)
-        seen = [duel.seen_in(self.problem, there) for duel in faced]
+        seen = [duel.seen_in(self.context, there) for duel in faced]
         mutual = [self.back(duel, duels, there) for duel, duels in zip(faced, self.sides, strict=True)]
         return Experiment(there, pairs, faced, seen, mutual)
 
     def back(self, faced: Duel, duels: list[Duel], there: Trajectory) -> bool:
         """Whether a motion rules out the truth of ``faced`` if it is the other, in whatever form."""
         turned = [duel for duel in duels if duel.truth == faced.other]
-        return all(duel.seen_in(self.problem, there).ratio >= SURE for duel in turned)
+        return all(duel.seen_in(self.context, there).ratio >= SURE for duel in turned)
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
-        return motion(self.problem, self.limits, parts, self.own)
+        return motion(self.context, self.limits, parts, self.own)
 
     def ratios(self, parts: list[Stretch]) -> Array:
         """(duels,) misfit of each refitted rival, over what it takes to rule it out."""
-        span = span_of(self.problem, self.motion(parts))
+        span = span_of(self.context, self.motion(parts))
         bases = {id(duel.base): duel.base for duel in self.duels}
-        told = {key: expected(self.problem, base, span) for key, base in bases.items()}
+        told = {key: expected(self.context, base, span) for key, base in bases.items()}
         return np.array([duel.ratio(told[id(duel.base)]) for duel in self.duels])
 
     def score(self, parts: list[Stretch]) -> float:
@@ -104,7 +101,7 @@ class Design:
         """The stretches that tell most, and each pair from the side that shows most. ``duels`` become all
         that a motion may decide.
         """
-        candidates = stretches(len(self.problem.joints), self.own)
+        candidates = stretches(len(self.context.joints), self.own)
         self.duels = [duel for duels in self.sides for duel in duels]
         ratios = np.array([self.ratios([part]) for part in candidates])
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])

@@ -1,4 +1,4 @@
-"""How far apart a motion brings an explanation and a rival of it that is refitted to that motion as well."""
+"""How far apart a motion brings a hypothesis and a rival of it that is refitted to that motion as well."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
-from trunk_ros.diagnosis.hypothesis import Explanation, bounds
-from trunk_ros.diagnosis.search.fit import Residuals, minimise
-from trunk_ros.diagnosis.search.greedy import Search
+from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
+from trunk_ros.diagnosis.search.fit import Residuals, groups, minimise
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.resample import SLOW
@@ -28,7 +27,7 @@ HOPELESS = 0.1  # of what it takes to rule a rival out, in one stretch: four of 
 
 @dataclass
 class Difference:
-    """What is left between an explanation and its refitted rival where it shows most.
+    """What is left between a hypothesis and its refitted rival where it shows most.
 
     ``time`` s, ``angle`` rad and ``speed`` rad/s of the joint, ``gap`` rad, ``noise`` rad; ``rms`` in units
     of the noise. ``ratio``: squared unit-noise misfit over what it takes to rule the rival out.
@@ -47,10 +46,10 @@ class Difference:
 class Pinned(Residuals):
     """Residuals on a new motion; the values are held as firmly as earlier recordings hold them."""
 
-    def __init__(self, there: Problem, explanation: Explanation, columns: list[int], normal: Array):
+    def __init__(self, there: Context, hypothesis: Hypothesis, columns: list[int], normal: Array):
         """``normal`` (free, free): curvature of half the cost of the earlier recordings."""
-        super().__init__(there, explanation, columns)
-        self.at = np.clip(explanation.get(self.free), *bounds(self.free))
+        super().__init__(there, hypothesis, columns)
+        self.at = np.clip(hypothesis.get(self.free), *bounds(self.free))
         values, directions = np.linalg.eigh(normal)
         self.root = np.sqrt(np.maximum(values, 0.0))[:, None] * directions.T
 
@@ -77,43 +76,42 @@ class Pinned(Residuals):
         step = np.linalg.solve(scaled.T @ scaled + BLIND * np.eye(len(slope)), slope)
         return max(float(rest @ rest - slope @ step), 0.0)
 
-    def refitted(self) -> tuple[float, Explanation]:
+    def refitted(self) -> tuple[float, Hypothesis]:
         """Squared misfit after a full refit, and the values there."""
         x = minimise(self, self.at, ROUNDS) if self.free else self.at
         rest = self(x)
-        return float(rest @ rest), self.explanation.put(self.free, x)
+        return float(rest @ rest), self.hypothesis.put(self.free, x)
 
 
 @dataclass
 class Other:
     """A rival in one form, fitted to the recordings at hand."""
 
-    search: Search
-    explanation: Explanation
+    context: Context
+    hypothesis: Hypothesis
     loss: float
     """By how much it explains them worse, in squared unit noise."""
 
     @cached_property
     def groups(self) -> list[tuple[list[int], Array]]:
         """Joints that are refitted together, with how firmly the recordings at hand hold their values."""
-        problem, out = self.search.problem, []
-        problem.look_again(self.explanation)
-        for group in self.search.groups(self.explanation):
-            residuals = Residuals(problem, self.explanation, group)
-            x = np.clip(self.explanation.get(residuals.free), *bounds(residuals.free))
+        context, out = self.context.seen_with(self.hypothesis), []
+        for group in groups(context, self.hypothesis):
+            residuals = Residuals(context, self.hypothesis, group)
+            x = np.clip(self.hypothesis.get(residuals.free), *bounds(residuals.free))
             jacobian = residuals.jacobian(x)
             out.append((group, jacobian.T @ jacobian))
         return out
 
-    def pinned(self, there: Problem, columns: list[int]) -> list[Pinned]:
+    def pinned(self, there: Context, columns: list[int]) -> list[Pinned]:
         """The rival on an expected recording, by groups of joints."""
-        there.look_again(self.explanation)
-        groups = [(group, normal) for group, normal in self.groups if set(group) & set(columns)]
-        return [Pinned(there, self.explanation, group, normal) for group, normal in groups]
+        there = there.seen_with(self.hypothesis)
+        held = [(group, normal) for group, normal in self.groups if set(group) & set(columns)]
+        return [Pinned(there, self.hypothesis, group, normal) for group, normal in held]
 
-    def refitted(self, there: Problem, columns: list[int]) -> tuple[float, Explanation]:
+    def refitted(self, there: Context, columns: list[int]) -> tuple[float, Hypothesis]:
         """Squared misfit after a full refit, and the values there."""
-        misfit, fitted = 0.0, self.explanation
+        misfit, fitted = 0.0, self.hypothesis
         for pinned in self.pinned(there, columns):
             cost, values = pinned.refitted()
             misfit += cost
@@ -134,40 +132,40 @@ class Duel:
     """With the other, in the forms that explain the recordings as well."""
 
     @property
-    def base(self) -> Explanation:
-        """The explanation with the truth."""
-        return self.true.explanation
+    def base(self) -> Hypothesis:
+        """The hypothesis with the truth."""
+        return self.true.hypothesis
 
     @cached_property
     def columns(self) -> list[int]:
         """Joints on which the two differ."""
         best = self.others[0]
-        return [c for c in best.search.problem.columns if self.base.key(c) != best.explanation.key(c)]
+        return [c for c in best.context.columns if self.base.key(c) != best.hypothesis.key(c)]
 
-    def ratio(self, there: Problem) -> float:
+    def ratio(self, there: Context) -> float:
         """Squared misfit of the other on an expected recording over what it takes to rule it out."""
         return min(self._ratio(there, other) for other in self.others)
 
-    def _ratio(self, there: Problem, other: Other) -> float:
+    def _ratio(self, there: Context, other: Other) -> float:
         pinned, wanted = other.pinned(there, self.columns), self.wanted(there, other)
         unfitted = sum(p.unfitted() for p in pinned) / wanted  # a refit can but lower it
         return unfitted if unfitted < HOPELESS else sum(p.linear() for p in pinned) / wanted
 
-    def wanted(self, there: Problem, other: Other) -> float:
+    def wanted(self, there: Context, other: Other) -> float:
         """The misfit at which it is no equivalent any more, both runs taken together."""
-        problems = (other.search.problem, there)
-        each = [need(p, c) for p in problems for c in self.base[self.truth].columns if c in self.columns]
+        contexts = (other.context, there)
+        each = [need(p, c) for p in contexts for c in self.base[self.truth].columns if c in self.columns]
         return max(sum(each) - (other.loss - self.true.loss), 1.0)
 
-    def seen_in(self, problem: Problem, motion: Trajectory) -> Difference:
+    def seen_in(self, context: Context, motion: Trajectory) -> Difference:
         """Where it shows most in a motion, after a full refit of each form."""
-        there = expected(problem, self.base, span_of(problem, motion))
+        there = expected(context, self.base, span_of(context, motion))
         fits = [(other, *other.refitted(there, self.columns)) for other in self.others]
         ratio, fitted = min(
             ((misfit / self.wanted(there, other), fitted) for other, misfit, fitted in fits),
             key=lambda one: one[0],
         )
-        there.look_again(fitted)
+        there = there.seen_with(fitted)
         rests = {c: there.residual(0, fitted, c) / there.noise[c].std for c in self.columns}
         column = max(rests, key=lambda c: float(np.abs(rests[c]).max()))
         row = int(np.argmax(np.abs(rests[column])))
@@ -185,8 +183,8 @@ class Duel:
         )
 
 
-def _with(explanation: Explanation, column: int, values: Explanation) -> Explanation:
-    out = explanation.copy()
+def _with(hypothesis: Hypothesis, column: int, values: Hypothesis) -> Hypothesis:
+    out = hypothesis.copy()
     out.take(column, values)
     for name, term in out.items():
         if column in term.own:
@@ -194,36 +192,34 @@ def _with(explanation: Explanation, column: int, values: Explanation) -> Explana
     return out
 
 
-def span_of(problem: Problem, motion: Trajectory) -> Span:
+def span_of(context: Context, motion: Trajectory) -> Span:
     """The motion as the stage would see it; what is measured is left at 0."""
-    recording = recorded(problem, motion)
-    return (servo_span if problem.stage == "servo" else wire_span)(recording, problem.model)
+    recording = recorded(context, motion)
+    return (servo_span if context.stage.name == "servo" else wire_span)(recording, context.stage.model)
 
 
-def expected(problem: Problem, explanation: Explanation, span: Span) -> Problem:
-    """The stage with what an explanation leads to expect in the place of what is measured, free of noise."""
-    there = problem.over([span])
-    there.look_again(explanation)
+def expected(context: Context, hypothesis: Hypothesis, span: Span) -> Context:
+    """The stage with what a hypothesis leads to expect in the place of what is measured, free of noise."""
+    there = context.over([span]).seen_with(hypothesis)
     target = span.target.copy()
-    for column in problem.columns:
-        target[:, column] = there.predict(0, explanation, column)
-    there.views = [replace(there.views[0], span=replace(span, target=target))]
-    return there
+    for column in context.columns:
+        target[:, column] = there.predict(0, hypothesis, column)
+    return replace(there, views=(replace(there.views[0], span=replace(span, target=target)),))
 
 
-def recorded(problem: Problem, motion: Trajectory) -> Recording:
+def recorded(context: Context, motion: Trajectory) -> Recording:
     """Setpoints and gearbox angles of a motion by the nominal servo, at the rates of the recordings."""
-    often = problem.step if problem.step > SLOW else min(problem.step, CONTROL)
-    every = max(round(problem.step / often), 1)
+    often = context.step if context.step > SLOW else min(context.step, CONTROL)
+    every = max(round(context.step / often), 1)
     stamp = np.arange(0.0, motion.duration, often)
-    setpoints = motion.sample(stamp)[0] / problem.arm.ratio
-    phi, _ = Chain(Model(problem.arm), "servo").run(setpoints, stamp)
+    setpoints = motion.sample(stamp)[0] / context.arm.ratio
+    phi, _ = Chain(Model(context.arm), "servo").run(setpoints, stamp)
     velocity = np.gradient(phi, stamp, axis=0)
-    kept = slice(None, None, every if problem.stage == "servo" else 1)
+    kept = slice(None, None, every if context.stage.name == "servo" else 1)
     seen = stamp[::every]
     series = {
-        "setpoints": JointSeries(stamp, problem.joints, setpoints),
-        "gearbox_states": JointSeries(stamp[kept], problem.joints, phi[kept], velocity[kept]),
-        "joint_states": JointSeries(seen, problem.joints, np.zeros((len(seen), len(problem.joints)))),
+        "setpoints": JointSeries(stamp, context.joints, setpoints),
+        "gearbox_states": JointSeries(stamp[kept], context.joints, phi[kept], velocity[kept]),
+        "joint_states": JointSeries(seen, context.joints, np.zeros((len(seen), len(context.joints)))),
     }
     return Recording("experiment", 0, motion.duration, series)

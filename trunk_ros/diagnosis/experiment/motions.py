@@ -12,7 +12,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.description import ANY_ANGLE
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
@@ -66,19 +66,19 @@ def stretches(joints: int, own: Collection[int]) -> list[Stretch]:
     return [Stretch(who, centre, *shape) for who, centre, shape in product(movers, CENTRES, SHAPES.values())]
 
 
-def limits_of(problem: Problem) -> Limits:
+def limits_of(context: Context) -> Limits:
     """The arm's own limits; for joints that have none, what they did in the recordings.
 
     Accelerations stay as they were, or where samples still show what lies between them; setpoints hold
     between theirs.
     """
-    arm, views = problem.arm, problem.views
+    arm, views = context.arm, context.views
     seen = np.concatenate([view.span.gearbox * arm.ratio for view in views])
     speed = np.concatenate([np.abs(view.span.velocity * arm.ratio) for view in views])
     bend = np.concatenate([_bend(view.span.velocity * arm.ratio, view.span.grid) for view in views])
     done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))
-    noise = np.array([each.std for each in problem.noise])
-    shown = GENTLE * np.ones(len(noise)) if problem.stage == "servo" else UNSEEN * noise / step**2
+    noise = np.array([each.std for each in context.noise])
+    shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else UNSEEN * noise / step**2
     stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)
     return Limits(
         np.where(stated, arm.lower, seen.min(axis=0)),
@@ -92,15 +92,15 @@ def _bend(speed: Array, stamp: Array) -> Array:
     return np.abs(np.gradient(speed, stamp, axis=0)) if len(stamp) > 1 else np.zeros_like(speed)
 
 
-def motion(problem: Problem, limits: Limits, parts: list[Stretch], own: Collection[int]) -> Trajectory:
+def motion(context: Context, limits: Limits, parts: list[Stretch], own: Collection[int]) -> Trajectory:
     """The stretches one after the other, from rest at 0, as one trajectory."""
-    paths, seconds = [], max(SECONDS, SAMPLES * problem.step)
-    for joint in range(len(problem.joints)):
+    paths, seconds = [], max(SECONDS, SAMPLES * context.step)
+    for joint in range(len(context.joints)):
         path = _Path(limits, joint)
         for number, part in enumerate(parts, start=1):
             path.follow(part, joint in own, path.begin + number * seconds)
         paths.append(np.array(path.points))
-    return merge(problem.joints, paths)
+    return merge(context.joints, paths)
 
 
 class _Path:

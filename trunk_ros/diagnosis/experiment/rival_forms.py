@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.experiment.discrimination import Duel, Other
-from trunk_ros.diagnosis.hypothesis import Explanation
-from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.greedy import Search
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
@@ -14,42 +13,42 @@ from trunk_ros.parameter import Parameter
 FORMS = 3  # of an effect
 
 
-def sides_of(search: Search, state: Fit, name: str, rival: str, evidence: Evidence) -> list[Duel]:
+def sides_of(state: Fit, name: str, rival: str, evidence: Evidence) -> list[Duel]:
     """What was found taken for the truth, then each form of the rival taken for it: one effect may be able to
     turn into the other, and then only one of the two can be ruled out.
     """
-    limit = sum(need(search.problem, c) for c in evidence.gain)
-    others = forms_of(search, evidence.fitted[rival], rival, state.total, limit)
-    own = forms_of(search, state.explanation, name, state.total, limit)
-    forward = Duel(name, rival, Other(search, state.explanation, 0.0), others)
+    limit = sum(need(state.context, c, state.rest(c)) for c in evidence.gain)
+    others = forms_of(state, evidence.fitted[rival], rival, limit)
+    own = forms_of(state, state.hypothesis, name, limit)
+    forward = Duel(name, rival, Other(state.context, state.hypothesis, 0.0), others)
     return [forward, *(Duel(rival, name, other, own) for other in others)]
 
 
-def forms_of(search: Search, there: Explanation, name: str, total: float, limit: float) -> list[Other]:
-    """An effect in the forms and with the sources that lose less than ``limit`` against ``total``, best
+def forms_of(state: Fit, there: Hypothesis, name: str, limit: float) -> list[Other]:
+    """An effect in the forms and with the sources that lose less than ``limit`` against ``state``, best
     first; the best one whatever it loses. All joints are of one form.
     """
-    kind = effect(name)
+    kind, context = effect(name), state.context
     trials = [in_form(there, name, form) for form in kind.forms if kind.own_parameters(form)]
     if kind.texts:
-        trials += [from_source(there, name, joint, search.problem.joints) for joint in search.problem.joints]
-    fits = sorted((search.refit(trial) for trial in trials or [there]), key=lambda fit: fit.total)
-    close = [fit for fit in fits[1:FORMS] if fit.total - total < limit]
-    return [Other(search, fit.explanation, fit.total - total) for fit in [fits[0], *close]]
+        trials += [from_source(there, name, joint, context.joints) for joint in context.joints]
+    fits = sorted((refit(context, trial) for trial in trials or [there]), key=lambda fit: fit.total)
+    close = [fit for fit in fits[1:FORMS] if fit.total - state.total < limit]
+    return [Other(context, fit.hypothesis, fit.total - state.total) for fit in [fits[0], *close]]
 
 
-def from_source(explanation: Explanation, name: str, source: str, joints: tuple[str, ...]) -> Explanation:
+def from_source(hypothesis: Hypothesis, name: str, source: str, joints: tuple[str, ...]) -> Hypothesis:
     """An effect that another joint causes, wherever it is not that joint itself."""
-    out, first = explanation.copy(), effect(name).texts[0]
+    out, first = hypothesis.copy(), effect(name).texts[0]
     for column, words in out[name].words.items():
         if joints[column] != source and source not in words.values():
             words[first] = source
     return out
 
 
-def in_form(explanation: Explanation, name: str, form: str) -> Explanation:
+def in_form(hypothesis: Hypothesis, name: str, form: str) -> Hypothesis:
     """An effect in one form on all its joints, from the values that it has; others from their usual ones."""
-    out = explanation.copy()
+    out = hypothesis.copy()
     term, needed = out[name], effect(name).own_parameters(form)
     term.form = form
     term.shared = {

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.hypothesis import Explanation, Term
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.effects import Effect, effect, registry
 
+MOST = 4  # local effects on one joint
+UNTOLD = ("reversal", "hold", "time")  # by joints that never come back
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
 
 
@@ -34,20 +36,20 @@ class Candidate:
     """Fit also what the arm's description states."""
 
 
-def usable(problem: Problem) -> list[type[Effect]]:
+def usable(context: Context) -> list[type[Effect]]:
     """The named effects of the stage that this arm can have and this recording can show."""
-    arm = problem.arm
+    arm = context.arm
     has = {
-        "load": problem.has_load,
+        "load": context.stage.has_load,
         "weight": arm.has_load,
-        "dead_band": bool(np.sum(arm.dead_band[problem.columns] > 0) > 1),
+        "dead_band": bool(np.sum(arm.dead_band[context.columns] > 0) > 1),
         "several": len(arm.joints) > 1,
     }
-    unseen = () if problem.speed_tells else DYNAMIC
+    unseen = () if context.speed_tells else DYNAMIC
     return [
         kind
         for name, kind in registry().items()
-        if kind.stage == problem.stage
+        if kind.stage == context.stage.name
         and kind.named
         and kind.tried
         and kind.regime not in unseen
@@ -55,18 +57,54 @@ def usable(problem: Problem) -> list[type[Effect]]:
     ]
 
 
-def seen_forms(problem: Problem, kind: type[Effect], column: int) -> tuple[str, ...]:
+def local_kinds(context: Context) -> list[type[Effect]]:
+    """Effects that a single joint may have."""
+    return [k for k in usable(context) if not k.everywhere]
+
+
+def open_kinds(context: Context, hypothesis: Hypothesis, column: int) -> list[type[Effect]]:
+    """Effects of its own that a column may have besides those that it has; beside a curve there is room for
+    none.
+    """
+    own = [t for t in hypothesis.on(column) if not effect(t.effect).everywhere]
+    if len(own) >= MOST or any(not effect(t.effect).named for t in own):
+        return []
+    return [k for k in local_kinds(context) if is_open(context, hypothesis, k, column)]
+
+
+def is_open(context: Context, hypothesis: Hypothesis, kind: type[Effect], column: int) -> bool:
+    """Whether an effect may be added on a column."""
+    if kind.fine and column in context.wide:
+        return False
+    if kind.regime in UNTOLD and column in context.stage.one_way:
+        return False
+    if kind.id in hypothesis and column in hypothesis[kind.id].own:
+        return 0 < len(hypothesis.get_words(kind.id, column)) < len(kind.texts)
+    return not any(kind.id in effect(other).replaces for other in hypothesis)
+
+
+def own_effects(hypothesis: Hypothesis, column: int) -> list[str]:
+    """Effects that a joint has of its own, or by values of its own."""
+    return [t.effect for t in hypothesis.on(column) if not effect(t.effect).everywhere or _by_itself(t)]
+
+
+def _by_itself(term: Term) -> bool:
+    """Whether each joint has a size of its own, which no description states."""
+    return not term.given and not effect(term.effect).own_parameters(term.form)[0].shared
+
+
+def seen_forms(context: Context, kind: type[Effect], column: int) -> tuple[str, ...]:
     """The forms of an effect that a joint's motion can show: in a wide loop what is flat is a dead band."""
-    forms = (kind.rising or kind.forms) if column in problem.wide else kind.forms
-    chain = problem.arm.has_load and len(problem.joints) > 1
+    forms = (kind.rising or kind.forms) if column in context.wide else kind.forms
+    chain = context.arm.has_load and len(context.joints) > 1
     return forms if chain else tuple(form for form in forms if form not in kind.weighed)
 
 
-def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -> Explanation:
-    """The explanation with a candidate added at its start values."""
-    out = explanation.copy()
+def extended(context: Context, hypothesis: Hypothesis, candidate: Candidate) -> Hypothesis:
+    """The hypothesis with a candidate added at its start values."""
+    out = hypothesis.copy()
     kind = effect(candidate.effect)
-    columns = (candidate.columns or problem.columns) if candidate.column is None else [candidate.column]
+    columns = (candidate.columns or context.columns) if candidate.column is None else [candidate.column]
     for rival in replaced(kind, out):
         del out[rival]
     term = out.setdefault(candidate.effect, Term(candidate.effect, candidate.form))
@@ -75,20 +113,20 @@ def extended(problem: Problem, explanation: Explanation, candidate: Candidate) -
             _add_source(term, kind, column, candidate.start)
         else:
             free = candidate.free or bool(term.own and not term.given)
-            _add(term, kind, problem, column, candidate.own.get(column, candidate.start), free)
-            if kind.beyond in out and column in problem.wide:
+            _add(term, kind, context, column, candidate.own.get(column, candidate.start), free)
+            if kind.beyond in out and column in context.wide:
                 _take_off(out[kind.beyond], term, column)
     return out
 
 
-def replaced(kind: type[Effect], explanation: Explanation) -> list[str]:
-    """The effects of an explanation that include another or are included in it."""
-    return [name for name in explanation if name in kind.replaces or kind.id in effect(name).replaces]
+def replaced(kind: type[Effect], hypothesis: Hypothesis) -> list[str]:
+    """The effects of a hypothesis that include another or are included in it."""
+    return [name for name in hypothesis if name in kind.replaces or kind.id in effect(name).replaces]
 
 
-def taken(kind: type[Effect], explanation: Explanation, column: int) -> bool:
+def taken(kind: type[Effect], hypothesis: Hypothesis, column: int) -> bool:
     """Whether a column has another effect that includes the same one, as a slack wire and a stiff one do."""
-    others = [effect(term.effect) for term in explanation.on(column) if term.effect != kind.id]
+    others = [effect(term.effect) for term in hypothesis.on(column) if term.effect != kind.id]
     return any(set(kind.replaces) & set(other.replaces) for other in others)
 
 
@@ -100,9 +138,9 @@ def _take_off(flat: Term, rounded: Term, column: int) -> None:
 
 
 def _add(
-    term: Term, kind: type[Effect], problem: Problem, column: int, start: dict[str, Any], free: bool
+    term: Term, kind: type[Effect], context: Context, column: int, start: dict[str, Any], free: bool
 ) -> None:
-    known = given(kind, problem) if kind.everywhere and not free else {}
+    known = given(kind, context) if kind.everywhere and not free else {}
     own = term.own.setdefault(column, {})
     for parameter in kind.own_parameters(term.form):
         if parameter.name in known:
@@ -127,8 +165,8 @@ def _add_source(term: Term, kind: type[Effect], column: int, start: dict[str, An
         term.words[column][kind.texts[taken]] = str(start[kind.texts[0]])
 
 
-def given(kind: type[Effect], problem: Problem) -> dict[str, Array]:
+def given(kind: type[Effect], context: Context) -> dict[str, Array]:
     """Parameter values that the arm's own description states, so that a fit need not free them."""
-    if "compliance" in {p.name for p in kind.parameters} and len(problem.arm.compliance):
-        return {"compliance": problem.arm.compliance}
+    if "compliance" in {p.name for p in kind.parameters} and len(context.arm.compliance):
+        return {"compliance": context.arm.compliance}
     return {}

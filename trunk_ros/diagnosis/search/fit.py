@@ -1,4 +1,4 @@
-"""Least squares of an explanation's free values, joint by joint or together where values are shared."""
+"""Least squares of a hypothesis's free values, joint by joint or together where values are shared."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.hypothesis import Explanation, bounds, scales
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds, scales
+from trunk_ros.effects import effect
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
 ROUNDS = 12
@@ -20,32 +21,37 @@ ENOUGH = 0.05  # squared unit-noise residuals: a gain that ends the fit
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted explanation and what is left of the squared unit-noise residual, by column."""
+    """A fitted hypothesis, what it was fitted in, and what is left of the squared unit-noise residual."""
 
-    explanation: Explanation
+    hypothesis: Hypothesis
     cost: dict[int, float]
     """Sum of squares by column."""
+    context: Context
 
     @property
     def total(self) -> float:
         """Sum of squares over the fitted columns."""
         return float(sum(self.cost.values()))
 
+    def rest(self, column: int) -> float:
+        """Squared unit-noise residual of a column above the noise."""
+        return max(self.cost.get(column, 0.0) - self.context.count(column), 0.0)
+
 
 class Residuals:
     """The residual vector of some columns as a function of the free values, and its derivative."""
 
-    def __init__(self, problem: Problem, explanation: Explanation, columns: list[int]):
-        self.problem, self.explanation, self.columns = problem, explanation, columns
-        self.free = explanation.free(columns)
+    def __init__(self, context: Context, hypothesis: Hypothesis, columns: list[int]):
+        self.context, self.hypothesis, self.columns = context, hypothesis, columns
+        self.free = hypothesis.free(columns)
         self.scale = scales(self.free)
         self._at: tuple[bytes, list[Array]] | None = None
 
     def parts(self, x: Array) -> list[Array]:
         """Residuals by column."""
         if self._at is None or self._at[0] != x.tobytes():
-            there = self.explanation.put(self.free, x)
-            self._at = x.tobytes(), [self.problem.whitened(there, c) for c in self.columns]
+            there = self.hypothesis.put(self.free, x)
+            self._at = x.tobytes(), [self.context.whitened(there, c) for c in self.columns]
         return self._at[1]
 
     def __call__(self, x: Array) -> Array:
@@ -62,25 +68,66 @@ class Residuals:
             step = STEP * self.scale[k] * (1.0 if x[k] + STEP * self.scale[k] <= high[k] else -1.0)
             moved = x.copy()
             moved[k] += step
-            there = self.explanation.put(self.free, moved)
-            touched = self.explanation[f.effect].columns if f.column is None else [f.column]
+            there = self.hypothesis.put(self.free, moved)
+            touched = self.hypothesis[f.effect].columns if f.column is None else [f.column]
             for i, column in enumerate(self.columns):
                 if column in touched or f.parameter.name == "payload":
-                    out[ends[i] : ends[i + 1], k] = (self.problem.whitened(there, column) - base[i]) / step
+                    out[ends[i] : ends[i + 1], k] = (self.context.whitened(there, column) - base[i]) / step
         return out
 
 
-def fit(problem: Problem, explanation: Explanation, columns: list[int], goal: float = np.inf) -> Fit:
+def fit(context: Context, hypothesis: Hypothesis, columns: list[int], goal: float = np.inf) -> Fit:
     """Fit what is free on ``columns``; given up where the squared residuals will not come down to ``goal``.
 
     Shared values move only where all joints that they act on are among the columns.
     """
-    residuals = Residuals(problem, explanation, columns)
-    x = explanation.get(residuals.free)
+    residuals = Residuals(context, hypothesis, columns)
+    x = hypothesis.get(residuals.free)
     if len(x):
         x = minimise(residuals, np.clip(x, *bounds(residuals.free)), ROUNDS, goal)
     cost = {c: float(part @ part) for c, part in zip(columns, residuals.parts(x), strict=True)}
-    return Fit(explanation.put(residuals.free, x), cost)
+    return Fit(hypothesis.put(residuals.free, x), cost, context)
+
+
+def refit(context: Context, hypothesis: Hypothesis) -> Fit:
+    """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
+    postures.
+    """
+    done = _refit(context, hypothesis)
+    if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
+        done = _refit(context.seen_with(done.hypothesis), done.hypothesis)
+    return done
+
+
+def _refit(context: Context, hypothesis: Hypothesis) -> Fit:
+    cost: dict[int, float] = {}
+    for group in groups(context, hypothesis):
+        done = fit(context, hypothesis, group)
+        hypothesis = done.hypothesis
+        cost |= done.cost
+    return Fit(hypothesis, cost, context)
+
+
+def groups(context: Context, hypothesis: Hypothesis) -> list[list[int]]:
+    """Columns that have to be fitted together: those that share values, and each of the others alone."""
+    columns = context.columns
+    shared = {c for term in hypothesis.values() if set(term.shared) - term.given for c in term.columns}
+    together = sorted(shared & set(columns))
+    return ([together] if together else []) + [[c] for c in columns if c not in shared]
+
+
+def refit_column(now: Fit, hypothesis: Hypothesis, column: int, goal: float = np.inf) -> Fit:
+    """Fit one joint's own values, the rest as it is; given up where its squared residuals will not come down
+    to ``goal``.
+    """
+    trial = fit(now.context, hypothesis, [column], goal)
+    return Fit(trial.hypothesis, now.cost | trial.cost, now.context)
+
+
+def costed(context: Context, hypothesis: Hypothesis) -> Fit:
+    """A hypothesis with the values that it has."""
+    parts = {c: context.whitened(hypothesis, c) for c in context.columns}
+    return Fit(hypothesis, {c: float(part @ part) for c, part in parts.items()}, context)
 
 
 def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) -> Array:

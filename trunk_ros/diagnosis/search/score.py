@@ -1,87 +1,138 @@
-"""What an explanation must be worth: squared residuals, with a price on every effect."""
+"""What a fit is worth: squared residuals, a price for each effect. It is the only judge, and it is pure."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from trunk_ros.diagnosis.hypothesis import Explanation, Term
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.effects import effect
+from trunk_ros.effects.curve import Curve
 
-SIGNIFICANT = (
-    60.0  # gain in squared unit-noise residuals below which chance and small misfits are not ruled out
-)
-RELEVANT = 0.02  # share of the noise power that an effect must remove from a joint
-STEPS = 3.0  # times the power of the gearbox encoder's steps that an effect must have
-OWN_STEPS = 0.1  # times that of the joint's own encoder, which the other noise shakes loose
-SHARE = (
-    0.05  # of what is left above the noise that an effect must explain, so that a misfit is not cut in slices
-)
-FURTHER = 20.0  # price of each further value of an effect
-CHOICE = 3.0  # of a source among the joints: the logarithm of so many, twice
-LIKELY = 5.0  # in favour of each joint for what acts on all joints alike
-FORMULAS = 0.0002  # of a joint's misfit: what the formulas of named effects may be off by
-CURVED = 0.002  # likewise, by what is smooth
-FAR_OFF = 0.2  # of a ratio: so far off it was not known, and what it makes is no misfit of formulas
-CURVE = 2.5  # price of a curve without a name, in effects
+SIGNIFICANT = 60.0
+"""Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""
+RELEVANT = 0.02
+"""Share of the noise power that an effect must remove from a joint, however long the recording is."""
+STEPS = 3.0
+"""Times the power of the gearbox encoder's steps that an effect must have: they stand with the joint."""
+OWN_STEPS = 0.1
+"""Times that of the joint's own encoder, which the other noise shakes loose."""
+SHARE = 0.05
+"""Of what is left above the noise that an effect must explain, so that a misfit is not cut into slices."""
+SLICE = 0.15
+"""The same for each value of what will be said, beside a rest as strong as the noise."""
+SHARED_SLICE = 0.5
+"""The same for what acts on all joints, of all that is left on them."""
+STRONG = 1.0
+"""Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
+FURTHER = 20.0
+"""Price of each further value of an effect."""
+CHOICE = 3.0
+"""Of a source among the joints: the logarithm of so many, twice."""
+LIKELY = 5.0
+"""In favour of each joint for what acts on all joints alike."""
+FORMULAS = 0.0002
+"""Of a joint's misfit: what the formulas of named effects may be off by."""
+CURVED = 0.002
+"""Likewise, by what is smooth."""
+FAR_OFF = 0.2
+"""Of a ratio: so far off it was not known, and what it makes is no misfit of formulas."""
+CURVE = 2.5
+"""Price of a curve without a name, in effects."""
+CLEARLY = 2.0
+"""Squared unit-noise residuals by which a change has to be better."""
+UNSHOWN = 1e12
+"""Price of an effect on a joint whose motion cannot show it: more than any residual."""
 
 
-def need(problem: Problem, column: int) -> float:
-    """The gain on a column below which nothing is claimed there.
+def score(fit: Fit) -> float:
+    """Squared residuals and prices: every change of a hypothesis has to lower it."""
+    hidden = unshown(fit.context, fit.hypothesis)
+    return fit.total + UNSHOWN * hidden + sum(price(fit, term) for term in fit.hypothesis.values())
+
+
+def beats(trial: Fit, best: Fit) -> bool:
+    """Whether a fit is better by more than rounding."""
+    return score(trial) < score(best) - CLEARLY
+
+
+def need(context: Context, column: int, rest: float = 0.0) -> float:
+    """The gain on a column below which nothing is claimed there; ``rest``: what is left above the noise.
 
     The encoders' steps are an error that stands still with the joint, so they are no noise to be averaged: as
     long as a reading stays the same it counts once. Of coloured noise the colour is known only roughly.
     """
-    noise = problem.noise[column]
-    steps, own = problem.resolution(column) / noise.std, problem.steps[column] / noise.std
-    still = problem.own_steps(column) / noise.std
-    chance = SIGNIFICANT * (1.0 + noise.correlation) * max(problem.stands[column] * still**2, 1.0)
-    least = problem.count(column) * max(RELEVANT, STEPS * steps**2, OWN_STEPS * own**2)
-    formulas = FORMULAS * problem.formed_misfit.get(column, 0.0)
-    return max(chance, least, formulas, SHARE * problem.unexplained.get(column, 0.0))
+    stage, noise = context.stage, context.noise[column]
+    steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
+    still = stage.own_steps(column) / noise.std
+    chance = SIGNIFICANT * (1.0 + noise.correlation) * max(stage.stands[column] * still**2, 1.0)
+    least = context.count(column) * max(RELEVANT, STEPS * steps**2, OWN_STEPS * own**2)
+    formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
+    return max(chance, least, formulas, SHARE * rest)
 
 
-def formed_misfits(problem: Problem, explanation: Explanation) -> dict[int, float]:
-    """What formulas can be off in proportion to: what an explanation leaves of each column above the noise,
-    in squared unit-noise residuals; where the ratio is FAR_OFF, what the right one would leave.
-    """
-    return {c: min(p, _right_ratio(problem, explanation, c)) for c, p in problem.unexplained.items()}
-
-
-def _right_ratio(problem: Problem, explanation: Explanation, column: int) -> float:
-    if problem.stage != "wire":
-        return np.inf
-    angles = [view.span.gearbox[view.span.rows, column] * problem.arm.ratio[column] for view in problem.views]
-    zeros = [np.ones_like(angle) for angle in angles]
-    line = np.column_stack([problem.whiten_change(shape, column) for shape in (angles, zeros)])
-    rest = problem.whitened(explanation, column)
-    found = np.linalg.lstsq(line, rest, rcond=None)[0]
-    left = float(np.sum((rest - line @ found) ** 2)) - problem.count(column)
-    return max(left, 0.0) if abs(found[0]) > FAR_OFF else np.inf
-
-
-def price(problem: Problem, term: Term) -> float:
+def price(fit: Fit, term: Term) -> float:
     """What a term must gain, over all its joints; a further source counts as a further effect.
 
     What the model has already costs nothing.
     """
-    known = problem.known[term.effect].columns if term.effect in problem.known else []
-    needs = {c: need(problem, c) for c in term.columns if c in problem.columns and c not in known}
-    if not needs:
+    context, kind = fit.context, effect(term.effect)
+    known = context.known[term.effect].columns if term.effect in context.known else []
+    columns = [c for c in term.columns if c in context.columns and c not in known]
+    if not columns:
         return 0.0
-    if not effect(term.effect).named:
-        return sum(max(CURVE * n, CURVED * problem.misfit.get(c, 0.0)) for c, n in needs.items())
-    free = Explanation({term.effect: term}).free(list(term.columns))
-    if effect(term.effect).everywhere:
+    needs = {c: need(context, c, fit.rest(c)) for c in columns}
+    if not kind.named:
+        return sum(_curve(fit, term, c, n) for c, n in needs.items())
+    free = Hypothesis({term.effect: term}).free(list(term.columns))
+    if kind.everywhere:
         usual = float(np.median(list(needs.values())))
-        return usual + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)
+        return max(usual + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs), _shared_slice(fit, columns))
+    values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
     words = sum(needs[c] * max(count - 1, 0) + CHOICE * count for c, count in said.items())
-    own_values = sum(1 for f in free if f.column is not None)
-    return sum(needs.values()) + words + FURTHER * max(own_values - len(needs), 0)
+    further = FURTHER * max(sum(f.column is not None for f in free) - len(needs), 0)
+    return sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items()) + words + further
 
 
-def score(problem: Problem, state: Fit) -> float:
-    """Squared residuals and prices: every change of an explanation has to lower it."""
-    return state.total + sum(price(problem, term) for term in state.explanation.values())
+def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
+    """Of a curve: more than of an effect, and as much as it leaves, so that one that leaves most of a misfit
+    does not stand for it; what moves slowly is imitated by any curve over time.
+    """
+    kind = effect(term.effect)
+    over = kind.leaves(term.words.get(column, {})) if issubclass(kind, Curve) else 1.0
+    return max(CURVE * need, CURVED * fit.context.misfit.get(column, 0.0), fit.rest(column) * (1 / over - 1))
+
+
+def _slice(fit: Fit, column: int, values: int) -> float:
+    rest = fit.rest(column)
+    strong = fit.context.claims and rest > STRONG * fit.context.count(column)
+    return SLICE * rest * values if strong else 0.0
+
+
+def _shared_slice(fit: Fit, columns: list[int]) -> float:
+    rest = sum(map(fit.rest, columns))
+    strong = fit.context.claims and rest > STRONG * sum(map(fit.context.count, columns))
+    return SHARED_SLICE * rest if strong else 0.0
+
+
+def formed_misfits(fit: Fit) -> dict[int, float]:
+    """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
+    unit-noise residuals; where the ratio is FAR_OFF, what the right one would leave.
+    """
+    return {c: min(fit.rest(c), _right_ratio(fit, c)) for c in fit.cost}
+
+
+def _right_ratio(fit: Fit, column: int) -> float:
+    context = fit.context
+    if context.stage.name != "wire":
+        return np.inf
+    angles = [view.span.gearbox[view.span.rows, column] * context.arm.ratio[column] for view in context.views]
+    zeros = [np.ones_like(angle) for angle in angles]
+    line = np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros)])
+    rest = context.whitened(fit.hypothesis, column)
+    found = np.linalg.lstsq(line, rest, rcond=None)[0]
+    left = float(np.sum((rest - line @ found) ** 2)) - context.count(column)
+    return max(left, 0.0) if abs(found[0]) > FAR_OFF else np.inf

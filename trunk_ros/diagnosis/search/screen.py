@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.hypothesis import Explanation
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, seen_forms, taken
+from trunk_ros.diagnosis.search.fit import Residuals
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.effects import Effect
 from trunk_ros.parameter import Parameter
 
@@ -29,21 +30,24 @@ Products = dict[int, tuple[float, float]]
 class Screen:
     """What is left of each column, with the directions already fitted projected out."""
 
-    def __init__(self, problem: Problem, explanation: Explanation, columns: list[int] | None = None):
-        self.problem, self.explanation = problem, explanation
-        columns = problem.columns if columns is None else columns
-        self.base = {c: problem.predictions(explanation, c) for c in columns}
-        self.rest = {c: problem.whitened(explanation, c) for c in columns}
+    def __init__(self, context: Context, hypothesis: Hypothesis, columns: list[int] | None = None):
+        self.context, self.hypothesis = context, hypothesis
+        columns = context.columns if columns is None else columns
+        self.base = {c: context.predictions(hypothesis, c) for c in columns}
+        self.rest = {c: context.whitened(hypothesis, c) for c in columns}
         self.basis = {c: self._basis(c) for c in columns}
 
-    def _basis(self, column: int) -> Array:
-        from trunk_ros.diagnosis.search.fit import Residuals
+    def left(self, column: int) -> float:
+        """Squared residual of a column once the values that are there have followed, linearly."""
+        rest, q = self.rest[column], self.basis[column]
+        return float(rest @ rest - np.sum((q.T @ rest) ** 2))
 
-        residuals = Residuals(self.problem, self.explanation, [column])
-        local = self.explanation.free([column])
+    def _basis(self, column: int) -> Array:
+        residuals = Residuals(self.context, self.hypothesis, [column])
+        local = self.hypothesis.free([column])
         if not local:
             return np.zeros((len(self.rest[column]), 0))
-        jacobian = residuals.jacobian(self.explanation.get(local))
+        jacobian = residuals.jacobian(self.hypothesis.get(local))
         size = np.linalg.norm(jacobian, axis=0)
         return np.asarray(np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0])
 
@@ -51,11 +55,11 @@ class Screen:
         """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot
         follow it.
         """
-        there = extended(self.problem, self.explanation, candidate)
+        there = extended(self.context, self.hypothesis, candidate)
         changes = [
-            a - b for a, b in zip(self.problem.predictions(there, column), self.base[column], strict=True)
+            a - b for a, b in zip(self.context.predictions(there, column), self.base[column], strict=True)
         ]
-        d = self.problem.whiten_change(changes, column)
+        d = self.context.whiten_change(changes, column)
         q = self.basis[column]
         d = d - q @ (q.T @ d)
         return float(self.rest[column] @ d), float(d @ d)
@@ -86,9 +90,9 @@ class Screen:
 
     def _forms(self, kind: type[Effect], column: int) -> tuple[str, ...]:
         """The forms to try: that of the effect on other joints, if it is there."""
-        if kind.id in self.explanation:
-            return (self.explanation[kind.id].form,)
-        return tuple(form for form in seen_forms(self.problem, kind, column) if form not in kind.refined)
+        if kind.id in self.hypothesis:
+            return (self.hypothesis[kind.id].form,)
+        return tuple(form for form in seen_forms(self.context, kind, column) if form not in kind.refined)
 
     def everywhere(self, kind: type[Effect]) -> Candidate | None:
         """The most promising start of an effect that acts on all joints alike."""
@@ -113,13 +117,13 @@ class Screen:
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
         """Whether a joint's size may be its own: where it is stated, both ways are tried."""
         lead = kind.own_parameters(form)[0]
-        return (False, True) if kind.scalable and lead.name in given(kind, self.problem) else (False,)
+        return (False, True) if kind.scalable and lead.name in given(kind, self.context) else (False,)
 
     def _on_all(
         self, kind: type[Effect], form: str, also: dict[str, float]
     ) -> Iterator[tuple[Candidate, Products]]:
         """Each choice of the shared values, with every joint's best choice of its own."""
-        columns = self.problem.columns
+        columns = self.context.columns
         starts = {c: list(self._starts(kind, form, c)) for c in columns}
         names = [p.name for p in kind.own_parameters(form) if p.shared]
         shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
@@ -136,7 +140,7 @@ class Screen:
         """On all joints; where a joint has values of its own, on those that a linear look finds better
         off.
         """
-        each = {c: found for c, found in each.items() if not taken(kind, self.explanation, c)}
+        each = {c: found for c, found in each.items() if not taken(kind, self.hypothesis, c)}
         if trial.free:
             return self._each_by_itself(kind, trial, each)
         if any(not p.shared for p in kind.own_parameters(trial.form)):
@@ -146,7 +150,7 @@ class Screen:
         if not each:
             return None
         sums = np.sum(list(each.values()), axis=0)
-        found = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.problem))
+        found = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.context))
         if found is None:
             return None
         lead = _lead(kind, trial).name
@@ -159,8 +163,8 @@ class Screen:
     def _each_by_itself(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:
         """Every joint at its own optimum, where that is worth an effect."""
         found = {c: _scaled(kind, replace(trial, start=trial.own[c]), *each[c]) for c in each}
-        named = [c for c in found if c not in self.explanation.curved]
-        chosen = {c: f for c in named if (f := found[c]) and f.gain > FREED * need(self.problem, c)}
+        named = [c for c in found if c not in self.hypothesis.curved]
+        chosen = {c: f for c in named if (f := found[c]) and f.gain > FREED * need(self.context, c)}
         if not chosen:
             return None
         own = {c: f.start for c, f in chosen.items()}
@@ -169,35 +173,35 @@ class Screen:
 
     def _residual(self, column: int, index: int) -> Array:
         """(m,) residual of a recording over its whole grid."""
-        span = self.problem.views[index].span
+        span = self.context.views[index].span
         valid = span.valid[:, column]
         off = span.target[valid, column] - self.base[column][index][valid]
         return np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
 
     def _starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
         """Where an effect may begin on a column, by the recordings with most to explain."""
-        telling = self.problem.telling(column)[:BAGS]
+        telling = self.context.telling(column)[:BAGS]
         return _different([s for index in telling for s in self._starts_in(index, kind, form, column)])
 
     def _starts_in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
-        problem = self.problem
-        rest = None if column in problem.wide else self._residual(column, index)
-        for start in kind({}, {}, form).starts(problem.shown(column, index), 0, rest):
+        context = self.context
+        rest = None if column in context.wide else self._residual(column, index)
+        for start in kind({}, {}, form).starts(context.shown(column, index), 0, rest):
             if not kind.texts:
                 yield start
                 yield from self._wide_starts(index, kind, form, column, start)
                 continue
-            words = self.explanation.get_words(kind.id, column)
-            for joint in problem.joints:
-                if joint != problem.joints[column] and joint not in words:
+            words = self.hypothesis.get_words(kind.id, column)
+            for joint in context.joints:
+                if joint != context.joints[column] and joint not in words:
                     yield {**start, kind.texts[0]: joint}
 
     def _wide_starts(
         self, index: int, kind: type[Effect], form: str, column: int, start: dict[str, Any]
     ) -> Iterator[dict[str, Any]]:
         """Starts far from null for what makes a wide loop: a linear look does not reach that far."""
-        if column in self.problem.wide and kind.regime == "reversal":
-            now, lead = self.problem.now(index, column, 0.0), kind.own_parameters(form)[0]
+        if column in self.context.wide and kind.regime == "reversal":
+            now, lead = self.context.now(index, column, 0.0), kind.own_parameters(form)[0]
             for share in SHARES:
                 yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.stage import LEAST
+from trunk_ros.diagnosis.context import LEAST
 from trunk_ros.diagnosis.tip.data import tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.tip.stage import UNITS, ArmFit, ArmProblem

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from trunk_ros.diagnosis.hypothesis import explanation_of
+from trunk_ros.diagnosis.hypothesis import hypothesis_of
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.model import Values
 
@@ -22,7 +22,7 @@ Point = dict[Key, float]
 def point_of(effects: Mapping[str, Values], joints: int) -> Point:
     """The arm effects that a model of so many joints has."""
     out: Point = {}
-    for name, term in explanation_of(effects, "arm", joints).items():
+    for name, term in hypothesis_of(effects, "arm", joints).items():
         lead = effect(name).parameters[0].name
         on = {-1: term.shared} if lead in term.shared else term.own
         out |= {(name, c): values[lead] for c, values in on.items()}

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import WEIGHTS, Bank
 
@@ -42,12 +42,12 @@ def statement(term: Term, where: str) -> str:
     return f"{where}: the posture of {on} moves the joint along a curve."
 
 
-def parameters(problem: Problem, term: Term) -> dict[str, dict[str, dict[str, Any]]]:
+def parameters(context: Context, term: Term) -> dict[str, dict[str, dict[str, Any]]]:
     """By joint: each source, and how far it moves the joint at most over its range."""
     out: dict[str, dict[str, dict[str, Any]]] = {}
     for column in term.columns:
-        unit = problem.units.get(problem.joints[column], "rad")
-        told = out[problem.joints[column]] = {}
+        unit = context.stage.units.get(context.joints[column], "rad")
+        told = out[context.joints[column]] = {}
         for k, word in enumerate(sources_of(term, column), start=1):
             number = "" if k == 1 else f"_{k}"
             told[f"source{number}"] = {"value": word, "std": None, "unit": ""}
@@ -56,18 +56,18 @@ def parameters(problem: Problem, term: Term) -> dict[str, dict[str, dict[str, An
     return out
 
 
-def told(problem: Problem, term: Term) -> dict[str, Any]:
+def told(context: Context, term: Term) -> dict[str, Any]:
     """The first source's curve or loop by joint, with what it is over and of, and their units."""
     column = term.columns[0]
     word = sources_of(term, column)[0]
-    own = problem.units.get(problem.joints[column], "rad")
+    own = context.stage.units.get(context.joints[column], "rad")
     return {
         "on": word,
         "of": "the angle",
-        "x_unit": problem.units.get(word, own),
+        "x_unit": context.stage.units.get(word, own),
         "y_unit": own,
         "joints": {
-            problem.joints[c]: dict(zip(("x", "y"), _loop(term, c, 1), strict=True)) for c in term.columns
+            context.joints[c]: dict(zip(("x", "y"), _loop(term, c, 1), strict=True)) for c in term.columns
         },
     }
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.stage import Problem
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, words_of
@@ -71,19 +71,19 @@ def statement(term: Term, where: str) -> str:
     return f"{where}: {of}depends on {on} in a way that no name fits; a smooth curve stands in for it."
 
 
-def told(problem: Problem, term: Term) -> dict[str, Any]:
+def told(context: Context, term: Term) -> dict[str, Any]:
     """The curves by joint, with what they are over and of, and their units."""
     kind, variable = kind_of(term), variable_of(term, term.columns[0])
-    own = problem.units.get(problem.joints[term.columns[0]], "rad")
+    own = context.stage.units.get(context.joints[term.columns[0]], "rad")
     other = variable.removeprefix(SPEED_OF)
-    over = problem.units.get(other, "rad") if other in problem.joints else own
+    over = context.stage.units.get(other, "rad") if other in context.joints else own
     slope = "/s" if "speed" in words_of(variable) else ""
     return {
         "on": variable,
         "of": kind.of,
         "x_unit": {"time": "s", "load": "N*m"}.get(variable, over + slope),
         "y_unit": unit_of(kind.parameter(VALUES[0].name).unit, own),
-        "joints": {problem.joints[c]: _points(kind, term.own[c]) for c in term.columns},
+        "joints": {context.joints[c]: _points(kind, term.own[c]) for c in term.columns},
     }
 
 

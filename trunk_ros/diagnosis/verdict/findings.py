@@ -1,4 +1,4 @@
-"""Explanations in the words of ``diagnosis.json``."""
+"""Hypotheses in the words of ``diagnosis.json``."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
-from trunk_ros.diagnosis.hypothesis import Explanation, Term
-from trunk_ros.diagnosis.stage import Problem
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.result import Finding, Unexplained
 from trunk_ros.diagnosis.verdict.units import unit_of
@@ -40,31 +40,31 @@ Spreads = dict[tuple[str, str, int | None], float]
 
 
 def findings(
-    problem: Problem, explanation: Explanation, found: dict[str, Evidence], std: Spreads
+    context: Context, hypothesis: Hypothesis, found: dict[str, Evidence], std: Spreads
 ) -> list[Finding]:
     """One finding per effect, with all its joints."""
     out = []
-    for name in explanation:
-        whole = effect(name).named or not issubclass(effect(name), Curve)
-        for term in [explanation[name]] if whole else curve_words.by_variable(explanation[name]):
-            out.append(_finding(problem, term, found[name], std))
+    for name in hypothesis:
+        whole = not issubclass(effect(name), Curve)
+        for term in [hypothesis[name]] if whole else curve_words.by_variable(hypothesis[name]):
+            out.append(_finding(context, term, found[name], std))
     return sorted(out, key=lambda f: -f.evidence["strength"])
 
 
-def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Finding:
+def _finding(context: Context, term: Term, found: Evidence, std: Spreads) -> Finding:
     kind = effect(term.effect)
-    joints = [problem.joints[c] for c in _touched(problem, kind, term)]
+    joints = [context.joints[c] for c in _touched(context, kind, term)]
     where, parameters = ", ".join(joints) if joints else "the arm", {}
     if issubclass(kind, Curve):
         variable = curve_words.variable_of(term, term.columns[0])
         varies, regime = [*kind.also, *words_of(variable)], curve_words.regime_of(kind, variable)
-        statement, curve = curve_words.statement(term, where), curve_words.told(problem, term)
+        statement, curve = curve_words.statement(term, where), curve_words.told(context, term)
     elif issubclass(kind, Bank):
-        parameters = bank_words.parameters(problem, term) if kind.named else {}
+        parameters = bank_words.parameters(context, term) if kind.named else {}
         varies, regime = bank_words.varies_with(term), kind.regime
-        statement, curve = bank_words.statement(term, where), bank_words.told(problem, term)
+        statement, curve = bank_words.statement(term, where), bank_words.told(context, term)
     else:
-        parameters = _parameters(problem, kind, term, std)
+        parameters = _parameters(context, kind, term, std)
         varies, regime = _varies_with(kind, term), kind.regime
         statement, curve = statement_of(kind, where, parameters), {}
     return Finding(
@@ -79,7 +79,7 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
         statement=statement,
         evidence={
             "strength": found.strength,
-            "gain": {problem.joints[c]: g for c, g in found.gain.items()},
+            "gain": {context.joints[c]: g for c, g in found.gain.items()},
             "rivals": found.rivals,
             "form": term.form,
             "signature": kind.signature,
@@ -88,11 +88,11 @@ def _finding(problem: Problem, term: Term, found: Evidence, std: Spreads) -> Fin
     )
 
 
-def _touched(problem: Problem, kind: type[Effect], term: Term) -> list[int]:
+def _touched(context: Context, kind: type[Effect], term: Term) -> list[int]:
     """The joints of a term; what all joints share by nature is also on those that said nothing."""
     shared = kind.everywhere and all(p.shared for p in kind.own_parameters(term.form))
-    whole = shared and set(term.columns) >= set(problem.columns)
-    return list(range(len(problem.joints))) if whole else term.columns
+    whole = shared and set(term.columns) >= set(context.columns)
+    return list(range(len(context.joints))) if whole else term.columns
 
 
 def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
@@ -113,7 +113,7 @@ def _varies_with(kind: type[Effect], term: Term) -> list[str]:
 
 
 def _parameters(
-    problem: Problem, kind: type[Effect], term: Term, std: Spreads
+    context: Context, kind: type[Effect], term: Term, std: Spreads
 ) -> dict[str, dict[str, dict[str, Any]]]:
     out: dict[str, dict[str, dict[str, Any]]] = {}
     for p in kind.own_parameters(term.form):
@@ -123,12 +123,12 @@ def _parameters(
             )
         for c in term.columns:
             if p.name in term.own[c]:
-                unit = unit_of(p.unit, problem.units.get(problem.joints[c], "rad"))
+                unit = unit_of(p.unit, context.stage.units.get(context.joints[c], "rad"))
                 value = value_of(term.own[c][p.name], std.get((term.effect, p.name, c)), unit)
-                out.setdefault(problem.joints[c], {})[p.name] = value
+                out.setdefault(context.joints[c], {})[p.name] = value
     for c, words in term.words.items():
         for text, word in words.items():
-            out[problem.joints[c]][text] = {"value": word, "std": None, "unit": ""}
+            out[context.joints[c]][text] = {"value": word, "std": None, "unit": ""}
     return out
 
 
@@ -158,37 +158,37 @@ def _said(name: str, value: dict[str, Any]) -> str:
     return f"{name} = {value['value']:.4g}{spread}{unit}"
 
 
-def left_over(problem: Problem, explanation: Explanation) -> list[Unexplained]:
+def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
     """What is above the noise after all findings, joints that vary with the same thing together."""
     out: dict[tuple[str, ...], Unexplained] = {}
-    for column, power in rests(problem, explanation).items():
-        varies = depends_on(problem, explanation, column)
-        before = float(np.mean(problem.whitened(problem.known, column) ** 2))
+    for column, power in rests(context, hypothesis).items():
+        varies = depends_on(context, hypothesis, column)
+        before = float(np.mean(context.whitened(context.known, column) ** 2))
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
         if share < LITTLE and power < 1.0:
             continue
-        joint = problem.joints[column]
+        joint = context.joints[column]
         if tuple(varies) in out:
             rest = out[tuple(varies)]
             rest.joints.append(joint)
             rest.share = max(rest.share, share)
         else:
             regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
-            out[tuple(varies)] = Unexplained(problem.stage, [joint], regime, share, varies, "")
+            out[tuple(varies)] = Unexplained(context.stage.name, [joint], regime, share, varies, "")
     for rest in out.values():
         on = f", and varies with {' and '.join(rest.depends_on)}" if rest.depends_on else ""
         rest.statement = f"{', '.join(rest.joints)}: {rest.share:.1%} of the misfit is left{on}."
     return list(out.values())
 
 
-def is_known(problem: Problem, finding: Finding) -> bool:
+def is_known(context: Context, finding: Finding) -> bool:
     """Whether the model has the effect already, on these joints and in this size."""
-    if finding.effect not in problem.known:
+    if finding.effect not in context.known:
         return False
-    term = problem.known[finding.effect]
-    if {problem.joints[c] for c in term.columns} != set(finding.joints):
+    term = context.known[finding.effect]
+    if {context.joints[c] for c in term.columns} != set(finding.joints):
         return False
-    believed = {ARM: term.shared} | {problem.joints[c]: own for c, own in term.own.items()}
+    believed = {ARM: term.shared} | {context.joints[c]: own for c, own in term.own.items()}
     return all(
         unchanged(found, believed.get(owner, {}).get(name))
         for owner, named in finding.parameters.items()

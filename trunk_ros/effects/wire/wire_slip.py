@@ -22,7 +22,7 @@ class WireSlip(Effect):
     )
     parameters = (
         Parameter("step", "rad", (-0.5, 0.5), "jump of the zero", typical=1e-3),
-        Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0),
+        Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0, moment=True),
     )
     confused_with = (
         ("thermal_drift", "record longer: a drift goes on"),

@@ -1,0 +1,260 @@
+"""What a hypothesis is judged in: a stage, what is seen of the arm, the noise. A new look makes a new one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.motion_content import is_wide, speed_tells
+from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
+from trunk_ros.diagnosis.data.surroundings import View, first
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.effects.effect import Now
+from trunk_ros.recording.signal.resample import SLOW
+
+LEAST = 50  # valid samples without which a joint cannot be judged
+OFTEN = 0.02  # s between samples that show what lies between them
+CLOSE = 0.01  # of the motion: a change of the angles that changes nothing of what was tried
+KEPT = 8  # surroundings of each joint and span that are kept
+
+
+@dataclass
+class Work:
+    """Simulated joint-steps, counted over all contexts of a search. No decision reads a clock."""
+
+    most: float = np.inf
+    done: int = 0
+
+    @property
+    def over(self) -> bool:
+        """Whether what was granted is spent."""
+        return self.done >= self.most
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """Everything that a prediction, a residual and a price depend on besides the hypothesis."""
+
+    stage: Stage
+    views: tuple[View, ...]
+    noise: tuple[Noise, ...]
+    wide: frozenset[int] = frozenset()
+    """Columns that always move alike and show a wide loop: it hides what else varies with speed or time."""
+    look: int = 0
+    """Counts the looks at the arm that differed from the one before."""
+    misfit: Mapping[int, float] = field(default_factory=dict)
+    """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
+    formed_misfit: Mapping[int, float] = field(default_factory=dict)
+    """The same but for a ratio that was not known."""
+    claims: bool = False
+    """Whether effects are weighed as what will be said, no more as steps on the way to it."""
+    work: Work = field(default_factory=Work)
+    shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
+    """What the motion was found to show, by column and what is on it."""
+    _cache: dict[tuple[int, int, float, int | None], Now] = field(default_factory=dict, repr=False)
+
+    @staticmethod
+    def of(stage: Stage, work: Work | None = None) -> Context:
+        """The first look, with what the model knows."""
+        views = stage.seen(stage.views, stage.known)
+        blank = Context(stage, views, (), work=work or Work())
+        wide = [c for c in blank.columns if stage.step < SLOW and blank._is_wide(c)]
+        return replace(blank, wide=frozenset(wide)).weighed(stage.known)
+
+    # What the stage says.
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return self.stage.joints
+
+    @property
+    def arm(self) -> Arm:
+        """The arm of these joints, without the payload of a hypothesis."""
+        return self.stage.arm
+
+    @property
+    def known(self) -> Hypothesis:
+        """The effects that the model has already."""
+        return self.stage.known
+
+    @property
+    def step(self) -> float:
+        """Usual time between two samples of the target [s]."""
+        return self.stage.step
+
+    # Other contexts.
+
+    def seen_with(self, hypothesis: Hypothesis) -> Context:
+        """With the angles that a hypothesis predicts, for coupling and load."""
+        views = self.stage.seen(self.views, hypothesis)
+        if views is self.views:
+            return self
+        pairs = [(old.angles, new.angles) for old, new in zip(self.views, views, strict=True)]
+        same = all(float(np.max(np.abs(a - b))) < CLOSE * float(np.ptp(a)) for a, b in pairs)
+        return replace(self, views=views, look=self.look + (not same), shown_before={}, _cache={})
+
+    def weighed(self, hypothesis: Hypothesis) -> Context:
+        """With the noise that a hypothesis leaves: a size for each joint, one colour for all, as the joints'
+        sensors are alike and some joints may have more than noise left.
+        """
+        longest = strides_within(self.step)
+        seen = []
+        for column in range(len(self.joints)):
+            residuals = [self.residual(i, hypothesis, column) for i in range(len(self.views))]
+            masks = [view.span.valid[:, column] for view in self.views]
+            strides = 1 if column in self.formed else longest
+            seen.append(differences_of(residuals, masks, strides, self.stage.steps[column]))
+        judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
+        colour = float(np.median(judged)) if judged else 0.0
+        found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
+        return replace(self, noise=tuple(self.stage.noises(found)))
+
+    def over(self, spans: Sequence[Span]) -> Context:
+        """The same noise over other spans of the same arm."""
+        stage = self.stage.over(spans)
+        return replace(self, stage=stage, views=stage.views, shown_before={}, _cache={})
+
+    def only(self, rows: Sequence[np.ndarray]) -> Context:
+        """The same with these rows (n,) of each span's target alone counting."""
+        views = tuple(view.only(r) for view, r in zip(self.views, rows, strict=True))
+        return replace(self, views=views, shown_before={})
+
+    # What counts.
+
+    @cached_property
+    def columns(self) -> list[int]:
+        """Columns that can be judged: enough valid samples."""
+        return [c for c in range(len(self.joints)) if self.count(c) >= LEAST]
+
+    @cached_property
+    def _counts(self) -> list[int]:
+        return [int(n) for n in np.sum([view.span.valid.sum(axis=0) for view in self.views], axis=0)]
+
+    def count(self, column: int) -> int:
+        """Valid samples of a column."""
+        return self._counts[column]
+
+    def rest(self, column: int) -> float:
+        """Share of the noise power above which a residual is more than noise."""
+        return self.stage.least_rest(self, column)
+
+    def usual_rest(self, column: int) -> float:
+        """The same by the noise: coloured or rarely sampled noise is known less well, and a joint that stands
+        shows one step of an encoder, up to three times the steps' mean power.
+        """
+        known = 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
+        steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column)) / self.noise[column].std
+        return known + 2.0 * float(steps) ** 2
+
+    @property
+    def formed(self) -> frozenset[int]:
+        """Columns whose residual is smooth by its form and not by the colour of noise."""
+        return self.wide | self.stage.one_way
+
+    @property
+    def speed_tells(self) -> bool:
+        """Whether effects of speed and of holds can be seen: not in wide loops, nor where nothing is known
+        of what lies between two samples.
+        """
+        return self.step < SLOW and not set(self.columns) <= self.wide
+
+    # Predictions and residuals.
+
+    def now(self, index: int, column: int, payload: float, steps: int | None = None) -> Now:
+        """The surroundings of a column in a span, or in its first ``steps``, kept between calls."""
+        key = (index, column, payload, steps)
+        if key not in self._cache:
+            if steps is None:
+                made = self.views[index].now(self.arm, column, payload)
+            else:
+                made = first(self.now(index, column, payload), steps)
+            if len(self._cache) > KEPT * len(self.joints) * len(self.views):
+                self._cache.clear()
+            self._cache[key] = made
+        return self._cache[key]
+
+    def predict(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        """(n,) prediction of a column at the measured rows of a span."""
+        self.work.done += len(self.views[index].span.grid)
+        return self.stage.predict(self, index, hypothesis, column)
+
+    def predictions(self, hypothesis: Hypothesis, column: int) -> list[Array]:
+        """Predictions of a column, one (n,) a span."""
+        return [self.predict(index, hypothesis, column) for index in range(len(self.views))]
+
+    def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        """(n,) measured less predicted, 0 where nothing counts."""
+        span = self.views[index].span
+        off = span.target[:, column] - self.predict(index, hypothesis, column)
+        return np.where(span.valid[:, column], off, 0.0)
+
+    def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
+        """Residuals of a column over all spans, as unit noise, (rows,)."""
+        return self.whiten([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
+
+    def whiten_change(self, changes: list[Array], column: int) -> Array:
+        """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
+        seen = [
+            np.where(view.span.valid[:, column], change, 0.0)
+            for view, change in zip(self.views, changes, strict=True)
+        ]
+        return self.whiten(seen, column)
+
+    def whiten(self, signals: list[Array], column: int) -> Array:
+        """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""
+        parts = []
+        for view, signal in zip(self.views, signals, strict=True):
+            white = self.noise[column].whiten(signal, view.follows[:, column])
+            parts.append(white[view.span.valid[:, column]])
+        return np.concatenate(parts)
+
+    # What the motion shows.
+
+    def telling(self, column: int) -> list[int]:
+        """The spans in which a column counts, the one with most to explain first."""
+        if len(self.views) == 1:
+            return [0]
+        left = [float(np.sum(self.residual(k, self.known, column) ** 2)) for k in range(len(self.views))]
+        order = np.argsort(-np.array(left), kind="stable")
+        return [int(k) for k in order if left[k] > 0.0] or [0]
+
+    def shown(self, column: int, index: int = 0) -> Now:
+        """The surroundings of a column in a span; of a wide loop what counts, and of the gearbox's motion
+        what comes through.
+        """
+        now, span = self.now(index, column, 0.0), self.views[index].span
+        if column not in self.wide:
+            return now
+        valid = span.valid[:, column]
+        return replace(
+            now, gearbox=span.target[valid, column : column + 1] / now.ratio, stamp=span.stamp[valid]
+        )
+
+    def shows(self, tells: Callable[[Now], bool], column: int) -> bool:
+        """Whether the motion of a column in one of the spans tells something."""
+        return any(
+            tells(self.now(index, column, 0.0)) and tells(self.shown(column, index))
+            for index in range(len(self.views))
+        )
+
+    def _is_wide(self, column: int) -> bool:
+        position, speed, residual = (np.concatenate(parts) for parts in zip(*self._seen(column), strict=True))
+        return is_wide(position, speed, residual) and not speed_tells(position, speed)
+
+    def _seen(self, column: int) -> list[tuple[Array, Array, Array]]:
+        """Gearbox angle, speed and what no effect explains (n,) where a column counts, by span."""
+        out = []
+        for index, view in enumerate(self.views):
+            now, valid = self.now(index, column, 0.0), view.span.valid[:, column]
+            rows = view.span.rows[valid]
+            residual = self.residual(index, Hypothesis(), column)[valid]
+            out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual))
+        return out

@@ -1,0 +1,41 @@
+"""Whether the motion of a recording can show what a hypothesis says."""
+
+from __future__ import annotations
+
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
+from trunk_ros.effects import effect
+
+ALONE, BESIDE = 2, 1
+"""A joint shows an effect by itself; or beside another joint that does."""
+
+
+def unshown(context: Context, hypothesis: Hypothesis) -> int:
+    """On how many joints an effect is past what their motion can show, or lacks what it has to stand on."""
+    return sum(len(hidden(context, term)) for term in hypothesis.values()) + sum(
+        effect(term.effect).beyond not in ("", *(other.effect for other in hypothesis.on(column)))
+        for column in context.wide
+        for term in hypothesis.on(column)
+    )
+
+
+def hidden(context: Context, term: Term) -> list[int]:
+    """The joints of a term whose motion does not show it."""
+    shown = {c: _shown(context, term, c) for c in term.columns if c in context.columns}
+    enough = {c: BESIDE if ALONE in (s for k, s in shown.items() if k != c) else ALONE for c in shown}
+    return [c for c, level in shown.items() if level < enough[c]]
+
+
+def _shown(context: Context, term: Term, column: int) -> int:
+    key = (column, *term.key(column))
+    if key not in context.shown_before:
+        block = bind_column(term, column)
+        level = (
+            ALONE
+            if context.shows(block.credible, column)
+            else BESIDE
+            if context.shows(block.plausible, column)
+            else 0
+        )
+        context.shown_before[key] = level
+    return context.shown_before[key]

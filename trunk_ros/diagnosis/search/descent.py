@@ -1,0 +1,139 @@
+"""How moves are tried: each yields groups of trials; the best of the first group that pays is taken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.score import beats, score
+
+CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
+
+State = tuple[Hashable, ...]
+
+
+@dataclass(frozen=True)
+class Group:
+    """Trials that exclude each other: of ``what``, judged by what is on some ``columns``."""
+
+    what: Hashable
+    columns: Iterable[int]
+    trials: Callable[[], Iterable[Fit]]
+
+
+@dataclass(frozen=True)
+class Move:
+    """One kind of change. ``grows``: it explains something new, so that the arm is looked at again."""
+
+    name: str
+    groups: Callable[[Fit, Desk], Iterator[Group]]
+    grows: bool = False
+
+
+@dataclass
+class Desk:
+    """What a search remembers between moves: what was tried in vain, and in which state."""
+
+    say: Callable[[str], None] = lambda _: None
+    vain: dict[Hashable, State] = field(default_factory=dict)
+    kept: dict[Hashable, object] = field(default_factory=dict)
+    """Results of trials on single columns, by all that they depend on."""
+    been: set[Hashable] = field(default_factory=set)
+    """Structures that the search has stood on."""
+
+    def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
+        """Whether a group was tried in a state that is nearly the same."""
+        return self.vain.get((move.name, group.what)) == state_of(best, group.columns)
+
+    def note(self, move: Move, group: Group, best: Fit) -> None:
+        """A group was tried in vain."""
+        self.vain[move.name, group.what] = state_of(best, group.columns)
+
+
+def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
+    """The best hypothesis that single changes lead to; after each the arm is looked at again."""
+    while (better := first_that_pays(best, moves, desk)) is not None:
+        move, best = better[0], renewed(better[1]) if better[0].grows else relooked(better[1])
+        desk.say(f"{move.name}: {describe(best.hypothesis)}")
+    return best
+
+
+def descend_with(best: Fit, moves: Sequence[Move]) -> Fit:
+    """A few steps that have to follow a change before it is judged, in what was seen before."""
+    desk = Desk()
+    while (better := first_that_pays(best, moves, desk)) is not None:
+        best = better[1]
+    return best
+
+
+def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move, Fit] | None:
+    """The best trial of the first group that has one better than ``best``; None at the end."""
+    for move in moves:
+        for group in move.groups(best, desk):
+            if best.context.work.over:
+                return None
+            if desk.is_vain(move, group, best):
+                continue
+            trial = min(group.trials(), key=score, default=None)
+            if trial is not None and beats(trial, best) and _is_new(trial, best, desk):
+                return move, trial
+            desk.note(move, group, best)
+    return None
+
+
+def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
+    """Whether the search has not stood on a structure: noise that is estimated anew could lead it round in
+    circles.
+    """
+    there = structure(trial.hypothesis)
+    if there == structure(best.hypothesis):
+        return True
+    new = (there, best.context.claims) not in desk.been
+    desk.been.add((there, best.context.claims))
+    return new
+
+
+def renewed(now: Fit) -> Fit:
+    """Fitted in the angles and the noise that it leads to."""
+    return refit(now.context.seen_with(now.hypothesis).weighed(now.hypothesis), now.hypothesis)
+
+
+def relooked(now: Fit) -> Fit:
+    """With the values that it has, in the angles that it leads to."""
+    context = now.context.seen_with(now.hypothesis)
+    return now if context is now.context else costed(context, now.hypothesis)
+
+
+def state_of(best: Fit, columns: Iterable[int]) -> State:
+    """What a trial on some columns depends on, but for small changes of values and noise."""
+    context = best.context
+    each = tuple(
+        (
+            c,
+            structure(best.hypothesis, c),
+            _level(context.noise[c].std),
+            round(context.noise[c].correlation / CLOSE),
+            _level(best.cost[c]) if c in best.cost else 0,
+        )
+        for c in columns
+    )
+    return (context.look, context.claims, *each)
+
+
+def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
+    """Effects, forms and sources, without values: on a column, or everywhere."""
+    if column is None:
+        columns = sorted({c for term in hypothesis.values() for c in term.columns})
+        return tuple((c, structure(hypothesis, c)) for c in columns)
+    return tuple(
+        (t.effect, t.form, tuple(sorted(t.shared)), t.given, tuple(sorted(t.words.get(column, {}).items())))
+        for t in hypothesis.on(column)
+    )
+
+
+def _level(value: float) -> int:
+    return round(float(np.log(max(value, 1e-300))) / CLOSE)

@@ -1,0 +1,19 @@
+"""The changes that a search tries, cheap ones first; one file each."""
+
+from trunk_ros.diagnosis.search.moves.add import ADD
+from trunk_ros.diagnosis.search.moves.curve import CURVE
+from trunk_ros.diagnosis.search.moves.drop import DROP
+from trunk_ros.diagnosis.search.moves.form import FORM
+from trunk_ros.diagnosis.search.moves.member import MEMBER
+from trunk_ros.diagnosis.search.moves.onset import ONSET
+from trunk_ros.diagnosis.search.moves.option import OPTION
+from trunk_ros.diagnosis.search.moves.restart import RESTART
+from trunk_ros.diagnosis.search.moves.source import SOURCE
+from trunk_ros.diagnosis.search.moves.swap import SWAP
+from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
+from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
+
+MOVES = (ONSET, FORM, MEMBER, OPTION, SOURCE, DROP, SWAP, SWAP_MANY, SWAP_ALL, ADD, RESTART, CURVE)
+"""In the order in which they are tried: what mends before what adds, names before curves."""
+
+__all__ = ["ADD", "CURVE", "DROP", "MOVES", "ONSET"]

@@ -1,0 +1,131 @@
+"""The effect that explains most of what is left, on all joints where it is among the best."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.candidates import extended, local_kinds, open_kinds, usable
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.moves.member import MEMBER
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
+from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.trial import column_trials
+
+PROMISING = 4  # local candidates a joint that are refitted in full
+PROMISING_EVERYWHERE = 2
+NEAR_BEST = 0.6  # an effect takes a joint along if it explains this share of what the best one does there
+EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
+MAJORITY = 0.6  # of the joints
+
+Trials = dict[str, tuple[float, Hypothesis, float]]
+"""By effect: the gain in score on a joint, the hypothesis and the joint's squared residuals."""
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """All effects on all joints together."""
+    yield Group("any", best.context.columns, partial(_any, best, desk))
+
+
+def _any(best: Fit, desk: Desk) -> Iterator[Fit]:
+    yield from on_joints(best, desk)
+    yield from everywhere(best)
+
+
+def on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
+    """For each effect that a joint may have, the hypothesis with it on the joints where it is among the
+    best.
+    """
+    tried: dict[str, dict[int, tuple[float, Hypothesis, float]]] = {}
+    for column in best.context.columns:
+        for name, trial in trials(best, desk, column).items():
+            tried.setdefault(name, {})[column] = trial
+    most = {c: max((t[c][0] for t in tried.values() if c in t), default=0.0) for c in best.context.columns}
+    for name, by in tried.items():
+        chosen = {c: t for c, t in by.items() if t[0] >= NEAR_BEST * most[c]}
+        if chosen:
+            yield _merged(best, name, chosen)
+
+
+def trials(best: Fit, desk: Desk, column: int) -> Trials:
+    """The effects that would help a column; kept while nothing that bears on it changes."""
+    context = best.context
+    key = ("add", column, context.look, context.noise[column], best.hypothesis.key(column))
+    found = desk.kept.get(key)
+    if found is None:
+        found = desk.kept[key] = _tried(best, column)
+    assert isinstance(found, dict)
+    return found
+
+
+def _tried(best: Fit, column: int) -> Trials:
+    tried: Trials = {}
+    kinds, before = open_kinds(best.context, best.hypothesis, column), score(best)
+    for trial in column_trials(best, best.hypothesis, column, kinds, PROMISING):
+        gain = before - score(trial)
+        name = _added(best.hypothesis, trial.hypothesis, column)
+        if gain > (tried[name][0] if name in tried else 0.0):
+            tried[name] = gain, trial.hypothesis, trial.cost[column]
+    return tried
+
+
+def _added(before: Hypothesis, after: Hypothesis, column: int) -> str:
+    """The effect that one hypothesis has more of on a column than the other."""
+    return next(
+        t.effect
+        for t in after.on(column)
+        if t.effect not in before
+        or column not in before[t.effect].own
+        or after.get_words(t.effect, column) != before.get_words(t.effect, column)
+    )
+
+
+def _merged(best: Fit, name: str, chosen: dict[int, tuple[float, Hypothesis, float]]) -> Fit:
+    """One hypothesis out of the trials of one effect on several joints."""
+    out = best.hypothesis.copy()
+    leader = chosen[max(chosen, key=lambda c: best.cost[c] - chosen[c][2])][1][name]
+    term = out.setdefault(name, Term(name, leader.form, dict(leader.shared), given=leader.given))
+    shared = dict(term.shared)
+    for column, (_, there, _) in chosen.items():
+        out.take(column, there)
+    out[name].shared = shared
+    cost = best.cost | {c: cost for c, (_, _, cost) in chosen.items()}
+    return refit(best.context, out) if shared else Fit(out, cost, best.context)
+
+
+def everywhere(best: Fit) -> Iterator[Fit]:
+    """Hypotheses with a further effect that acts on all joints alike."""
+    context = best.context
+    kinds = [k for k in usable(context) if k.everywhere and k.id not in best.hypothesis]
+    if not kinds:
+        return
+    screen = Screen(context, best.hypothesis)
+    found = [c for k in kinds for c in screen.all_everywhere(k) if c.gain > SIGNIFICANT]
+    most = PROMISING_EVERYWHERE if local_kinds(context) else len(found)  # a servo's lags hide each other
+    for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
+        trial = refit(context, extended(context, best.hypothesis, candidate))
+        trial = descend_with(trial, (MEMBER,))
+        if shared_by_most(best, trial, candidate.effect):
+            yield trial
+
+
+def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
+    """Whether an effect on all joints explains what it should on most of those that it moves."""
+    context, sides = trial.context, []
+    less = trial.hypothesis.without(name)
+    for column in (c for c in trial.hypothesis[name].columns if c in context.columns):
+        pairs = zip(
+            context.predictions(trial.hypothesis, column), context.predictions(less, column), strict=True
+        )
+        moved = context.whiten_change([a - b for a, b in pairs], column)
+        size = float(moved @ moved)
+        if size > need(context, column, best.rest(column)):
+            gain = best.cost[column] - trial.cost[column]
+            left = best.cost[column] - context.count(column)
+            sides.append(gain > EXPECTED * size or gain > MAJORITY * left)
+    return sum(sides) > MAJORITY * len(sides)
+
+
+ADD = Move("add", groups, grows=True)

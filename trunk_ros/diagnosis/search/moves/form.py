@@ -1,0 +1,87 @@
+"""Another form of an effect: Gaussian or exponential, one mode or two, straight or bent."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.candidates import extended, seen_forms
+from trunk_ros.diagnosis.search.credible import hidden
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.effects import effect
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """The forms of each effect."""
+    for name, term in best.hypothesis.items():
+        if len(effect(name).forms) > 1 and set(term.columns) & set(best.context.columns):
+            columns = [c for c in term.columns if c in best.context.columns]
+            yield Group(name, columns, partial(reforms, best, name))
+
+
+def reforms(best: Fit, name: str) -> Iterator[Fit]:
+    """An effect in each other form that its joints can show."""
+    kind, columns = effect(name), best.hypothesis[name].columns
+    for form in kind.forms:
+        seen = all(form in seen_forms(best.context, kind, c) for c in columns)
+        if seen and form != best.hypothesis[name].form and kind.own_parameters(form):
+            trial = _reformed(best, name, form)
+            if trial is not None:
+                yield trial
+
+
+def _reformed(now: Fit, name: str, form: str) -> Fit | None:
+    """In another form on the joints that it is on; a refined one leaves the values of a joint as they are
+    where its motion does not show more.
+    """
+    context, kind, old = now.context, effect(name), now.hypothesis[name]
+    begun = _begun(now, name, form)
+    if begun is None:
+        return None
+    trial = refit(context, begun)
+    if form not in kind.refined or old.form in kind.refined:
+        return trial
+    trial = min([trial, *(refit(context, h) for h in _refinements(now.hypothesis, name, form))], key=score)
+    for column in hidden(trial.context, trial.hypothesis[name]):
+        kept = trial.hypothesis.copy()
+        kept[name].own[column] = dict(old.own[column])
+        trial = refit_column(trial, kept, column)
+    return trial
+
+
+def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
+    """Each joint at what a linear look finds best."""
+    kind, old = effect(name), now.hypothesis[name]
+    out = bare = now.hypothesis.without(name)
+    screen = Screen(now.context, bare, old.columns)
+    for column in old.columns:
+        candidate = screen.local_form(kind, form, column)
+        if candidate is None:
+            return None
+        out = extended(now.context, out, replace(candidate, column=None, columns=(column,)))
+    out[name].shared |= {
+        p.name: old.shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in old.shared
+    }
+    return out
+
+
+def _refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypothesis]:
+    """An effect with the values that it has, and what a refined form adds at each of its start values."""
+    known = effect(name).own_parameters(hypothesis[name].form)
+    added = [p for p in effect(name).own_parameters(form) if p not in known]
+    for k in range(max((len(p.scan) for p in added), default=0)):
+        out = hypothesis.copy()
+        out[name].form = form
+        for parameter in added:
+            start = parameter.scan[k % len(parameter.scan)] if parameter.scan else parameter.typical
+            for values in [out[name].shared] if parameter.shared else out[name].own.values():
+                values[parameter.name] = start
+        yield out
+
+
+FORM = Move("form", groups)

@@ -1,0 +1,81 @@
+"""What an effect may have besides: a shared option such as a payload, or what the arm itself states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from trunk_ros.diagnosis.search.candidates import extended, given
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.effects import effect
+from trunk_ros.parameter import Parameter
+
+SIZES = (0.4, 1.6)  # of the usual value
+REFITTED = 2  # starts that are fitted in full
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """The options of each effect."""
+    for name, term in best.hypothesis.items():
+        if options_of(name, term.form) or given(effect(name), best.context):
+            yield Group(name, best.context.columns, partial(_changed, best, name))
+
+
+def options_of(name: str, form: str) -> list[Parameter]:
+    """The shared parameters that an effect may do without."""
+    return [p for p in effect(name).own_parameters(form) if p.optional and p.shared]
+
+
+def _changed(now: Fit, name: str) -> Iterator[Fit]:
+    term, options = now.hypothesis[name], options_of(name, now.hypothesis[name].form)
+    for parameter in options:
+        yield from toggled(now, name, parameter)
+    stated = given(effect(name), now.context)
+    if term.given & set(stated):
+        trial = now.hypothesis.copy()
+        trial[name].given = frozenset()
+        for parameter in options:
+            trial[name].shared.pop(parameter.name, None)
+        yield refit(now.context, trial)
+    elif stated:
+        yield from _as_stated(now, name)
+
+
+def _as_stated(now: Fit, name: str) -> Iterator[Fit]:
+    """With what the arm's description states in the place of fitted values, with and without options."""
+    bare = now.hypothesis.without(name)
+    found = Screen(now.context, bare).all_everywhere(effect(name))
+    stated = next((c for c in found if not c.free), None)
+    if stated is not None and stated.form == now.hypothesis[name].form:
+        trial = refit(now.context, extended(now.context, bare, stated))
+        yield trial
+        for parameter in options_of(name, stated.form):
+            yield from toggled(trial, name, parameter)
+
+
+def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
+    """With a shared option if it was without, and the other way round.
+
+    A value of a joint that has made up for a missing payload does not find back: so the joints start anew as
+    well, in each form, with small and large values of the option.
+    """
+    trial = now.hypothesis.copy()
+    if trial[name].shared.pop(parameter.name, None) is not None:
+        yield refit(now.context, trial)
+        return
+    trial[name].shared[parameter.name] = parameter.typical
+    yield refit(now.context, trial)
+    bare, free = now.hypothesis.without(name), not now.hypothesis[name].given
+    screen = Screen(now.context, bare)
+    begun = []
+    for form in effect(name).forms:
+        for size in SIZES:
+            found = screen.all_everywhere(effect(name), form, {parameter.name: size * parameter.typical})
+            begun += ([c for c in found if c.free == free] or found)[:1]
+    for candidate in sorted(begun, key=lambda c: -c.gain)[:REFITTED]:
+        yield refit(now.context, extended(now.context, bare, candidate))
+
+
+OPTION = Move("option", groups)

@@ -1,0 +1,49 @@
+"""A joint's own effects chosen once more from another first one: the best alone may bar the best two."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from trunk_ros.diagnosis.search.candidates import own_effects
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.fit import Fit, refit_column
+from trunk_ros.diagnosis.search.moves.add import trials
+from trunk_ros.diagnosis.search.score import beats, score
+
+FIRST = 3  # effects that are begun with
+MOST = 3  # effects that are then chosen
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Joints whose own effects leave more than noise."""
+    for column in best.context.columns:
+        rest = best.cost[column] / best.context.count(column) - 1.0
+        own = own_effects(best.hypothesis, column)
+        if own and column not in best.hypothesis.curved and rest > best.context.rest(column):
+            yield Group(column, [column], partial(_anew, best, desk, column, own))
+
+
+def _anew(best: Fit, desk: Desk, column: int, own: list[str]) -> Iterator[Fit]:
+    bare = refit_column(best, best.hypothesis.less(own, column), column)
+    for first in _further(bare, desk, column)[:FIRST]:
+        yield _grown(first, desk, column)
+
+
+def _further(now: Fit, desk: Desk, column: int) -> list[Fit]:
+    """With each effect that helps a column, the best first."""
+    found = sorted(trials(now, desk, column).values(), key=lambda trial: -trial[0])
+    return [Fit(there, now.cost | {column: cost}, now.context) for _, there, cost in found]
+
+
+def _grown(now: Fit, desk: Desk, column: int) -> Fit:
+    """With what then explains most of the joint, as long as that pays."""
+    for _ in range(MOST - 1):
+        best = min(_further(now, desk, column), key=score, default=now)
+        if not beats(best, now):
+            break
+        now = best
+    return now
+
+
+RESTART = Move("restart", groups, grows=True)

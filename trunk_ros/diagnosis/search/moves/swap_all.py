@@ -1,0 +1,128 @@
+"""An effect that acts on all joints alike in the place of one that most have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.candidates import extended, replaced, taken, usable
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.moves.drop import DROP
+from trunk_ros.diagnosis.search.moves.form import FORM
+from trunk_ros.diagnosis.search.moves.member import MEMBER
+from trunk_ros.diagnosis.search.moves.option import OPTION
+from trunk_ros.diagnosis.search.moves.swap_many import on_most
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
+from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.effects import Effect, effect
+
+REFITTED = 3  # starts of an effect of the same kind that are fitted in full
+ALONE = 2  # joints that what acts on all must explain by itself
+PROMISED = 0.5  # of what the one in its place explains
+SEEN = 0.2  # of that: a linear look sees less of what bends
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Each effect of most joints, by each that acts on all."""
+    kinds = [k for k in usable(best.context) if k.everywhere and k.id not in best.hypothesis]
+    for name in [name for name in best.hypothesis if kinds and on_most(best, name)]:
+        yield Group(name, best.context.columns, partial(_swapped, best, name, kinds))
+
+
+def _swapped(best: Fit, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
+    bare = best.hypothesis.without(name)
+    screen = Screen(best.context, bare)
+    lost = {c: screen.left(c) - best.cost[c] for c in best.context.columns}
+    for kind in kinds:
+        if alike(kind, effect(name)):
+            yield from _inherited(best, bare, name, kind)
+            continue
+        again = kind.regime == effect(name).regime
+        for candidate in screen.all_everywhere(kind):
+            if candidate.gain > SEEN * min(sum(lost.values()), SIGNIFICANT):
+                trial = refit(best.context, extended(best.context, bare, candidate))
+                if _promises(trial, screen, lost, again):
+                    yield _polished(best, trial, name, again)
+
+
+def alike(kind: type[Effect], other: type[Effect]) -> bool:
+    """Whether one effect includes the other, or both include a third."""
+    return bool({kind.id, *kind.replaces} & {other.id, *other.replaces})
+
+
+def _inherited(best: Fit, bare: Hypothesis, name: str, kind: type[Effect]) -> Iterator[Fit]:
+    """An effect with the values that one of its like has, and each start of what it has besides."""
+    old, context, begun = best.hypothesis[name], best.context, []
+    for form in kind.forms:
+        starts = {c: kind({}, {}, form).starts(context.shown(c), 0) for c in old.columns}
+        for k in range(max(map(len, starts.values()))):
+            term = Term(kind.id, form, given=old.given)
+            for p in kind.own_parameters(form):
+                if p.shared and p.name in old.shared:
+                    term.shared[p.name] = old.shared[p.name]
+                for c in old.columns if not p.shared else ():
+                    term.own.setdefault(c, {})[p.name] = old.own[c].get(
+                        p.name, starts[c][k % len(starts[c])][p.name]
+                    )
+            begun.append(costed(context, Hypothesis({**bare.copy(), kind.id: term})))
+    for trial in sorted(begun, key=lambda fit: fit.total)[:REFITTED]:
+        yield refit(context, trial.hypothesis)
+
+
+def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -> bool:
+    """Whether an effect explains by itself half of what the other one did; on two joints at least, if that
+    may come back on the others.
+    """
+    gained = {c: screen.left(c) - trial.cost[c] for c in lost}
+    if not again:
+        return sum(gained.values()) > PROMISED * sum(lost.values())
+    return sum(gained[c] > max(PROMISED * loss, SIGNIFICANT) for c, loss in lost.items()) >= ALONE
+
+
+def _polished(best: Fit, trial: Fit, name: str, again: bool) -> Fit:
+    """With what usually follows: options and members of the new one, the old one back where it is needed."""
+    trial = descend_with(trial, (OPTION, MEMBER))
+    if again:
+        trial = descend_with(_with_some_back(best, trial, name), (FORM,))
+    return descend_with(trial, (DROP,)) if trial.total < score(best) else trial
+
+
+def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:
+    """The effect that was replaced again on joints that have more of it than all, the neediest first: on
+    most, since what acts on all shows on several joints alone.
+    """
+    kind, context = effect(name), trial.context
+    if replaced(kind, trial.hypothesis):
+        return trial
+    left = [c for c in was.hypothesis[name].columns if not taken(kind, trial.hypothesis, c)]
+    left = [c for c in left if c in context.columns]
+    alone = len(context.columns) - len(left)
+    while left and len(left) + alone > ALONE:
+        needy = max(left, key=lambda c: trial.cost[c] - was.cost[c])
+        if trial.cost[needy] - was.cost[needy] < need(context, needy, was.rest(needy)):
+            break
+        left.remove(needy)
+        trial = _back(was.hypothesis[name], trial, needy)
+    return trial
+
+
+def _back(old: Term, now: Fit, column: int) -> Fit:
+    """With an effect on a joint again, as it was there or, if it has a name, begun anew."""
+    kind, screen = effect(old.effect), Screen(now.context, now.hypothesis, [column])
+    trials = [
+        extended(now.context, now.hypothesis, candidate)
+        for candidate in (screen.forms(kind, column) if kind.named else ())
+    ]
+    if old.effect not in now.hypothesis or now.hypothesis[old.effect].form == old.form:
+        as_it_was = now.hypothesis.copy()
+        term = as_it_was.setdefault(old.effect, Term(old.effect, old.form, dict(old.shared), given=old.given))
+        term.own[column] = dict(old.own[column])
+        if column in old.words:
+            term.words[column] = dict(old.words[column])
+        trials.append(as_it_was)
+    return min((refit(now.context, trial) for trial in trials), key=score, default=now)
+
+
+SWAP_ALL = Move("swap_all", groups)

@@ -1,0 +1,66 @@
+"""An effect in the place of one that most joints have and that it is confused with, on all of them at once:
+what the arm shares moves along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.candidates import extended, local_kinds
+from trunk_ros.diagnosis.search.credible import unshown
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.moves.drop import DROP
+from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.effects import Effect, effect
+
+MOST = 0.5  # of the joints: an effect on as many may be one of all
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Each effect of most joints, by each that it is confused with."""
+    if not any(effect(name).everywhere for name in best.hypothesis):
+        return
+    for name in [name for name in best.hypothesis if on_most(best, name)]:
+        for rival in [effect(rival) for rival, _ in effect(name).confused_with]:
+            if rival in local_kinds(best.context):
+                yield Group((name, rival.id), best.context.columns, partial(_on_the_same, best, name, rival))
+
+
+def on_most(best: Fit, name: str) -> bool:
+    """Whether an effect acts on all joints, or is on most of them."""
+    columns = best.context.columns
+    there = set(best.hypothesis[name].columns) & set(columns)
+    return effect(name).everywhere or len(there) > MOST * len(columns)
+
+
+def _on_the_same(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
+    """An effect in the place of another on all of its joints, and of all that these have of its regime."""
+    columns, less = best.hypothesis[name].columns, best.hypothesis.without(name)
+    alone = less
+    for other in [t.effect for t in less.values() if effect(t.effect).regime == kind.regime]:
+        alone = alone.without(other)
+    for bare in (less, alone) if len(alone) < len(less) else (less,):
+        out = _with(best, bare, kind, [c for c in columns if c in best.context.columns])
+        if out is not None:
+            trial = refit(best.context, out)
+            if not unshown(trial.context, trial.hypothesis):
+                yield descend_with(trial, (DROP,))
+
+
+def _with(best: Fit, bare: Hypothesis, kind: type[Effect], columns: list[int]) -> Hypothesis | None:
+    """An effect on further joints, in one form; None where one of them does not show it."""
+    screen, out = Screen(best.context, bare, columns), bare
+    form = bare[kind.id].form if kind.id in bare else kind.forms[0]
+    for column in columns:
+        if kind.id not in bare or column not in bare[kind.id].own:
+            start = screen.local_form(kind, form, column)
+            if start is None:
+                return None
+            out = extended(best.context, out, start)
+    return out
+
+
+SWAP_MANY = Move("swap_many", groups)

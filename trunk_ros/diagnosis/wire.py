@@ -1,0 +1,105 @@
+"""Gearbox angle to joint reading, as a stage to be diagnosed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.chain import Chain, wire_pass
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.surroundings import View
+from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.model import Model
+from trunk_ros.resistance import loads
+from trunk_ros.stage import Order, State, through
+from trunk_ros.start import Driven, first_rows, history
+
+
+class WireStage(Stage):
+    """Gearbox angle to joint reading."""
+
+    name = "wire"
+
+    def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        span, payload = context.views[index].span, payload_of(hypothesis)
+        now = context.now(index, column, payload)
+        width = self.arm.dead_band[None, column : column + 1]
+        blocks = hypothesis.bound(column)
+        state = None
+        if len(span.start[column]):
+            until = int(span.rows[span.start[column][-1]]) + 1
+            seen, one = (context.now(index, column, payload, steps) for steps in (until, 1))
+            state = begun(seen, one, blocks, width, span, column)
+        shown, _, _ = wire_pass(now.gearbox, now, blocks, Core(nominal_width=width, width=width), state)
+        return _besides(span, column, now, blocks, np.asarray(shown[span.rows, 0]))
+
+    def seen(self, views: tuple[View, ...], hypothesis: Hypothesis) -> tuple[View, ...]:
+        chain = Chain(Model(self.arm, hypothesis.model_effects(len(self.joints))), "wire")
+        return tuple(self._seen(chain, view) for view in views)
+
+    def _seen(self, chain: Chain, view: View) -> View:
+        span = view.span
+        angles = chain.angles(span.gearbox, span.grid, span.velocity, span.resistance)
+        load, lever = loads(self.arm, angles, span.resistance)
+        return replace(view, angles=angles, load=load, lever=lever)
+
+
+def settled(state: Fit, seconds: float) -> Fit:
+    """Fitted with recordings that stop to measure beginning as a hypothesis says that their wires lay, going by
+    the joint angles of the first ``seconds``.
+    """
+    context = state.context
+    if seconds <= 0.0 or not any(view.span.before for view in context.views):
+        return state
+    effects = state.hypothesis.model_effects(len(context.joints))
+    chain = Chain(Model(context.arm, effects), "wire")
+    views = tuple(_with_a_start(chain, view, seconds) for view in context.views)
+    looked = replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
+    return refit(looked, state.hypothesis)
+
+
+def _with_a_start(chain: Chain, view: View, seconds: float) -> View:
+    span, before = view.span, view.span.before
+    if not before:
+        return view
+    seen = first_rows(span.stamp, seconds)
+    angles = np.where(span.valid, span.target, np.nan)[:seen]
+    known = None if span.resistance is None else span.resistance.part(slice(before, None))
+    rows = span.rows[:seen] - before
+    driven = Driven(span.gearbox[before:], span.grid[before:], rows, angles, span.velocity[before:], known)
+    path = span.gearbox.copy()
+    path[:before] = path[before] + history(chain, driven) / chain.arm.ratio
+    return replace(view, span=replace(span, source=path, gearbox=path), wires=path * chain.arm.ratio)
+
+
+def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Array) -> Array:
+    """The prediction (n,) with what went on besides, as far as the recording shows it."""
+    for block in blocks:
+        shapes = block.transients(now)
+        if shapes is not None:
+            shapes, valid = shapes[span.rows], span.valid[:, column]
+            off = span.target[valid, column] - shown[valid]
+            seen = shapes[valid]
+            normal = seen.T @ seen + 1e-9 * len(seen) * np.eye(seen.shape[1])
+            shown = shown + shapes @ np.linalg.solve(normal, seen.T @ off)
+    return shown
+
+
+def begun(seen: Now, one: Now, blocks: list[Effect], width: Array, span: Span, column: int) -> State:
+    """The state in which the friction element shows what was measured while the joint stood, as far as its
+    play lets it. ``seen``: the surroundings until then, ``one``: at the first step.
+    """
+    rows, core = span.start[column], Core(nominal_width=width, width=width)
+    shown, true, _ = wire_pass(seen.gearbox, seen, blocks, core, None)
+    off = np.median(span.target[rows, column] - shown[span.rows[rows], 0])
+    element = core.rounding or SharpPlay()
+    u = through(one.gearbox * one.ratio, Order.of(blocks).path, one, {}, {})
+    _, memory = element.run(np.vstack([u + off, u]), core.width[:1], None)
+    return State(float(one.stamp[0]), one.gearbox[0], true[0], {}, memory)
