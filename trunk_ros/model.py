@@ -40,7 +40,8 @@ class Model:
     words to lists.
 
     ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold
-    their value at its end. ``error`` and ``reach`` (joints,) rad are what it left of samples that its fit did not
+    their value at its end. ``error`` and ``reach`` (joints,) rad are what it left of samples that its fit
+    did not
     see, and how far from their mean the motors went there, joint side, rms; empty where that is not known.
     """
 

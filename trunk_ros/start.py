@@ -1,7 +1,7 @@
 """How the wires lay when a recording began, from its first measured joint angles.
 
-Whatever moved before the recording left its mark in all memory alike: in plays, in drags of neighbours, in creep. So
-what is estimated is not the memory but the motion: where each motor came from.
+Whatever moved before the recording left its mark in all memory alike: in plays, in drags of neighbours, in
+creep. So what is estimated is not the memory but the motion: where each motor came from.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ class Driven:
 
 
 def first_rows(stamp: Array, settle: float) -> int:
-    """How many of the measured rows at ``stamp`` (n,) s lie within ``settle`` s of the first; one at least, where
-    the joints stop and are measured more rarely than that.
+    """How many of the measured rows at ``stamp`` (n,) s lie within ``settle`` s of the first; one at least,
+    where the joints stop and are measured more rarely than that.
     """
     if settle <= 0.0 or not len(stamp):
         return 0
@@ -62,7 +62,8 @@ def begun(chain: Chain, driven: Driven) -> State | None:
 def history(chain: Chain, driven: Driven) -> Array:
     """(TURNS, joints) rad, joint side: how far from where they were first seen the motors had been before.
 
-    The likeliest, joint by joint: where angles predicted at the first measured rows are off by no more than the
+    The likeliest, joint by joint: where angles predicted at the first measured rows are off by no more than
+    the
     model's usual error, and the motors came from no further than they usually are. A model's error lasts for
     seconds, so that all of a joint's first rows count as one.
     """
@@ -123,8 +124,8 @@ def _farthest(power: Callable[[float], float]) -> tuple[float, float]:
 
 
 def _power(chain: Chain, driven: Driven, places: Array, size: Array) -> float:
-    """Mean squares of the errors at the first measured rows, each joint's in its own ``size``, and of the places
-    in what is usual.
+    """Mean squares of the errors at the first measured rows, each joint's in its own ``size``, and of the
+    places in what is usual.
     """
     reach = chain.model.reach if len(chain.model.reach) else np.full(places.shape[1], USUAL)
     far = places / np.maximum(reach, NEAR)

@@ -1,4 +1,6 @@
-"""``python -m test.real DIR``: this project beside a bank of plays, boosting and a network on real recordings."""
+"""``python -m test.real DIR``: this project beside a bank of plays, boosting and a network on real
+recordings.
+"""
 
 from __future__ import annotations
 

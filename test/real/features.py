@@ -18,7 +18,9 @@ PAST = 6  # samples
 
 @dataclass(frozen=True)
 class Run:
-    """A recording at the stamps of its joints: commands (n, k), loads (n, k or 0), joints (n, m), NaN where lost."""
+    """A recording at the stamps of its joints: commands (n, k), loads (n, k or 0), joints (n, m), NaN where
+    lost.
+    """
 
     stamp: Array
     commands: Array

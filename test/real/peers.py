@@ -67,7 +67,9 @@ def _tuned(runs: Sequence[Run], own: list[int], settings: Sequence, fitted: Call
 
 
 def _rows(tables: list[tuple[Array, Array]], j: int) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Rows with a reading, thinned to what a model can take: the first four fifths of each run, and the rest."""
+    """Rows with a reading, thinned to what a model can take: the first four fifths of each run, and the
+    rest.
+    """
     step = max(sum(len(x) for x, _ in tables) // MOST, 1)
     parts: list[list[tuple[Array, Array]]] = [[], []]
     for x, angles in tables:

@@ -52,8 +52,8 @@ class WireStage(Stage):
 
 
 def settled(state: Fit, seconds: float) -> Fit:
-    """Fitted with recordings that stop to measure beginning as a hypothesis says that their wires lay, going by
-    the joint angles of the first ``seconds``.
+    """Fitted with recordings that stop to measure beginning as a hypothesis says that their wires lay,
+    going by the joint angles of the first ``seconds``.
     """
     context = state.context
     if seconds <= 0.0 or not any(view.span.before for view in context.views):

@@ -1,4 +1,6 @@
-"""Shapes over the motion of several sources, each times a weight: what is linear and not known by a formula."""
+"""Shapes over the motion of several sources, each times a weight: what is linear and not known by a
+formula.
+"""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ def add_settle(parser: Parser) -> None:
         type=_seconds,
         default=SETTLE,
         metavar="S",
-        help=f"seconds of measured joint angles that tell how the wires lay at the start (default {SETTLE:g}; "
-        "0: none, memory starts at its centre)",
+        help="seconds of measured joint angles that tell how the wires lay at the start "
+        f"(default {SETTLE:g}; 0: none, memory starts at its centre)",
     )
 
 

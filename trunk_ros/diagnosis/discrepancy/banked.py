@@ -56,14 +56,16 @@ def _banked(state: Fit, column: int, misfit: float) -> Fit:
 
 
 def _wins(before: Array, after: Array, misfit: float) -> bool:
-    """Whether the power that is left in blocks that nothing was fitted to is clearly less than before, and little
-    of the misfit.
+    """Whether the power that is left in blocks that nothing was fitted to is clearly less than before, and
+    little of the misfit.
     """
     return clearly(before, after, CLEAR) and float(after.mean()) - 1.0 < HALF * misfit
 
 
 def clearly(before: Array, after: Array, share: float) -> bool:
-    """Whether powers of blocks (CUTS,) are less than before by a ``share``, and by more than their scatter."""
+    """Whether powers of blocks (CUTS,) are less than before by a ``share``, and by more than their
+    scatter.
+    """
     gain = np.log(before / after)
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain))
     return bool(gain.mean() > max(share, SURE * error))

@@ -1,5 +1,5 @@
-"""What no formula fits, as banks of shapes over the motion: curves and drags of other joints, plays of the joint's
-own. Linear in their weights, few by marginal likelihood, and kept only where they win on blocks not seen.
+"""What no formula fits, as banks of shapes over the motion: curves and drags of other joints, plays of the
+joint's own. They are linear in their weights, and have few sources.
 """
 
 from __future__ import annotations
@@ -112,8 +112,8 @@ class Sums:
         )
 
     def weights(self, chosen: Sequence[int], worth: float, seen: np.ndarray) -> Array:
-        """Weights (WEIGHTS times chosen,) of the chosen sources from the blocks ``seen`` (CUTS,), where ``worth``
-        samples are worth one.
+        """Weights (WEIGHTS times chosen,) of the chosen sources from the blocks ``seen`` (CUTS,), where
+        ``worth`` samples are worth one.
 
         Each source has a precision of its own, of the largest marginal likelihood (MacKay 1992, Neural
         Computation 4(3)), and the noise as well.
@@ -170,8 +170,8 @@ def inverse(matrix: Array) -> Array:
 
 
 def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
-    """The sources that are needed, in the order of their need: one after the other the one with which least is left
-    of blocks not seen, as long as that pays.
+    """The sources that are needed, in the order of their need: one after the other the one with which least
+    is left of blocks not seen, as long as that pays.
     """
     chosen: list[int] = []
     best = float(sums.unseen([], worth).mean())

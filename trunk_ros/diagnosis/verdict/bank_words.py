@@ -36,7 +36,7 @@ def statement(term: Term, where: str) -> str:
     """One sentence."""
     on = " and ".join(varies_with(term))
     if not kind_of(term).named:
-        return f"{where}: the angle remembers the motion of {on} in a way that no name fits; plays stand in for it."
+        return f"{where}: the angle remembers the motion of {on} in a way that no name fits; plays stand in."
     if kind_of(term).regime == "reversal":
         return f"{where}: the motion of {on} drags the joint along, contact after contact."
     return f"{where}: the posture of {on} moves the joint along a curve."

@@ -17,16 +17,16 @@ CUBICS = CubicSpline(np.arange(WEIGHTS), np.eye(WEIGHTS), bc_type="natural").c
 
 
 class CouplingCurve(Bank):
-    """theta += curve(s), a natural cubic spline through 8 values, straight beyond its ends for a quarter of its
-    range; s = r phi of another joint, up to four of them.
+    """theta += curve(s), a natural cubic spline through 8 values, straight beyond its ends for a quarter of
+    its range; s = r phi of another joint, up to four of them.
     """
 
     id = "coupling_curve"
     stage, place = "wire", 245
     signature = "The residual follows another joint's angle along a bent line, the same in both directions."
     source = (
-        "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones, and the way "
-        "through a bent guide is no straight function of its angle."
+        "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones, and the "
+        "way through a bent guide is no straight function of its angle."
     )
     sources = 4
     parameters = parameters_of(sources, "where the curve begins", "where the curve ends", "rad at knot")

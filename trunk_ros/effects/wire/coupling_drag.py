@@ -5,8 +5,9 @@ from trunk_ros.effects.drags import Drags
 
 
 class CouplingDrag(Drags):
-    """theta += sum of weight_i (s - play(s, reach_i)), s = r phi of another joint, up to four of them: its wire
-    takes this joint's along, contact after contact, and slides. Eight reaches in even ratios from low to high.
+    """theta += sum of weight_i (s - play(s, reach_i)), s = r phi of another joint, up to four of them: its
+    wire takes this joint's along, contact after contact, and slides. Eight reaches in even ratios from low to
+    high.
     """
 
     id = "coupling_drag"
@@ -15,8 +16,8 @@ class CouplingDrag(Drags):
         "The residual is a rounded loop against another joint's angle, whether this joint moves or not."
     )
     source = (
-        "Presliding friction between two wires as a sum of plays: Prandtl-Ishlinskii, in the form of Al Janaideh, "
-        "Rakheja & Su (2011), IEEE/ASME Trans. Mechatronics 16(4), eq. (3)."
+        "Presliding friction between two wires as a sum of plays: Prandtl-Ishlinskii, in the form of "
+        "Al Janaideh, Rakheja & Su (2011), IEEE/ASME Trans. Mechatronics 16(4), eq. (3)."
     )
     sources = 4
     parameters = parameters_of(

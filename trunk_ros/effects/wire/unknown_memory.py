@@ -13,8 +13,8 @@ class UnknownMemory(Drags):
     stage, place = "wire", 252
     signature = "The residual is a loop over the motion in a way that no named effect has."
     source = (
-        "Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63(3): a discrepancy term beside the physics; its memory a "
-        "Prandtl-Ishlinskii operator (Brokate & Sprekels 1996, Hysteresis and Phase Transitions)."
+        "Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63(3): a discrepancy term beside the physics; its "
+        "memory a Prandtl-Ishlinskii operator (Brokate & Sprekels 1996, Hysteresis and Phase Transitions)."
     )
     named = False
     sources, own = 5, True
