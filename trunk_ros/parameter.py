@@ -26,5 +26,7 @@ class Parameter:
     """An optional parameter stays at ``null`` unless the data ask for it."""
     measured: bool = False
     """What the motion itself tells, at the start of a fit, is not fitted."""
+    gone: float | None = None
+    """The value at which the effect is absent, where what is meant by default is another one."""
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""

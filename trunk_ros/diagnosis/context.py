@@ -13,10 +13,10 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.motion_content import is_wide, speed_tells
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
-from trunk_ros.diagnosis.data.surroundings import View, first
+from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.effects.effect import Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.recording.signal.resample import SLOW
 
 LEAST = 50  # valid samples without which a joint cannot be judged
@@ -58,7 +58,9 @@ class Context:
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
-    _cache: dict[tuple[int, int, float, int | None], Now] = field(default_factory=dict, repr=False)
+    _cache: dict[tuple[int, int, float, tuple[int, ...] | None], Now] = field(
+        default_factory=dict, repr=False
+    )
 
     @staticmethod
     def of(stage: Stage, work: Work | None = None) -> Context:
@@ -154,6 +156,11 @@ class Context:
         steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column)) / self.noise[column].std
         return known + 2.0 * float(steps) ** 2
 
+    def motion(self, column: int) -> Motion:
+        """What a joint's motion is like."""
+        masses = self.arm.has_load and len(self.joints) > 1
+        return Motion(column in self.wide, column in self.stage.one_way, masses)
+
     @property
     def formed(self) -> frozenset[int]:
         """Columns whose residual is smooth by its form and not by the colour of noise."""
@@ -168,14 +175,14 @@ class Context:
 
     # Predictions and residuals.
 
-    def now(self, index: int, column: int, payload: float, steps: int | None = None) -> Now:
-        """The surroundings of a column in a span, or in its first ``steps``, kept between calls."""
-        key = (index, column, payload, steps)
+    def now(self, index: int, column: int, payload: float, rows: tuple[int, ...] | None = None) -> Now:
+        """The surroundings of a column in a span, or at some ``rows`` of its grid, kept between calls."""
+        key = (index, column, payload, rows)
         if key not in self._cache:
-            if steps is None:
+            if rows is None:
                 made = self.views[index].now(self.arm, column, payload)
             else:
-                made = first(self.now(index, column, payload), steps)
+                made = at(self.now(index, column, payload), np.array(rows))
             if len(self._cache) > KEPT * len(self.joints) * len(self.views):
                 self._cache.clear()
             self._cache[key] = made

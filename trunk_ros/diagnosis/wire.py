@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,11 +22,17 @@ from trunk_ros.resistance import loads
 from trunk_ros.stage import Order, State, through
 from trunk_ros.start import Driven, first_rows, history
 
+STANDING = 40  # steps that a stand is looked at
+
 
 class WireStage(Stage):
     """Gearbox angle to joint reading."""
 
     name = "wire"
+
+    def _load(self, spans: Sequence[Span]) -> None:
+        super()._load(spans)
+        self._stands: dict[tuple[int, int], tuple[tuple[int, ...], float]] = {}
 
     def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
         span, payload = context.views[index].span, payload_of(hypothesis)
@@ -34,11 +41,23 @@ class WireStage(Stage):
         blocks = hypothesis.bound(column)
         state = None
         if len(span.start[column]):
-            until = int(span.rows[span.start[column][-1]]) + 1
-            seen, one = (context.now(index, column, payload, steps) for steps in (until, 1))
-            state = begun(seen, one, blocks, width, span, column)
+            rows, level = self._stand(span, column)
+            seen, one = (context.now(index, column, payload, some) for some in (rows, rows[:1]))
+            state = begun(seen, one, blocks, width, level)
         shown, _, _ = wire_pass(now.gearbox, now, blocks, Core(nominal_width=width, width=width), state)
         return _besides(span, column, now, blocks, np.asarray(shown[span.rows, 0]))
+
+    def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], float]:
+        """Steps over the time in which a joint stands as it began, the first of all at first, and what its
+        sensor reads there.
+        """
+        key = (id(span.target), column)
+        if key not in self._stands:
+            seen = span.start[column]
+            chosen = seen[np.linspace(0, len(seen) - 1, min(len(seen), STANDING)).astype(int)]
+            rows = np.unique(np.concatenate([[0], span.rows[chosen]]))
+            self._stands[key] = tuple(rows.tolist()), float(np.median(span.target[seen, column]))
+        return self._stands[key]
 
     def seen(self, views: tuple[View, ...], hypothesis: Hypothesis) -> tuple[View, ...]:
         chain = Chain(Model(self.arm, hypothesis.model_effects(len(self.joints))), "wire")
@@ -92,13 +111,13 @@ def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Arr
     return shown
 
 
-def begun(seen: Now, one: Now, blocks: list[Effect], width: Array, span: Span, column: int) -> State:
-    """The state in which the friction element shows what was measured while the joint stood, as far as its
-    play lets it. ``seen``: the surroundings until then, ``one``: at the first step.
+def begun(seen: Now, one: Now, blocks: list[Effect], width: Array, level: float) -> State:
+    """The state in which the friction element shows the ``level`` that was measured while the joint stood, as
+    far as its play lets it. ``seen``: the surroundings until then, ``one``: at the first step.
     """
-    rows, core = span.start[column], Core(nominal_width=width, width=width)
+    core = Core(nominal_width=width, width=width)
     shown, true, _ = wire_pass(seen.gearbox, seen, blocks, core, None)
-    off = np.median(span.target[rows, column] - shown[span.rows[rows], 0])
+    off = level - np.median(shown[1:])
     element = core.rounding or SharpPlay()
     u = through(one.gearbox * one.ratio, Order.of(blocks).path, one, {}, {})
     _, memory = element.run(np.vstack([u + off, u]), core.width[:1], None)

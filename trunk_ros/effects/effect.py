@@ -52,6 +52,21 @@ class Now:
     """With the payload that it carries; None where its links' masses are of no account."""
 
 
+@dataclass(frozen=True)
+class Motion:
+    """What a joint's motion is like, for what can be told from it."""
+
+    wide_loop: bool = False
+    """Always alike, with a wide loop: it hides what else varies with speed or time."""
+    one_way: bool = False
+    """It never comes back."""
+    masses: bool = True
+    """Those of several links are known."""
+
+
+UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that never comes back shows nothing
+
+
 @dataclass
 class Core:
     """The settings of a stage's own mechanism, which effects of that stage may change.
@@ -99,16 +114,10 @@ class Effect(ABC):
     texts: ClassVar[tuple[str, ...]] = ()
     """Names of parameters that are words, one per joint."""
     forms: ClassVar[tuple[str, ...]] = ("",)
-    weighed: ClassVar[tuple[str, ...]] = ()
-    """Forms that ask for the masses of several links."""
     refined: ClassVar[tuple[str, ...]] = ()
     """Forms with more to them, which are looked at once another form has been found."""
-    rising: ClassVar[tuple[str, ...]] = ()
-    """Forms for wide loops, whose flat part is another effect's."""
     beyond: ClassVar[str] = ""
-    """That other effect, which has to be there first."""
-    fine: ClassVar[bool] = False
-    """Lost in the form of a wide loop, and able to imitate it: not looked for there."""
+    """In a wide loop: another effect that is its flat part, and has to be there first."""
     named: ClassVar[bool] = True
     """It is known physics; curves that stand in for what nobody has named are not."""
     compensable: ClassVar[bool] = True
@@ -121,9 +130,6 @@ class Effect(ABC):
     scalable: ClassVar[bool] = True
     """The effect grows in proportion to its first parameter's distance from null, so that a linear look
     finds its size.
-    """
-    vanishes: ClassVar[tuple[str, float] | None] = None
-    """Parameter and value at which a scalable effect is gone, where that is not the first parameter's null.
     """
     needs: ClassVar[tuple[str, ...]] = ()
     """``load``: it must be known, by masses or effort; ``weight``: by masses; ``dead_band``: nominal
@@ -172,15 +178,16 @@ class Effect(ABC):
             if len(words) != len(joints):
                 raise ModelError(f"effects.{self.id}.{text} has {len(words)} words for {len(joints)} joints")
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """Whether the motion can show the effect as it was fitted: past that it is a guess at something
-        else.
+        else. ``beside``: less will do, as another joint of the arm shows the same beyond doubt.
         """
         return True
 
-    def plausible(self, now: Now) -> bool:
-        """The same for a joint of an arm on which another joint shows the effect beyond doubt."""
-        return self.credible(now)
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """The forms that a joint's motion can show, if any."""
+        return () if motion.one_way and cls.regime in UNTOLD else cls.forms
 
     def transients(self, now: Now) -> Array | None:
         """(n, k) shapes of what may go on besides, from before the recording or by knocks, for one joint.

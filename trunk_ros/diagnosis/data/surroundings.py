@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.effects.effect import Now
 
 
-@dataclass
+@dataclass(frozen=True)
 class View:
     """A span as the effects see it: what is known of the whole arm at each step of its grid."""
 
@@ -24,6 +24,9 @@ class View:
     wires: Array
     speeds: Array
     follows: np.ndarray
+    cuts: dict[int, tuple[Array, Array, Array, Array]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def only(self, rows: np.ndarray) -> View:
         """The same with these rows (n,) of the target alone counting."""
@@ -32,18 +35,14 @@ class View:
 
     def now(self, arm: Arm, column: int, payload: float) -> Now:
         """The surroundings of one joint, (m, 1) each."""
-
-        def cut(values: Array) -> Array:
-            return np.ascontiguousarray(values[:, column : column + 1])
-
+        gearbox, speed, load, lever = self._of(column)
         ratio = arm.ratio[column : column + 1]
-        load = cut(self.load) + payload * cut(self.lever) if payload else cut(self.load)
         return Now(
             self.span.grid,
             self.dt,
-            cut(self.span.gearbox),
-            cut(self.span.velocity) * ratio,
-            load,
+            gearbox,
+            speed * ratio,
+            load + payload * lever if payload else load,
             self.angles,
             self.wires,
             self.span.joints,
@@ -53,6 +52,14 @@ class View:
             arm=replace(arm, payload=arm.payload + payload) if payload else arm,
         )
 
+    def _of(self, column: int) -> tuple[Array, Array, Array, Array]:
+        """Gearbox angle, its speed, load and lever of one joint, (m, 1) each."""
+        if column not in self.cuts:
+            both = (self.span.gearbox, self.span.velocity, self.load, self.lever)
+            gearbox, speed, load, lever = (np.ascontiguousarray(a[:, column : column + 1]) for a in both)
+            self.cuts[column] = gearbox, speed, load, lever
+        return self.cuts[column]
+
 
 def following(valid: np.ndarray) -> np.ndarray:
     """(n, joints): where the sample before counts as well."""
@@ -61,7 +68,8 @@ def following(valid: np.ndarray) -> np.ndarray:
     return out
 
 
-def first(now: Now, steps: int) -> Now:
-    """The surroundings of the first steps."""
-    whole = ("joints", "ratio", "held", "columns", "arm")
-    return replace(now, **{f.name: getattr(now, f.name)[:steps] for f in fields(now) if f.name not in whole})
+def at(now: Now, rows: np.ndarray) -> Now:
+    """The surroundings at some steps (k,) alone, the time between them with them."""
+    whole = ("joints", "ratio", "held", "columns", "arm", "dt")
+    steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
+    return replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))

@@ -21,7 +21,6 @@ RIVALS = 3
 BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
 REST = 1.5  # times the power of noise: what is left is more than that
 LATE = 0.01  # of the time between samples: what lies between them is guessed
-TIMES = ("delay", "time_constant")
 LONGEST = 5.0  # s
 WORSE = 4.0  # squared unit-noise residuals: two standard deviations
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
@@ -120,7 +119,7 @@ def _natural(f: Free, hypothesis: Hypothesis, std: float, late: float) -> float:
     value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
     if f.parameter.scale != "linear":
         return float(value * np.hypot(std, ROUGH))
-    if f.parameter.name in TIMES:
+    if f.parameter.unit == "s" and not f.parameter.moment:
         return float(np.hypot(std, late))
     return std if f.parameter.moment else float(np.hypot(std, ROUGH * value))
 

@@ -59,6 +59,10 @@ class Pinned(Residuals):
     def jacobian(self, x: Array) -> Array:
         return np.vstack([super().jacobian(x), self.root])
 
+    def normal(self, x: Array) -> tuple[Array, Array]:
+        side, square = super().normal(x)
+        return side + self.root.T @ (self.root @ (x - self.at)), square + self.root.T @ self.root
+
     def unfitted(self) -> float:
         """Squared misfit with the values as they are."""
         rest = self(self.at)

@@ -13,7 +13,6 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.effects import Effect, effect, registry
 
 MOST = 4  # local effects on one joint
-UNTOLD = ("reversal", "hold", "time")  # by joints that never come back
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
 
 
@@ -74,9 +73,7 @@ def open_kinds(context: Context, hypothesis: Hypothesis, column: int) -> list[ty
 
 def is_open(context: Context, hypothesis: Hypothesis, kind: type[Effect], column: int) -> bool:
     """Whether an effect may be added on a column."""
-    if kind.fine and column in context.wide:
-        return False
-    if kind.regime in UNTOLD and column in context.stage.one_way:
+    if not kind.forms_shown(context.motion(column)):
         return False
     if kind.id in hypothesis and column in hypothesis[kind.id].own:
         return 0 < len(hypothesis.get_words(kind.id, column)) < len(kind.texts)
@@ -91,13 +88,6 @@ def own_effects(hypothesis: Hypothesis, column: int) -> list[str]:
 def _by_itself(term: Term) -> bool:
     """Whether each joint has a size of its own, which no description states."""
     return not term.given and not effect(term.effect).own_parameters(term.form)[0].shared
-
-
-def seen_forms(context: Context, kind: type[Effect], column: int) -> tuple[str, ...]:
-    """The forms of an effect that a joint's motion can show: in a wide loop what is flat is a dead band."""
-    forms = (kind.rising or kind.forms) if column in context.wide else kind.forms
-    chain = context.arm.has_load and len(context.joints) > 1
-    return forms if chain else tuple(form for form in forms if form not in kind.weighed)
 
 
 def extended(context: Context, hypothesis: Hypothesis, candidate: Candidate) -> Hypothesis:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.effects import effect
@@ -30,12 +32,7 @@ def _shown(context: Context, term: Term, column: int) -> int:
     key = (column, *term.key(column))
     if key not in context.shown_before:
         block = bind_column(term, column)
-        level = (
-            ALONE
-            if context.shows(block.credible, column)
-            else BESIDE
-            if context.shows(block.plausible, column)
-            else 0
-        )
-        context.shown_before[key] = level
+        alone = context.shows(block.credible, column)
+        near = alone or context.shows(partial(block.credible, beside=True), column)
+        context.shown_before[key] = ALONE if alone else BESIDE if near else 0
     return context.shown_before[key]

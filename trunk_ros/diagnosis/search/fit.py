@@ -63,6 +63,14 @@ class Residuals:
         base = self.parts(x)
         ends = np.cumsum([0, *(len(part) for part in base)])
         out = np.zeros((ends[-1], len(x)))
+        for i, (free, slopes) in enumerate(self.slopes(x)):
+            out[ends[i] : ends[i + 1], free] = slopes
+        return out
+
+    def slopes(self, x: Array) -> list[tuple[list[int], Array]]:
+        """By column: the values that move its residual, and (rows, values) by how much."""
+        base = self.parts(x)
+        found: list[tuple[list[int], list[Array]]] = [([], []) for _ in self.columns]
         _, high = bounds(self.free)
         for k, f in enumerate(self.free):
             step = STEP * self.scale[k] * (1.0 if x[k] + STEP * self.scale[k] <= high[k] else -1.0)
@@ -72,8 +80,20 @@ class Residuals:
             touched = self.hypothesis[f.effect].columns if f.column is None else [f.column]
             for i, column in enumerate(self.columns):
                 if column in touched or f.parameter.name == "payload":
-                    out[ends[i] : ends[i + 1], k] = (self.context.whitened(there, column) - base[i]) / step
-        return out
+                    found[i][0].append(k)
+                    found[i][1].append((self.context.whitened(there, column) - base[i]) / step)
+        return [
+            (free, np.array(rows).T if rows else np.zeros((len(part), 0)))
+            for (free, rows), part in zip(found, base, strict=True)
+        ]
+
+    def normal(self, x: Array) -> tuple[Array, Array]:
+        """(free,) J^T r and (free, free) J^T J, column by column."""
+        side, square = np.zeros(len(x)), np.zeros((len(x), len(x)))
+        for (free, slopes), part in zip(self.slopes(x), self.parts(x), strict=True):
+            side[free] += slopes.T @ part
+            square[np.ix_(free, free)] += slopes.T @ slopes
+        return side, square
 
 
 def fit(context: Context, hypothesis: Hypothesis, columns: list[int], goal: float = np.inf) -> Fit:
@@ -142,8 +162,7 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) 
     cost, damping = float(rest @ rest), DAMPING
     first, start = cost, x
     for done in range(1, rounds + 1):
-        jacobian = residuals.jacobian(x)
-        slope, normal = jacobian.T @ rest, jacobian.T @ jacobian
+        slope, normal = residuals.normal(x)
         before = cost
         for _ in range(TRIES):
             trial = np.clip(x - _step(normal, slope, damping, x, low, high), low, high)

@@ -29,6 +29,8 @@ STRONG = 1.0
 """Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
 FURTHER = 20.0
 """Price of each further value of an effect."""
+NAME = 6.0
+"""Of a name among some twenty: the logarithm of so many, twice. On several joints it is chosen once."""
 CHOICE = 3.0
 """Of a source among the joints: the logarithm of so many, twice."""
 LIKELY = 5.0
@@ -49,8 +51,12 @@ UNSHOWN = 1e12
 
 def score(fit: Fit) -> float:
     """Squared residuals and prices: every change of a hypothesis has to lower it."""
-    hidden = unshown(fit.context, fit.hypothesis)
-    return fit.total + UNSHOWN * hidden + sum(price(fit, term) for term in fit.hypothesis.values())
+    return priced(fit) + UNSHOWN * unshown(fit.context, fit.hypothesis)
+
+
+def priced(fit: Fit) -> float:
+    """The same, whether the motion can show it or not."""
+    return fit.total + sum(price(fit, term) for term in fit.hypothesis.values())
 
 
 def beats(trial: Fit, best: Fit) -> bool:
@@ -89,12 +95,13 @@ def price(fit: Fit, term: Term) -> float:
     free = Hypothesis({term.effect: term}).free(list(term.columns))
     if kind.everywhere:
         usual = float(np.median(list(needs.values())))
-        return max(usual + FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs), _shared_slice(fit, columns))
+        each = FURTHER * max(len(free) - 1, 0) - LIKELY * len(needs)
+        return NAME + max(usual + each, _shared_slice(fit, columns))
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
     words = sum(needs[c] * max(count - 1, 0) + CHOICE * count for c, count in said.items())
     further = FURTHER * max(sum(f.column is not None for f in free) - len(needs), 0)
-    return sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items()) + words + further
+    return NAME + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items()) + words + further
 
 
 def _curve(fit: Fit, term: Term, column: int, need: float) -> float:

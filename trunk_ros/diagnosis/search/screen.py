@@ -11,7 +11,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, seen_forms, taken
+from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, taken
 from trunk_ros.diagnosis.search.fit import Residuals
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.effects import Effect
@@ -92,7 +92,9 @@ class Screen:
         """The forms to try: that of the effect on other joints, if it is there."""
         if kind.id in self.hypothesis:
             return (self.hypothesis[kind.id].form,)
-        return tuple(form for form in seen_forms(self.context, kind, column) if form not in kind.refined)
+        return tuple(
+            form for form in kind.forms_shown(self.context.motion(column)) if form not in kind.refined
+        )
 
     def everywhere(self, kind: type[Effect]) -> Candidate | None:
         """The most promising start of an effect that acts on all joints alike."""
@@ -236,10 +238,8 @@ def _scaled(
     """
     if dd <= 1e-12:
         return None
-    lead = _lead(kind, trial)
-    off = lead.null
-    if kind.vanishes is not None:
-        lead, off = kind.parameter(kind.vanishes[0]), kind.vanishes[1]
+    lead = next((p for p in kind.own_parameters(trial.form) if p.gone is not None), _lead(kind, trial))
+    off = lead.null if lead.gone is None else lead.gone
     if not kind.scalable or lead.name in known:
         return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None
     factor = rd / dd

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
-from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect
 
@@ -39,4 +39,4 @@ def try_one(best: Fit, screen: Screen, candidate: Candidate, column: int) -> Fit
 def _goal(best: Fit, hypothesis: Hypothesis, column: int) -> float:
     """What a joint's squared residuals have to come to for the score to be as good as that of ``best``."""
     others = Fit(hypothesis, {c: cost for c, cost in best.cost.items() if c != column}, best.context)
-    return score(best) - score(others)
+    return score(best) - priced(others)

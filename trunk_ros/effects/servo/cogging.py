@@ -55,7 +55,7 @@ class Cogging(Effect):
             return super().grid(parameter, now, column, rest)
         return periods(now.gearbox[:, column], rest, *parameter.bounds, most=1) or (parameter.typical,)
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """A swing that a servo can be held in, of a period that is not the shortest looked for."""
         slope = self["amplitude"] * self["cycles_per_rev"]
         return bool(np.all((slope < STEEPEST) & (self["cycles_per_rev"] < 0.95 * MOST_CYCLES)))

@@ -57,7 +57,7 @@ class FrictionWear(Effect):
         mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
         return (float(np.clip(mean, *parameter.bounds)),)
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """It settles neither at once nor after the recording: or it is another effect, or straight."""
         share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
         return bool(self.form != "running_in" or np.all((share > 0.08) & (share < 3.0)))

@@ -19,7 +19,6 @@ class HardStop(Effect):
 
     id = "hard_stop"
     stage, place, regime = "wire", 600, "posture"
-    vanishes = ("give", 1.0)
     signature = "Past one angle the joint stays where it is, and the residual grows as the gearbox goes on."
     source = "Unilateral contact, rigid or yielding."
     forms = ("upper", "lower")
@@ -27,7 +26,12 @@ class HardStop(Effect):
         Parameter("upper", "rad", (-FREE, FREE), "largest angle reached", typical=0.01, null=FREE),
         Parameter("lower", "rad", (-FREE, FREE), "smallest angle reached", typical=-0.01, null=-FREE),
         Parameter(
-            "give", "1", (0.0, 0.95), "share of the motion into the obstacle that goes on", typical=0.1
+            "give",
+            "1",
+            (0.0, 0.95),
+            "share of the motion into the obstacle that goes on",
+            typical=0.1,
+            gone=1.0,
         ),
     )
     confused_with = (("ratio_error", "move within the free range: there a stop shows nothing"),)
@@ -39,7 +43,7 @@ class HardStop(Effect):
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """Met within the motion, for the smaller part of it, and in its way: or it is no more than another
         ratio.
         """

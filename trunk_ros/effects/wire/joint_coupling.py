@@ -62,7 +62,7 @@ class JointCoupling(Effect):
         pull, state = self._pull(now, state)
         return y - pull, state
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """A source that stands is no more than an offset."""
         moved = np.ptp(now.angles, axis=0)
         return all(moved[now.joints.index(s)] > STANDS * moved.max() for _, s, _ in self._links)

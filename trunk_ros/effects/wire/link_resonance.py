@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.filters import lowpass, oscillator, rate
 from trunk_ros.effects.periods import periods
 from trunk_ros.effects.wire.swing import free_swings, stops
@@ -69,16 +69,21 @@ class LinkResonance(Effect):
         ),
     )
     forms = ("absolute", "relative", "beam", "links")
-    weighed = ("links",)
+    refined = ("links",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
     )
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """It rings, and the samples are close enough to show it."""
         step = float(np.median(now.dt[1:])) if len(now.dt) > 1 else 0.0
         return bool(np.all((self["damping"] < 0.4) & (self["frequency"] * step < 1.0)))
+
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        forms = super().forms_shown(motion)
+        return forms if motion.masses else tuple(form for form in forms if form != "links")
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         if self.form == "links" and (masses := masses_of(now)):

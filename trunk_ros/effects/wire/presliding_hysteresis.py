@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.effect import Core, Effect, Motion, Now
 from trunk_ros.effects.wire.play import JITTER
 from trunk_ros.parameter import Parameter
 
@@ -38,7 +38,7 @@ class PreslidingHysteresis(Effect):
         "Bouc-Wen: Ismail et al. (2009), eq. (2); Dahl (1968)."
     )
     forms = ("spread", "bouc_wen", "bouc_wen_2", "dahl", "compliant")
-    rising, beyond = ("dahl",), "backlash"
+    beyond = "backlash"
     parameters = (
         Parameter(
             "width",
@@ -68,6 +68,12 @@ class PreslidingHysteresis(Effect):
         if not np.any(self["width"] != 0.0):
             return None
         return RoundedPlay(self["width"], self["shape"], self["through"], KIND[self.form])
+
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """Of a wide loop only how it rises: what is flat in it is a dead band."""
+        forms = super().forms_shown(motion)
+        return tuple(form for form in forms if form == "dahl") if motion.wide_loop else forms
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

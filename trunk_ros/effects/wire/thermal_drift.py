@@ -51,7 +51,7 @@ class ThermalDrift(Effect):
             return np.asarray(self["rate"] * t)
         return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"]))
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """It is not over at once: or it is an offset."""
         share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
         return bool(self.form == "straight" or np.all(share > 0.03))

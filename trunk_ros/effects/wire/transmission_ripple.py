@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.periods import periods, positive
 from trunk_ros.moment import sines
 from trunk_ros.parameter import Parameter
@@ -53,7 +53,6 @@ class TransmissionRipple(Effect):
     )
     forms = ("sine", "two_harmonics")
     refined = ("two_harmonics",)
-    fine = True
     confused_with = (("ratio_error", "move over a wide range: a ripple turns back, a ratio error grows"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
@@ -69,13 +68,17 @@ class TransmissionRipple(Effect):
             wave += self["harmonic"] * sines(2 * turn, self["harmonic_phase"])
         return np.asarray(self["amplitude"] * wave)
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """A good period has to lie within the motion, or it is no more than a bent curve."""
+        if beside:
+            return bool(np.all(self._periods(now) > LEAST))
         harmonic = (self.form == "two_harmonics") & (self["harmonic"] != 0.0)
         return bool(np.all(self._periods(now) > np.where(harmonic, 2.0, 1.6)))
 
-    def plausible(self, now: Now) -> bool:
-        return bool(np.all(self._periods(now) > LEAST))
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """None in a wide loop: a ripple is lost in its form, and can imitate it."""
+        return () if motion.wide_loop else super().forms_shown(motion)
 
     def _periods(self, now: Now) -> Array:
         """How many lie within the motion, (columns,)."""

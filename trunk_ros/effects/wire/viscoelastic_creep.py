@@ -80,7 +80,7 @@ class ViscoelasticCreep(Effect):
         gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
         return gains, np.stack([self["time_constant"], self["time_constant_2"]])
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """Slower than a lag, and not so slow that it is no more than another ratio."""
         _, constants = self._modes()
         return bool(np.all((constants > 0.4) & (constants < 2.0 * (now.stamp[-1] - now.stamp[0]))))

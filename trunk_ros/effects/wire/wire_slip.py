@@ -39,7 +39,7 @@ class WireSlip(Effect):
         risen = np.minimum(np.maximum((now.stamp[:, None] - self["onset"]) / RISE + 0.5, 0.0), 1.0)
         return np.asarray(self["step"] * risen)
 
-    def credible(self, now: Now) -> bool:
+    def credible(self, now: Now, beside: bool = False) -> bool:
         """Seen before and after."""
         return bool(np.all((now.stamp[0] < self["onset"]) & (self["onset"] < now.stamp[-1])))
 

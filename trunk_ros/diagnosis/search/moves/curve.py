@@ -7,23 +7,42 @@ from functools import partial
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.search.candidates import own_effects
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, state_of
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 
 FEW = 2  # effects of a joint's own from which on a curve may do instead
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Joint by joint; then all of them, in the place of what acts on all."""
-    for column in best.context.columns:
-        local = own_effects(best.hypothesis, column)
-        left = _leaves(best, column)
-        if all(effect(name).named for name in local) and (left or len(local) >= FEW):
-            yield Group(column, [column], partial(_curved, best, column, local))
+    """All joints together, since what has no name is mostly on each."""
+    yield Group("any", best.context.columns, partial(_curves, best, desk))
+
+
+def _curves(best: Fit, desk: Desk) -> Iterator[Fit]:
+    """Beside what acts on all joints, or in its place."""
+    yield from _on_joints(best, desk)
     shared = [n for n in best.hypothesis if effect(n).everywhere and n not in best.context.known]
     if shared and not best.hypothesis.curved and all(_leaves(best, c) for c in best.context.columns):
-        yield Group("all", best.context.columns, partial(_everywhere, best, shared))
+        yield from _everywhere(best, shared)
+
+
+def _on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
+    """With curves on all joints that are better off with one."""
+    now = best
+    for column in best.context.columns:
+        local = own_effects(now.hypothesis, column)
+        named = all(effect(name).named for name in local)
+        key = ("curve", column, *state_of(now, [column]))
+        if named and (_leaves(now, column) or len(local) >= FEW) and key not in desk.kept:
+            trial = min(_curved(now, column, local), key=score, default=now)
+            if beats(trial, now):
+                now = trial
+            else:
+                desk.kept[key] = None
+    if now is not best:
+        yield now
 
 
 def _leaves(best: Fit, column: int) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import extended, seen_forms
+from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
@@ -28,7 +28,7 @@ def reforms(best: Fit, name: str) -> Iterator[Fit]:
     """An effect in each other form that its joints can show."""
     kind, columns = effect(name), best.hypothesis[name].columns
     for form in kind.forms:
-        seen = all(form in seen_forms(best.context, kind, c) for c in columns)
+        seen = all(form in kind.forms_shown(best.context.motion(c)) for c in columns)
         if seen and form != best.hypothesis[name].form and kind.own_parameters(form):
             trial = _reformed(best, name, form)
             if trial is not None:

@@ -1,0 +1,1 @@
+"""The search, piece by piece."""

@@ -1,0 +1,53 @@
+"""Arms with known physics, looked at through one hypothesis: where a move begins."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.descent import Desk, Move
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.model import load_model
+
+ARMS: dict[str, dict[str, dict[str, Any]]] = {
+    "clean": {},
+    "backlash": {"backlash": {"half_width": on(3, 1.5e-3)}},
+    "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
+    "slip": {"wire_slip": {"step": on(2, 2e-3), "onset": np.full(5, 17.0)}},
+    "sag": {"load_elasticity": {"compliance": np.full(5, 0.02)}},
+    "payload": {"load_elasticity": {"compliance": np.full(5, 0.03), "payload": 0.08}},
+    "gaussian": {
+        "stribeck_friction": {"amplitude": on(2, 4e-3), "velocity": on(2, 0.04), "form": "gaussian"}
+    },
+    "coupled": {"joint_coupling": {"gain": on(4, 0.03), "source": ["", "", "", "joint_2", ""]}},
+    "tension": {"tension_error": {"factor": 3.0}},
+}
+
+
+@cache
+def context(arm: str) -> Context:
+    """The wires of an arm, weighed by what the nominal model leaves."""
+    model = load_model("trunk")
+    return begun(Context.of(WireStage([wire_span(recorded(ARMS[arm]), model)], model))).context
+
+
+def fitted(arm: str, *terms: Term) -> Fit:
+    """A hypothesis about an arm, fitted."""
+    hypothesis = Hypothesis({term.effect: term for term in terms})
+    there = refit(context(arm), hypothesis)
+    return refit(there.context.seen_with(there.hypothesis).weighed(there.hypothesis), there.hypothesis)
+
+
+def best_of(move: Move, now: Fit) -> Fit | None:
+    """The best trial that a move makes."""
+    trials = [trial for group in move.groups(now, Desk()) for trial in group.trials()]
+    return min(trials, key=score, default=None)

@@ -1,0 +1,71 @@
+"""A context never changes; work is counted, and ends a search with the best so far."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError, replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.search.looks import context, fitted
+from trunk_ros.diagnosis.context import Work
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.descent import Desk
+from trunk_ros.diagnosis.search.greedy import search
+from trunk_ros.diagnosis.search.score import score
+
+
+def test_a_context_cannot_be_changed() -> None:
+    with pytest.raises(FrozenInstanceError):
+        context("clean").noise = ()  # type: ignore[misc]
+
+
+def test_looking_with_a_hypothesis_makes_a_new_context_and_leaves_the_old_one() -> None:
+    old = context("sag")
+    before = [view.load.copy() for view in old.views]
+    sag = Hypothesis(load_elasticity=Term("load_elasticity", own={c: {"compliance": 0.5} for c in range(5)}))
+    new = old.seen_with(sag)
+    assert new is not old
+    assert new.look == old.look + 1
+    assert all(np.array_equal(a, view.load) for a, view in zip(before, old.views, strict=True))
+    assert np.abs(new.views[0].load - before[0]).max() > 1e-4
+    assert old.seen_with(Hypothesis()).look == old.look
+
+
+def test_noise_is_what_a_hypothesis_leaves() -> None:
+    old = context("backlash")
+    new = old.weighed(fitted("backlash", Term("backlash", own={2: {"half_width": 1e-3}})).hypothesis)
+    assert new.noise[2].std == pytest.approx(1e-4, rel=0.1)
+    assert new.views is old.views
+
+
+def test_rows_that_do_not_count_do_not_count() -> None:
+    old = context("backlash")
+    rows = np.arange(len(old.views[0].span.rows)) % 2 == 0
+    assert old.only([rows]).count(2) == pytest.approx(old.count(2) / 2, abs=1)
+
+
+def test_a_prediction_costs_its_steps() -> None:
+    now = replace(context("clean"), work=Work())
+    now.predict(0, Hypothesis(), 2)
+    assert now.work.done == len(now.views[0].span.grid)
+
+
+def test_a_search_that_runs_out_of_work_gives_the_best_so_far() -> None:
+    start = context("two")
+    steps = len(start.views[0].span.grid)
+    whole = search(replace(start, work=Work()), Desk())
+    short = search(replace(start, work=Work(150 * steps)), Desk())
+    nothing = search(replace(start, work=Work(0)), Desk())
+    assert short.context.work.over
+    assert not whole.context.work.over
+    assert score(whole) <= score(short) <= score(nothing)
+
+
+def test_the_same_search_takes_the_same_steps_again() -> None:
+    found = []
+    for _ in range(2):
+        work = Work()
+        state = search(replace(context("two"), work=work), Desk())
+        found.append((work.done, state.hypothesis.key(2), state.total))
+    assert found[0] == found[1]

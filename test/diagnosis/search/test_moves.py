@@ -1,0 +1,132 @@
+"""Each move makes of a hypothesis that is nearly right one that is right, and proposes nothing better for one
+that is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.diagnosis.search.looks import best_of, fitted
+from trunk_ros.diagnosis.hypothesis import Term
+from trunk_ros.diagnosis.search.descent import Move
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.moves import MOVES
+from trunk_ros.diagnosis.search.score import beats
+
+MOVE = {move.name: move for move in MOVES}
+BACKLASH = Term("backlash", own={2: {"half_width": 1e-3}})
+SLIP = Term("wire_slip", own={1: {"step": 1e-3, "onset": 17.6}})
+COUPLED = Term("joint_coupling", "angle", own={3: {"gain": 0.02}}, words={3: {"source": "joint_2"}})
+
+
+def sag(columns: range, **shared: float) -> Term:
+    return Term("load_elasticity", shared=shared, own={c: {"compliance": 0.02} for c in columns})
+
+
+def improved(name: str, arm: str, *terms: Term) -> Fit:
+    """What a move makes of a hypothesis; it has to be better."""
+    now = fitted(arm, *terms)
+    best = best_of(MOVE[name], now)
+    assert best is not None
+    assert beats(best, now)
+    return best
+
+
+def test_onset_finds_a_moment_that_a_fit_does_not_see() -> None:
+    best = improved("onset", "slip", SLIP)
+    assert best.hypothesis["wire_slip"].own[1]["onset"] == pytest.approx(17.0, abs=0.02)
+
+
+def test_drop_leaves_out_what_is_not_missed() -> None:
+    best = improved("drop", "backlash", BACKLASH, Term("ratio_error", own={2: {"relative": 1e-4}}))
+    assert list(best.hypothesis) == ["backlash"]
+
+
+def test_form_finds_the_law_that_was_at_work() -> None:
+    term = Term("stribeck_friction", "exponential", own={1: {"amplitude": 3e-3, "velocity": 0.04}})
+    assert improved("form", "gaussian", term).hypothesis["stribeck_friction"].form == "gaussian"
+
+
+def test_member_lets_a_joint_join_what_acts_on_all() -> None:
+    assert improved("member", "sag", sag(range(1, 5))).hypothesis["load_elasticity"].columns == [
+        0,
+        1,
+        2,
+        3,
+        4,
+    ]
+
+
+def test_option_finds_the_payload() -> None:
+    best = improved("option", "payload", sag(range(5)))
+    assert best.hypothesis["load_elasticity"].shared["payload"] == pytest.approx(0.08, rel=0.05)
+
+
+def test_source_leaves_out_a_joint_that_is_not_followed() -> None:
+    two = Term(
+        "joint_coupling", "angle", own={3: {"gain": 0.02, "gain_2": 1e-5}},
+        words={3: {"source": "joint_2", "source_2": "joint_1"}},
+    )  # fmt: skip
+    assert improved("source", "coupled", two).hypothesis.get_words("joint_coupling", 3) == ("joint_2",)
+
+
+def test_swap_puts_the_right_effect_in_the_place_of_a_neighbour() -> None:
+    best = improved("swap", "backlash", Term("viscous_lag", "proportional", own={2: {"time_constant": 1e-3}}))
+    assert "backlash" in best.hypothesis
+
+
+def test_swap_all_says_once_what_all_joints_share() -> None:
+    width = Term("backlash", own={c: {"half_width": 6e-4} for c in range(5)})
+    best = improved("swap_all", "tension", width)
+    assert list(best.hypothesis) == ["tension_error"]
+    assert best.hypothesis["tension_error"].shared["factor"] == pytest.approx(3.0, rel=0.02)
+
+
+def test_swap_many_moves_a_neighbour_off_all_joints_at_once() -> None:
+    """Beside what acts on all joints alike, an effect that most have is exchanged on all of them."""
+    width = Term("presliding_hysteresis", "dahl", own={c: {"width": 1e-4} for c in range(4)})
+    now = fitted(
+        "tension", Term("tension_error", shared={"factor": 2.0}, own={c: {} for c in range(5)}), width
+    )
+    best = best_of(MOVE["swap_many"], now)
+    assert best is not None
+    assert "presliding_hysteresis" not in best.hypothesis
+
+
+@pytest.mark.parametrize(
+    ("arm", "effect"), [("backlash", "backlash"), ("slip", "wire_slip"), ("sag", "load_elasticity")]
+)
+def test_add_finds_what_a_nominal_arm_lacks(arm: str, effect: str) -> None:
+    assert effect in improved("add", arm).hypothesis
+
+
+def test_restart_finds_a_pair_that_a_wrong_first_effect_bars() -> None:
+    wrong = Term(
+        "transmission_ripple", "sine", own={2: {"amplitude": 3e-4, "cycles_per_rev": 1.5, "phase": 0.0}}
+    )
+    best = improved("restart", "two", wrong)
+    assert {"backlash", "ratio_error"} <= {term.effect for term in best.hypothesis.on(2)}
+
+
+def test_a_curve_explains_what_no_name_does_but_costs_more_than_the_name() -> None:
+    drawn = improved("curve", "two")
+    assert drawn.hypothesis.curved == {2}
+    named = fitted("two", BACKLASH, Term("ratio_error", own={2: {"relative": 0.01}}))
+    assert beats(named, drawn)
+
+
+@pytest.mark.parametrize("move", MOVES, ids=lambda move: move.name)
+def test_no_move_makes_anything_of_a_clean_arm_or_of_the_truth(move: Move) -> None:
+    for now in (fitted("clean"), fitted("backlash", BACKLASH)):
+        best = best_of(move, now)
+        assert best is None or not beats(best, now)
+
+
+@pytest.mark.parametrize("move", MOVES, ids=lambda move: move.name)
+def test_trials_leave_the_hypothesis_that_they_begin_with_as_it_is(move: Move) -> None:
+    now = fitted("two", Term("backlash", own={2: {"half_width": 1e-3}}))
+    before = {name: term.copy() for name, term in now.hypothesis.items()}
+    best_of(move, now)
+    assert before == dict(now.hypothesis)
+    assert np.isfinite(now.total)

@@ -1,0 +1,85 @@
+"""The score: pure, and with a reason for every price."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from test.diagnosis.search.looks import context, fitted
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.score import (
+    CURVE,
+    NAME,
+    RELEVANT,
+    SIGNIFICANT,
+    SLICE,
+    UNSHOWN,
+    beats,
+    need,
+    price,
+    score,
+)  # fmt: skip
+
+BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
+
+
+def test_the_score_depends_on_nothing_but_the_fit() -> None:
+    now = fitted("two", BACKLASH)
+    first = score(now)
+    score(fitted("clean"))
+    score(replace(now, hypothesis=Hypothesis()))
+    assert score(now) == first
+    assert score(costed(now.context, now.hypothesis)) == pytest.approx(first, abs=1e-6)
+
+
+def test_an_effect_costs_what_chance_or_relevance_ask_for() -> None:
+    now = fitted("backlash", BACKLASH)
+    asked = max(SIGNIFICANT, RELEVANT * now.context.count(2))
+    assert need(now.context, 2) >= asked
+    assert price(now, now.hypothesis["backlash"]) == pytest.approx(NAME + need(now.context, 2, now.rest(2)))
+
+
+def test_what_the_model_has_already_costs_nothing() -> None:
+    now = fitted("backlash", BACKLASH)
+    stage = now.context.stage
+    known = type(stage)(
+        [v.span for v in now.context.views], replace(stage.model, effects=now.hypothesis.model_effects(5))
+    )
+    assert price(replace(now, context=replace(now.context, stage=known)), now.hypothesis["backlash"]) == 0.0
+
+
+def test_the_truth_beats_everything_less_and_everything_more() -> None:
+    ratio = Term("ratio_error", own={2: {"relative": 0.01}})
+    right = fitted("two", BACKLASH, ratio)
+    for wrong in (fitted("two"), fitted("two", BACKLASH), fitted("two", ratio)):
+        assert beats(right, wrong)
+        assert not beats(wrong, right)
+    more = Term("viscous_lag", "proportional", own={2: {"time_constant": 1e-4}})
+    assert beats(right, fitted("two", BACKLASH, ratio, more))
+
+
+def test_what_the_motion_cannot_show_costs_more_than_any_residual() -> None:
+    late = Term("wire_slip", own={2: {"step": 1e-3, "onset": 1e4}})
+    now = costed(context("backlash"), Hypothesis(wire_slip=late))
+    assert score(now) > UNSHOWN
+
+
+def test_a_curve_costs_more_than_a_name_and_as_much_as_it_leaves() -> None:
+    values = {f"value_{k}": 0.0 for k in range(24)}
+    drawn = Term("unknown", own={2: {"low": -0.5, "high": 0.5, **values}}, words={2: {"on": "position"}})
+    now = fitted("backlash")
+    leaves = Fit(Hypothesis(unknown=drawn), dict(now.cost), now.context)
+    little = Fit(Hypothesis(unknown=drawn), {**now.cost, 2: float(now.context.count(2))}, now.context)
+    assert price(leaves, drawn) >= now.rest(2)
+    assert price(little, drawn) >= CURVE * need(now.context, 2)
+    assert price(little, drawn) < price(leaves, drawn)
+
+
+def test_a_slice_of_a_strong_rest_is_a_step_but_no_claim() -> None:
+    now = fitted("two", BACKLASH)
+    claimed = replace(now, context=replace(now.context, claims=True))
+    assert now.rest(2) > now.context.count(2)
+    assert price(claimed, BACKLASH) >= SLICE * now.rest(2)
+    assert price(claimed, BACKLASH) > price(now, BACKLASH)
