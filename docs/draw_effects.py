@@ -73,7 +73,10 @@ OVER: dict[str, Over] = {
     "load_elasticity": LOAD, "wire_slack": LOAD, "wire_stiffening": LOAD, "load_dependent_friction": LOAD,
     "load_droop": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME, "unknown_slips": TIME,
     "unknown_dead_zone": GEARBOX,
-    "joint_coupling": ("angle of joint 1 [rad]", lambda s: s.theta[:, 0]),
+    **dict.fromkeys(
+        ("joint_coupling", "coupling_curve", "coupling_drag"),
+        ("angle of joint 1 [rad]", lambda s: s.theta[:, 0]),
+    ),
     "presliding_hysteresis": ("travel since the reversal [mrad]", lambda s: travel(s)),
     "link_length_error": ("direction of link 2 [rad]", lambda s: s.theta[:, 0] + s.theta[:, 1]),
     "base_tilt": ("height of the tip [m]", lambda s: height(s)),

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import LEAST, Context, Work
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
@@ -121,21 +120,22 @@ class Diagnoser:
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
-        self.result.model = replace(self.model, effects=kept, duration=longest, **self._limits())
+        self.result.model = self._known_limits(replace(self.model, effects=kept, duration=longest))
         self.result.quality = _by_name(self.recordings, self.model)
         return self.result
 
-    def _limits(self) -> dict[str, Array]:
-        """What the model left, and how far the motors went; nothing where the wire was not compared."""
+    def _known_limits(self, model: Model) -> Model:
+        """The model with what it left, and how far the motors went; as it is where no wire was compared."""
         if not self.error:
-            return {}
-        arm = self.model.arm
+            return model
+        arm = model.arm
         wires = np.concatenate([s.gearbox * arm.only(self.joints).ratio for s in self.spans])
         reach = dict(zip(self.joints, np.std(wires, axis=0), strict=True))
-        return {
-            "error": np.array([self.error.get(joint, 0.0) for joint in arm.joints]),
-            "reach": np.array([reach.get(joint, 0.0) for joint in arm.joints]),
-        }
+        return replace(
+            model,
+            error=np.array([self.error.get(joint, 0.0) for joint in arm.joints]),
+            reach=np.array([reach.get(joint, 0.0) for joint in arm.joints]),
+        )
 
     def _refuse_if_nothing_was_seen(self) -> None:
         stages = self.result.stages.values()

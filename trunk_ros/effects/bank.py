@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Effect, Now, Regime
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
@@ -42,7 +42,7 @@ class Bank(Effect):
     difference of two.
     """
 
-    regime = "posture"
+    regime: ClassVar[Regime] = "posture"
     tried = False
     scalable = False
     sources: ClassVar[int]

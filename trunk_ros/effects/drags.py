@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import WEIGHTS, Bank
+from trunk_ros.effects.effect import Regime
 
 NARROWEST, WIDEST = 0.015, 0.8  # of the range of a source
 SHORTEST = 1e-9  # rad
@@ -16,7 +17,7 @@ SHORTEST = 1e-9  # rad
 class Drags(Bank):
     """theta += sum of weight (s - play(s, reach)), reach in even ratios from ``low`` to ``high``."""
 
-    regime = "reversal"
+    regime: ClassVar[Regime] = "reversal"
     remembers = True
 
     @classmethod
