@@ -25,7 +25,7 @@ from trunk_ros.effects import effect
 
 FORMS = 0.01  # of the misfit: what forms of the same physics may differ by
 CLEAR = 0.05  # of what is left: what a bank must take off it on blocks not seen
-SPARES = 0.02  # likewise, an effect with a name beside banks
+SPARES = 0.01  # likewise: an effect with a name stays beside banks that it does more for
 SURE = 2.0  # standard errors over the blocks
 HALF = 0.5  # of the misfit: a model that leaves more of it is of something else than what is at work
 
@@ -90,7 +90,7 @@ def _lean(context: Context, hypothesis: Hypothesis, column: int, found: list[Sou
             if not effect(name).everywhere and name not in context.known
         ]
         least = min(trials, key=lambda t: float(t.unseen.mean()), default=None)
-        if least is None or clearly(least.unseen, best.unseen, SPARES):
+        if least is None or least.unseen.mean() > (1.0 + SPARES) * best.unseen.mean():
             return best
         best = least
 
