@@ -128,7 +128,7 @@ def few_sources(name: str, joints: int) -> dict[str, Any]:
     return {
         kind.parameters[0].name: np.full(joints, 0.005),
         kind.texts[0]: words_of(kind, joints)[kind.texts[0]]
-        if issubclass(kind, Bank)
+        if issubclass(kind, Bank) and kind.own
         else [f"joint_{k or joints}" for k in range(joints)],
     }
 

@@ -24,7 +24,7 @@ def parameters_of(sources: int, low: str, high: str, weight: str) -> tuple[Param
     out: list[Parameter] = []
     for k in range(1, sources + 1):
         out += [
-            Parameter(f"weight_{k}_{i}", "1", (-20.0, 20.0), f"{weight} {i}, source {k}", typical=0.002)
+            Parameter(f"weight_{k}_{i}", "1", (-20.0, 20.0), f"{weight} {i}, source {k}", typical=2e-4)
             for i in range(1, WEIGHTS + 1)
         ]
         out.append(Parameter(f"low_{k}", "rad", (-1e6, 1e6), f"{low}, source {k}", typical=0.02, null=0.02))
