@@ -1,8 +1,11 @@
-# make setup|demo|test|bench|proof: each sets up what it needs first. `make proof FULL=1` is the long one.
+# make setup|demo|test|fuzz|bench|proof: each sets up what it needs first. `make proof FULL=1` and
+# `make fuzz FULL=1` are the long ones.
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
 FULL ?=
+SIMULATOR ?=
+RELEASED := test/bench/releases/*.json
 
 # .venv stands alone, whatever the shell has sourced.
 unexport PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
@@ -14,7 +17,7 @@ export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export FULL TRUNK_PYTHON
 
-.PHONY: setup demo test pytest lint bench proof docs lock clean
+.PHONY: setup demo test pytest lint coverage fuzz bench proof docs lock clean
 
 setup: $(STAMP)
 
@@ -22,8 +25,9 @@ $(STAMP): requirements/lock.txt setup.py setup.cfg package.xml tools/make_venv
 	@tools/make_venv
 	@touch $@
 
+# SIMULATOR=mujoco: a user's own MuJoCo arm in the place of ours.
 demo: setup
-	$(PYTHON) -m test.concealed.demo
+	$(PYTHON) -m $(if $(filter mujoco,$(SIMULATOR)),test.concealed.simulators.demo,test.concealed.demo)
 
 test: lint pytest
 
@@ -36,8 +40,20 @@ pytest: setup
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 120 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
 	$(PYTHON) -m pytest -q --timeout 300 test/nodes
 
+# Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
+coverage: setup
+	$(PYTHON) -m coverage run -m pytest -q --timeout 300 --ignore test/nodes --ignore test/packaging
+	$(PYTHON) -m coverage combine -q
+	$(PYTHON) -m coverage xml -q
+	$(PYTHON) -m coverage html -q
+	$(PYTHON) -m coverage report --skip-covered --sort=cover
+
+# A bounded part, with other means, is among the tests: test/recording/test_fuzz.py and test/fuzz.
+fuzz: setup
+	$(PYTHON) -m test.fuzz
+
 bench: setup
-	$(PYTHON) -m test.bench --output bench.json
+	$(PYTHON) -m test.bench --output bench.json $(if $(wildcard $(RELEASED)),--compare $(lastword $(sort $(wildcard $(RELEASED)))))
 
 # effects.md and its pictures, from the effects themselves.
 docs: setup
@@ -49,11 +65,11 @@ proof: setup
 # Pins what setup.py and requirements/dev.in ask for. One lock for every CPython: it is made for the oldest.
 lock: setup
 	$(PYTHON) -m pip install --quiet uv
-	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --upgrade --quiet --no-header \
+	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --extra fleet --upgrade --quiet --no-header \
 		--no-emit-index-url --no-emit-find-links --generate-hashes \
 		--python-version 3.11 --python-platform x86_64-manylinux_2_28 --output-file requirements/lock.txt
 
-# proof/ stays: it takes hours.
+# proof/ and fuzz/ stay: they take hours.
 clean:
-	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis demo-output bench.json
+	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis demo-output bench.json .coverage* coverage.xml htmlcov
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

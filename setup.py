@@ -18,6 +18,7 @@ REQUIRES = [
     "Jinja2>=3.1",
     "matplotlib>=3.6",
     "rich>=13.7",
+    "argcomplete>=3.1",
     "rosbags>=0.10.11,<0.12",
     "mcap>=1.2.1",
     "lz4>=4.0",
@@ -37,6 +38,19 @@ ROS = [
     "ros-jazzy-diagnostic-msgs~=5.3",
     "ros-jazzy-lifecycle-msgs~=2.0",
     "ros-jazzy-rosgraph-msgs~=2.0",
+]
+
+MUJOCO = [
+    "mujoco-core>=4.0",
+]
+TABLES = [
+    "pandas>=2.1",
+]
+FLEET = [
+    "distributed>=2024.8",
+    "pyarrow>=16",
+    "ruptures>=1.1.9",
+    "fsspec>=2024.2",
 ]
 
 
@@ -81,7 +95,7 @@ setup(
         *share("launch"),
     ],
     install_requires=REQUIRES,
-    extras_require={"ros": ROS},
+    extras_require={"ros": ROS, "mujoco": MUJOCO, "tables": TABLES, "fleet": FLEET},
     entry_points={"console_scripts": scripts()},
     zip_safe=False,
 )

@@ -7,9 +7,8 @@ import shlex
 import sys
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.conditions import IfCondition
-from launch.substitutions import Command, LaunchConfiguration, NotEqualsSubstitution
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.substitutions import Command, LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
@@ -21,87 +20,106 @@ ARGUMENTS = {
     "simulate": ("true", "false where real motors and sensors speak the topics"),
     "rate": ("100.0", "rate of the nodes' loops [Hz]"),
     "namespace": ("", "pushed in front of all names"),
+    "frame_prefix": ("auto", "pushed in front of all frames; auto: the namespace, so that two arms share tf"),
     "use_sim_time": ("false", "take the time from /clock"),
-    "record": ("", "folder of a bag to record everything into; empty: no recording"),
-    "state_publisher": ("auto", "robot_state_publisher, for RViz and tf: true, false, auto where installed"),
+    "record": ("", "folder of a bag to record the namespace into; empty: no recording"),
+    "state_publisher": (
+        "auto",
+        "robot_state_publisher, for RViz and tf: true, false, auto where installed; elsewhere: one is there",
+    ),
 }
+CHOICES = {"simulate": ["true", "false"], "state_publisher": ["true", "false", "auto", "elsewhere"]}
+PATIENCE = "30"  # s that a node may take to end in good order, on a busy machine, before it is made to
 
 
 def generate_launch_description() -> LaunchDescription:
     """All nodes, each in a process of its own."""
     declared = [
-        DeclareLaunchArgument(name, default_value=default, description=description)
+        DeclareLaunchArgument(name, default_value=default, description=description, choices=CHOICES.get(name))
         for name, (default, description) in ARGUMENTS.items()
     ]
-    publisher = OpaqueFunction(function=state_publisher)
-    return LaunchDescription([*declared, *simulation(), compensator(), recorder(), publisher])
+    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])
 
 
-def common() -> dict[str, object]:
-    """Parameters of every node."""
-    return {
+def nodes(context: LaunchContext) -> list[Node]:
+    """The nodes that the arguments ask for. One source says what the arm looks like."""
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    publisher = given["state_publisher"]
+    ours = publisher == "true" or (publisher == "auto" and installed("robot_state_publisher"))
+    described = state_publisher(given) if ours else []
+    simulated = simulation(given, not ours and publisher != "elsewhere")
+    return [*simulated, compensator(given), *recorder(given), *described]
+
+
+def text(value: str) -> ParameterValue:
+    """An argument as it was typed: a bare one would be read as YAML, and 20260101 be a number."""
+    return ParameterValue(value, value_type=str)
+
+
+def node(given: dict[str, str], name: str, parameters: dict[str, object]) -> Node:
+    """One of our nodes. Without it the others are of no use: where it ends, all end."""
+    common = {
         "rate": ParameterValue(LaunchConfiguration("rate"), value_type=float),
         "use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool),
     }
-
-
-def text(name: str) -> ParameterValue:
-    """An argument as it was typed: a bare one would be read as YAML, and 20260101 be a number."""
-    return ParameterValue(LaunchConfiguration(name), value_type=str)
-
-
-def node(name: str, parameters: dict[str, object], **options: object) -> Node:
-    """One of our nodes."""
     return Node(
         package="trunk_ros",
         executable=name,
-        namespace=LaunchConfiguration("namespace"),
-        parameters=[common() | parameters],
+        namespace=given["namespace"],
+        parameters=[common | parameters],
         output="screen",
-        **options,
+        on_exit=Shutdown(reason=f"{name} has ended: it says above why"),
+        sigterm_timeout=PATIENCE,
+        sigkill_timeout=PATIENCE,
     )
 
 
-def simulation() -> list[Node]:
-    """What stands in for motors, wires and sensors."""
-    wanted = IfCondition(LaunchConfiguration("simulate"))
-    model = {"model": text("plant_model")}
-    return [node(name, model, condition=wanted) for name in ("servo_driver", "wire_elasticity")]
-
-
-def compensator() -> Node:
-    """The model run backward."""
-    return node("compensator", {"model": text("model")})
-
-
-def recorder() -> Node:
-    """Only where a folder is given."""
-    wanted = IfCondition(NotEqualsSubstitution(LaunchConfiguration("record"), ""))
-    return node("recorder", {"output": text("record")}, condition=wanted)
-
-
-def state_publisher(context: LaunchContext) -> list[Node]:
-    """robot_state_publisher, where it is wanted: it takes joint_states and robot_description's text.
-
-    The arm is that of the compensator's model: without a simulation nobody gives ``plant_model``.
-    """
-    wanted = LaunchConfiguration("state_publisher").perform(context)
-    if wanted == "false" or (wanted == "auto" and not installed("robot_state_publisher")):
+def simulation(given: dict[str, str], describes: bool) -> list[Node]:
+    """What stands in for motors, wires and sensors; ``describes``: it publishes robot_description."""
+    if given["simulate"] == "false":
         return []
-    model = LaunchConfiguration("model").perform(context)
+    model = {"model": text(given["plant_model"])}
+    shown = model | {"publish_description": describes, "frame_prefix": text(frame_prefix(given))}
+    return [node(given, "servo_driver", model), node(given, "wire_elasticity", shown)]
+
+
+def compensator(given: dict[str, str]) -> Node:
+    """The model run backward."""
+    return node(given, "compensator", {"model": text(given["model"])})
+
+
+def recorder(given: dict[str, str]) -> list[Node]:
+    """Only where a folder is given."""
+    return [node(given, "recorder", {"output": text(given["record"])})] if given["record"] else []
+
+
+def frame_prefix(given: dict[str, str]) -> str:
+    """Frames have no namespaces of their own."""
+    space = given["namespace"].strip("/")
+    asked = given["frame_prefix"]
+    return asked if asked != "auto" else f"{space}/" if space else ""
+
+
+def state_publisher(given: dict[str, str]) -> list[Node]:
+    """robot_state_publisher: it takes joint_states, and publishes tf and robot_description.
+
+    The arm is the simulated one; where none is, that of the compensator's model.
+    """
+    model = given["model" if given["simulate"] == "false" else "plant_model"]
     urdf = Command(shlex.join([sys.executable, "-m", "trunk_ros.urdf", model]))
-    publisher = Node(
-        package="robot_state_publisher",
-        executable="robot_state_publisher",
-        namespace=LaunchConfiguration("namespace"),
-        parameters=[
-            {
-                "robot_description": ParameterValue(urdf, value_type=str),
-                "use_sim_time": common()["use_sim_time"],
-            }
-        ],
-    )
-    return [publisher]
+    parameters = {
+        "robot_description": ParameterValue(urdf, value_type=str),
+        "frame_prefix": text(frame_prefix(given)),
+        "use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool),
+    }
+    return [
+        Node(
+            package="robot_state_publisher",
+            executable="robot_state_publisher",
+            namespace=given["namespace"],
+            parameters=[parameters],
+        )
+    ]
 
 
 def installed(package: str) -> bool:

@@ -12,6 +12,7 @@ from types import ModuleType
 import pytest
 
 from test.bench import __main__ as bench
+from test.bench.compare import changes
 from test.bench.row import Row
 
 
@@ -51,3 +52,19 @@ def test_an_unknown_section_is_refused(capsys: pytest.CaptureFixture[str]) -> No
     with pytest.raises(SystemExit, match="2"):
         bench.main(["nothing"])
     assert "no section nothing: choose from" in capsys.readouterr().err
+
+
+def test_what_is_worse_than_in_the_last_release_is_said_first() -> None:
+    def section(*values: float) -> dict:
+        units = {"latency": "us", "throughput": "1/s", "share": "1", "same": "s"}
+        figures = [(name, unit, "≥ 0.5" if name == "share" else None) for name, unit in units.items()]
+        rows = zip(figures, values, strict=True)
+        return {"made": {"rows": [{"name": n, "unit": u, "target": t, "value": v} for (n, u, t), v in rows]}}
+
+    found = changes(section(10.0, 100.0, 0.8, 1.0), section(15.0, 150.0, 0.6, 1.05))
+    assert [(each.name, each.worse) for each in found] == [
+        ("made: latency", True),
+        ("made: share", True),
+        ("made: throughput", False),
+    ]
+    assert found[0].factor == pytest.approx(0.5)

@@ -11,6 +11,7 @@ import pytest
 
 from test.diagnosis.arms import on, recorded, reshaped
 from trunk_ros.arm import Arm
+from trunk_ros.commands.simulate import main
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.torque import torque_remarks
@@ -19,7 +20,7 @@ from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.write import write_recording
-from trunk_ros.simulate import main, simulate
+from trunk_ros.simulate import simulate
 
 NOMINAL = load_model("trunk")
 FRICTION = np.array([0.01, 0.008, 0.012, 0.005, 0.015])  # N m at the shaft

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from trunk_ros.arm import Arm, Wire
+from trunk_ros.commands.paper import main
 from trunk_ros.errors import ArgumentError
 from trunk_ros.model import load_model
-from trunk_ros.paper import main
 from trunk_ros.paper.command import FIGURES, PAGE
 from trunk_ros.paper.formulas import (
     ARCMIN,

@@ -1,3 +1,4 @@
+# PYTHON_ARGCOMPLETE_OK
 """The commands: ``python -m trunk_ros NAME`` everywhere, ``ros2 run trunk_ros NAME`` where ROS is
 installed.
 """
@@ -5,24 +6,32 @@ installed.
 from __future__ import annotations
 
 import importlib
+import io
+import os
 import sys
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
 from trunk_ros import __version__
-from trunk_ros.errors import TrunkError
+from trunk_ros.commands.arguments import did_you_mean
+from trunk_ros.commands.console import Level, ask_for
+from trunk_ros.errors import TrunkError, one_line
+from trunk_ros.nodes.stop import Stop
 
 COMMANDS: dict[str, tuple[str, str]] = {
-    "bringup": ("trunk_ros.nodes.bringup", "run the arm with a trajectory and record it"),
-    "diagnose": ("trunk_ros.diagnosis.command", "find what a simulation leaves out, model it, show the fit"),
-    "simulate": ("trunk_ros.simulate", "run a model over a recording"),
-    "import": (
-        "trunk_ros.recording.importing.csv",
-        "turn a foreign CSV, or a bag of other topics, into a bag",
-    ),
-    "recover": ("trunk_ros.recording.recover", "repair a bag whose recorder was killed"),
-    "paper": ("trunk_ros.paper", "the paper's tables and figures, as printed and as computed"),
+    "diagnose": ("trunk_ros.commands.diagnose", "find what a simulation leaves out, model it, show the fit"),
+    "simulate": ("trunk_ros.commands.simulate", "run a model over a recording"),
+    "evaluate": ("trunk_ros.commands.evaluate", "score models, or other simulators, on recordings"),
+    "export": ("trunk_ros.commands.export", "write what was found into a simulator's file: MJCF, URDF, SDF"),
+    "fleet": ("trunk_ros.commands.fleet", "diagnose many recordings of many arms, and say what changes"),
+    "info": ("trunk_ros.commands.info", "what a recording holds, and what can be diagnosed from it"),
+    "check": ("trunk_ros.commands.check", "whether a model file or a mapping is right"),
+    "effects": ("trunk_ros.commands.effects", "the library of effects"),
+    "import": ("trunk_ros.commands.import_table", "turn a foreign CSV, or a bag of other topics, into a bag"),
+    "recover": ("trunk_ros.commands.recover", "repair a bag whose recorder was killed"),
+    "paper": ("trunk_ros.commands.paper", "the paper's tables and figures, as printed and as computed"),
+    "bringup": ("trunk_ros.nodes.bringup", "run the simulated arm with a trajectory and record it"),
     "servo_driver": ("trunk_ros.nodes.servo_driver", "node: setpoints to gearbox angles"),
     "wire_elasticity": (
         "trunk_ros.nodes.wire_elasticity",
@@ -30,35 +39,47 @@ COMMANDS: dict[str, tuple[str, str]] = {
     ),
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
+    "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
+    "reality": ("trunk_ros.nodes.reality", "node: what a simulator lacks, between it and its controllers"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
+    "watch": ("trunk_ros.nodes.watch", "node: says within seconds what changes on a running arm"),
 }
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; as an installed script its name is that of the script. Returns the exit code."""
+    if "_ARGCOMPLETE" in os.environ:
+        from trunk_ros.commands.completion import complete
+
+        complete(COMMANDS)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files need not be UTF-8
     arguments = list(sys.argv[1:] if argv is None else argv)
     script = Path(sys.argv[0]).name
     name = script if argv is None and script in COMMANDS else (arguments.pop(0) if arguments else "--help")
-    if name in ("-h", "--help"):
+    if name in ("-h", "--help", "help"):
         print(usage())
         return 0
     if name == "--version":
         print(__version__)
         return 0
     if name not in COMMANDS:
-        return _refuse(f"unknown command {name!r}: choose from {', '.join(COMMANDS)}")
+        near = did_you_mean(name, COMMANDS)
+        return _refuse(f"unknown command {name!r}{near or ': choose from ' + ', '.join(COMMANDS)}")
     return _run(name, arguments)
 
 
 def usage() -> str:
     """One line a command."""
     lines = [f"  {name:16}{what}" for name, (_, what) in COMMANDS.items()]
-    return "\n".join(
-        ["usage: python -m trunk_ros COMMAND [arguments]   (COMMAND --help says more)", "", *lines]
-    )
+    return "\n".join(["usage: trunk_ros COMMAND [arguments]   (COMMAND --help says more)", "", *lines])
 
 
 def _run(name: str, arguments: list[str]) -> int:
+    if COMMANDS[name][0].startswith("trunk_ros.nodes."):
+        Stop()  # importing takes seconds on a busy machine
+    ask_for(Level.NORMAL)
     try:
         module = importlib.import_module(COMMANDS[name][0])
         return int(module.main(arguments))
@@ -69,10 +90,32 @@ def _run(name: str, arguments: list[str]) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 0
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("trunk_ros"):
+            return _our_fault()
+        return _refuse(without_a_package(error.name or str(error)))
+    except OSError as error:  # of the machine: no room, no permission, a name that is too long
+        where = f"{error.filename}: " if error.filename else ""
+        return _refuse(one_line(f"{where}{error.strerror or error}"))
     except Exception:
-        traceback.print_exc()
-        print("trunk_ros: this is a fault of ours, please report it with the lines above", file=sys.stderr)
-        return 1
+        return _our_fault()
+
+
+def without_a_package(name: str) -> str:
+    """How to get at the packages that this Python lacks."""
+    here = Path(__file__).resolve().parents[1]
+    if (here / ".venv" / "bin" / "activate").exists() and Path(sys.prefix) != here / ".venv":
+        return f"{sys.executable} has no {name}: run `source {here / '.venv' / 'bin' / 'activate'}` first"
+    return (
+        f"{sys.executable} has no {name}: run `make setup` and `source .venv/bin/activate`, "
+        "or `pip install .`"
+    )
+
+
+def _our_fault() -> int:
+    traceback.print_exc()
+    print("trunk_ros: this is a fault of ours, please report it with the lines above", file=sys.stderr)
+    return 1
 
 
 def _refuse(message: str) -> int:

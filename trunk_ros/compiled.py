@@ -12,8 +12,12 @@ Array = NDArray[np.float64]
 
 
 def compiled(function: Function) -> Function:
-    """Compile a loop over time; the machine code is cached beside the source.
+    """Compile a loop over time; the machine code is cached where that can be written.
 
     Division by zero gives inf, as in numpy.
     """
-    return cast(Function, njit(cache=True, nogil=True, error_model="numpy")(function))
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    try:
+        return cast(Function, njit(cache=True, **options)(function))
+    except RuntimeError:  # neither the package's folder nor the user's cache can be written
+        return cast(Function, njit(**options)(function))

@@ -11,7 +11,8 @@ import numpy as np
 
 from trunk_ros.arm import GRAVITY, LOADS, Arm, Wire
 from trunk_ros.compiled import Array
-from trunk_ros.errors import ModelError
+from trunk_ros.errors import ModelError, printable
+from trunk_ros.recording.messages.layout import MOST_JOINTS
 
 ANY_JOINTS = "*"
 ANY_ANGLE = 1e3  # rad: no limit
@@ -28,6 +29,13 @@ class Declaration:
     unit: str
     bounds: tuple[float, float] | None
     meaning: str
+    fixed: bool = False
+    """A node takes it at its start only."""
+
+
+RENAMED = {"model.duration": "recording.duration"}
+"""Names in files of earlier versions. A node cannot have a parameter ``model`` beside a ``model.duration``:
+``ros2 param dump`` makes a tree of them."""
 
 
 def _per_joint(name: str, unit: str, bounds: tuple[float, float], meaning: str) -> Declaration:
@@ -63,7 +71,7 @@ def declared_arm() -> list[Declaration]:
     large, positive = (0.0, 1e15), (1e-15, 1e15)
     return [
         Declaration(
-            "arm.joints", [ANY_JOINTS], "", None, "joint names; '*' for whatever joints a recording has"
+            "arm.joints", [ANY_JOINTS], "", None, "joint names; '*' for whatever joints a recording has", True
         ),
         _per_joint("arm.lower", "rad", (-ANY_ANGLE, ANY_ANGLE), "lower joint limit"),
         _per_joint("arm.upper", "rad", (-ANY_ANGLE, ANY_ANGLE), "upper joint limit"),
@@ -92,13 +100,17 @@ def declared_arm() -> list[Declaration]:
             for name, (value, unit, meaning) in SERVO.items()
         ),
         Declaration(
-            "model.duration", 0.0, "s", large, "length of the recording that effects of time were fitted on"
+            "recording.duration",
+            0.0,
+            "s",
+            large,
+            "length of the recording that effects of time were fitted on",
         ),
         _per_joint(
-            "model.error", "rad", large, "what the model left of samples that its fit did not see, rms"
+            "recording.error", "rad", large, "what the model left of samples that its fit did not see, rms"
         ),
         _per_joint(
-            "model.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"
+            "recording.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"
         ),
     ]
 
@@ -156,9 +168,11 @@ def shortened(value: Any) -> str:
 
 def arm_from(flat: Mapping[str, Any]) -> Arm:
     """The arm of checked flat parameters. Raises ModelError for missing or misfitting values."""
-    joints = tuple(flat.get("arm.joints", [ANY_JOINTS]))
+    joints = tuple(printable(joint) for joint in flat.get("arm.joints", [ANY_JOINTS]))
     if len(set(joints)) != len(joints) or not all(joints) or not joints:
         raise ModelError(f"arm.joints must be different names, one or more: got {shortened(list(joints))}")
+    if len(joints) > MOST_JOINTS:
+        raise ModelError(f"arm.joints names {len(joints)} joints: {MOST_JOINTS} at most")
     here = len(joints)
     wire = _wire(flat, here)
     arm = Arm(

@@ -6,6 +6,11 @@ def one_line(text: str) -> str:
     return "".join(character if character.isprintable() else " " for character in text)
 
 
+def printable(name: str) -> str:
+    """A name with what cannot be shown written out, such as "\\x1b": figures and terminals trip over it."""
+    return "".join(character if character.isprintable() else ascii(character)[1:-1] for character in name)
+
+
 class TrunkError(Exception):
     """Bad input. The command line prints its one line and exits with 2."""
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,16 +19,19 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.description import (
     ANY_JOINTS,
+    RENAMED,
     arm_from,
     arm_parameters,
     check_names,
     checked,
     declared_arm,
     per_joint,
+    shortened,
 )
 from trunk_ros.description import Declaration as Declaration
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
+from trunk_ros.predictor import Predictor
 from trunk_ros.recording import plain_yaml
 from trunk_ros.share import share_folder
 
@@ -35,7 +39,7 @@ Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(Predictor):
     """An arm and its effects: ``effects[id]`` maps a parameter to (joints,) values, a float where shared,
     words to lists.
 
@@ -118,9 +122,9 @@ class Model:
     def parameters(self) -> dict[str, Any]:
         """Flat ROS parameters, effects at their null left out."""
         flat = arm_parameters(self.arm)
-        flat["model.duration"] = float(self.duration)
+        flat["recording.duration"] = float(self.duration)
         flat |= {
-            f"model.{name}": known.tolist()
+            f"recording.{name}": known.tolist()
             for name, known in (("error", self.error), ("reach", self.reach))
             if len(known)
         }
@@ -136,6 +140,7 @@ class Model:
         Raises ModelError for unknown names, lengths or values out of bounds.
         """
         declared = {d.name: d for d in declared_parameters()}
+        flat = {RENAMED.get(name, name): value for name, value in flat.items()}
         check_names(flat, declared)
         given = {name: checked(declared[name], value) for name, value in flat.items()}
         arm = arm_from(given)
@@ -150,8 +155,8 @@ class Model:
             if values:
                 effects[name] = values
         _check_rivals(effects)
-        known = {name: per_joint(given, f"model.{name}", len(arm.joints)) for name in ("error", "reach")}
-        return Model(arm, effects, given.get("model.duration", 0.0), **known)
+        known = {name: per_joint(given, f"recording.{name}", len(arm.joints)) for name in ("error", "reach")}
+        return Model(arm, effects, given.get("recording.duration", 0.0), **known)
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""
@@ -270,11 +275,11 @@ def load_model(name: str | Path) -> Model:
 
 def _model_path(name: str | Path) -> Path:
     path = Path(name)
-    if path.is_file() or len(path.parts) != 1 or path.suffix == ".yaml":
+    if os.path.isfile(path) or len(path.parts) != 1 or path.suffix == ".yaml":  # False, whatever the name
         return path
     known = {file.stem: file for file in sorted((share_folder() / "config").glob("*.yaml"))}
     if str(name) not in known:
-        raise ModelError(f"no model {str(name)!r}: give a file or one of {', '.join(known)}")
+        raise ModelError(f"no model {shortened(str(name))}: give a file or one of {', '.join(known)}")
     return known[str(name)]
 
 

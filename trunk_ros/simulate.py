@@ -1,29 +1,21 @@
-"""``simulate``: run a model over a recording."""
+"""A model run over a recording."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
-from trunk_ros import __version__
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
-from trunk_ros.model import Model, load_model
-from trunk_ros.recording.arguments import Parser, add_settle
-from trunk_ros.recording.output import prepare_output
-from trunk_ros.recording.read import read_recording
+from trunk_ros.diagnosis.data.sensor_faults import without_wild
+from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
 from trunk_ros.recording.signal.gaps import bridged, missing
 from trunk_ros.recording.signal.resample import SAME, joint_grid, resample
-from trunk_ros.recording.write import write_recording
 from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import LOST, all_setpoints, as_the_servo_went, servo_course
 from trunk_ros.start import SETTLE, Driven, begun, first_rows
-
-SOURCES = ("gearbox_states", "setpoints")
 
 
 def simulate(
@@ -37,6 +29,7 @@ def simulate(
     gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
+    recording = without_wild(recording)
     given = recording.require(source)
     joints = common_joints(recording, model, given)
     given, model = given.select(joints), model.for_joints(joints)
@@ -94,30 +87,3 @@ def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: 
     if not len(lost):
         return gearbox
     return bridged(gearbox, servo_course(setpoints, np.union1d(gearbox.stamp, lost), model))
-
-
-def main(argv: list[str]) -> int:
-    """The command."""
-    parser = Parser(
-        "simulate",
-        description="Run a model over a recording: the bag OUT_BAG holds the predicted joint_states.",
-    )
-    parser.add_argument("bag", metavar="BAG")
-    parser.add_argument("--model", required=True, metavar="MODEL.yaml", help="a file, or trunk or direct")
-    parser.add_argument("--output", required=True, metavar="OUT_BAG")
-    parser.add_argument("--from", dest="source", choices=SOURCES, default="gearbox_states")
-    add_settle(parser)
-    parser.add_argument("--overwrite", action="store_true")
-    arguments = parser.parse_args(argv)
-    prepare_output(arguments.output, arguments.overwrite)
-    model = load_model(arguments.model)
-    recording = read_recording(arguments.bag)
-    predicted = simulate(recording, model, arguments.source, arguments.settle)
-    settled = str(arguments.settle if "joint_states" in recording.series else 0.0)
-    custom = {
-        "trunk_ros": __version__, "model": model.hash(), "from": arguments.source, "settle": settled,
-    }  # fmt: skip
-    write_recording(Path(arguments.output), predicted, overwrite=arguments.overwrite, custom=custom)
-    said = predicted.series["joint_states"]
-    print(f"{arguments.output}: {len(said.stamp)} predictions of {', '.join(said.joints)}")
-    return 0

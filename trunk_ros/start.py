@@ -14,10 +14,10 @@ from scipy.optimize import minimize_scalar
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.recording.arguments import SETTLE
 from trunk_ros.resistance import Resistance
 from trunk_ros.stage import State
 
+SETTLE = 5.0  # s of measured joint angles that are looked at
 TURNS = 2  # places that each motor is taken to have come from, one after the other
 ROUNDS = 2  # over all joints
 NEAR, FAR, STEPS = 1e-3, 2.0, 7  # rad, either side: distances that are tried first
@@ -149,6 +149,3 @@ def _state(chain: Chain, driven: Driven, places: Array) -> State:
     lasting = {e.id for e in chain.effects if e.remembers}
     kept = {name: memory for name, memory in state.blocks.items() if name in lasting}
     return replace(state, blocks=kept, drift=0.0, swing=None)
-
-
-__all__ = ["SETTLE", "Driven", "begun", "first_rows", "history"]

@@ -17,6 +17,7 @@ from trunk_ros.recording import plain_yaml
 Array = NDArray[np.float64]
 
 CHECKS_PER_SEGMENT = 32
+FINEST = 1e-3  # s between two checks: no loop sees more
 TOLERANCE = 1e-9
 
 
@@ -53,6 +54,8 @@ class Trajectory:
             raise TrajectoryError(f"a joint is named twice in {', '.join(self.joints)}")
         if not len(self.time):
             raise TrajectoryError("the trajectory has no points")
+        if not np.all(np.isfinite(self.time)):
+            raise TrajectoryError("time_from_start is not finite")
         if self.time[0] < 0 or np.any(np.diff(self.time) <= 0):
             raise TrajectoryError("time_from_start must grow from point to point, and not start below 0")
         for name in ("position", "velocity", "acceleration"):
@@ -164,9 +167,14 @@ class Trajectory:
             self._refuse(at, acceleration, hard, "accelerate at", "rad/s^2", limits.acceleration)
 
     def _instants(self) -> Array:
-        fraction = np.arange(CHECKS_PER_SEGMENT) / CHECKS_PER_SEGMENT
-        inside = self.time[:-1, None] + np.diff(self.time)[:, None] * fraction
-        return np.append(inside.ravel(), self.time[-1])
+        """Times at which the limits are checked: on straight lines the points tell all."""
+        if self.velocity is None:
+            return self.time
+        span = np.diff(self.time)
+        number = np.clip(np.ceil(span / FINEST), 2, CHECKS_PER_SEGMENT).astype(int)
+        share = np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number)
+        inside = np.repeat(self.time[:-1], number) + share * np.repeat(span / number, number)
+        return np.append(inside, self.time[-1])
 
     def _refuse(self, at: Array, values: Array, broken: Any, verb: str, unit: str, limit: Array) -> None:
         if not broken.any():
@@ -224,6 +232,8 @@ def from_fields(fields: Any) -> Trajectory:
     if not isinstance(fields, dict) or not fields.get("joint_names") or not fields.get("points"):
         raise TrajectoryError("a trajectory needs joint_names and points")
     points = fields["points"]
+    if not isinstance(fields["joint_names"], list) or not isinstance(points, list):
+        raise TrajectoryError("joint_names and points must be lists")
     try:
         return Trajectory(
             tuple(str(joint) for joint in fields["joint_names"]),
@@ -234,7 +244,7 @@ def from_fields(fields: Any) -> Trajectory:
         )
     except KeyError as error:
         raise TrajectoryError(f"a point lacks {error.args[0]}") from None
-    except (TypeError, ValueError, AttributeError) as error:
+    except (TypeError, ValueError, AttributeError, OverflowError) as error:
         raise TrajectoryError(f"a point is not a set of numbers: {error}") from None
 
 

@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.description import ANY_JOINTS
 from trunk_ros.errors import ModelError, TrunkError
 
 RADIUS = 0.012  # m, of the links as drawn
@@ -18,7 +19,12 @@ COLOURS = ("0.25 0.45 0.70 1", "0.85 0.85 0.80 1")
 
 
 def urdf(arm: Arm, name: str = "trunk") -> str:
-    """The arm as URDF text: base upright, z up, axes along X, a link on each joint, ``tip`` at the end."""
+    """The arm as URDF text: base upright, z up, axes along X, a link on each joint, ``tip`` at the end.
+
+    Raises ModelError for a model of any joints.
+    """
+    if arm.joints == (ANY_JOINTS,):
+        raise ModelError("the model is for any joints: a URDF needs their names, in arm.joints")
     robot = Element("robot", name=name)
     for number, colour in enumerate(COLOURS):
         SubElement(SubElement(robot, "material", name=f"colour_{number}"), "color", rgba=colour)

@@ -18,9 +18,10 @@ from rich.console import Console
 from rich.table import Table
 
 from test import bench
+from test.bench.compare import changes
 from test.bench.row import Row
 
-HELPERS = ("__main__", "bare", "row")
+HELPERS = ("__main__", "bare", "compare", "row")
 MARKS = {True: "[green]reached[/]", False: "[red]missed[/]", None: ""}
 
 
@@ -44,11 +45,23 @@ def run_section(name: str, console: Console) -> dict[str, Any]:
     return {"seconds": round(time.perf_counter() - begin, 1), "rows": [row.fields() for row in rows]}
 
 
+def show_changes(console: Console, old: dict[str, Any], done: dict[str, Any]) -> None:
+    """A table of what is slower or larger, or faster, by more than a machine does by itself."""
+    found = changes(old["sections"], done)
+    table = Table("what", "then", "now", "unit", "change", title="Changed since then")
+    for each in found:
+        colour = "red" if each.worse else "green"
+        times = f"[{colour}]{each.factor:+.0%}[/]"
+        table.add_row(each.name, f"{each.then:,.4g}", f"{each.now:,.4g}", each.unit, times)
+    console.print(table if found else "nothing has changed by more than a tenth")
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the sections asked for, all by default; a missed target is said, and no error."""
     parser = argparse.ArgumentParser(prog="python -m test.bench", description=__doc__)
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=", ".join(sections()))
     parser.add_argument("--output", type=Path, help="JSON file for the figures")
+    parser.add_argument("--compare", type=Path, metavar="OLD.json", help="say what has changed since then")
     arguments = parser.parse_args(argv)
     unknown = set(arguments.sections) - set(sections())
     if unknown:
@@ -59,6 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if arguments.output:
         report = {"schema": "trunk_ros/bench/1", "machine": machine, "sections": done}
         arguments.output.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    if arguments.compare:
+        show_changes(console, json.loads(arguments.compare.read_text(encoding="utf-8")), done)
     missed = [row["name"] for section in done.values() for row in section["rows"] if row["reached"] is False]
     if missed:
         console.print(f"[red]missed:[/] {', '.join(missed)}")

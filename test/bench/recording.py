@@ -177,3 +177,8 @@ def reading() -> Iterator[Row]:
     yield Row("reading", seen["messages_per_s"], "messages/s")
     yield Row("rosbags, reading one hour", seen["rosbags_s"], "s")
     yield Row("reading over rosbags", seen["times_as_fast"], "1", at_least=5)
+    with tempfile.TemporaryDirectory() as folder:
+        for kind, (own, bytes_, alone) in speed.by_kind(Path(folder)).items():
+            yield Row(f"reading {kind}", 1e6 * own, "us/message")
+            yield Row(f"reading {kind}, bytes by rosbags and our decoder", 1e6 * bytes_, "us/message")
+            yield Row(f"reading {kind}, rosbags alone", 1e6 * alone, "us/message")

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+import yaml
 from rich.console import Console
 
 from test.concealed.catalogue import CATALOGUE
@@ -27,6 +28,7 @@ from test.concealed.nominal import Array
 from test.concealed.removed import read_angles
 
 SEED = 211
+REST = 1.0  # s after a motion
 OWN = ("run_*", "nominal", "fitted", "motion_*.yaml", "diagnosis", "diagnosis.json", "model.yaml",
        "report.html", "demo.png", "experiment*")  # fmt: skip
 T = TypeVar("T")
@@ -127,6 +129,7 @@ class Demo:
         self.record()
         verdict = self.step("diagnose it against the nominal simulation", self.diagnose)
         self.say(verdict)
+        verdict = self.decide(verdict)
         good = self.reveal(verdict["findings"])
         self.judge(verdict)
         self.console.print(f"[dim]{time.monotonic() - self.began:.0f} s in all[/]")
@@ -145,27 +148,43 @@ class Demo:
             lambda: drive(self.arm, out / "run_2", self.seconds, 2, "--trajectory", motion),
         )
 
-    def diagnose(self) -> dict[str, Any]:
-        """diagnosis.json of the first run; all its files go to the output folder."""
+    def diagnose(self, *runs: str) -> dict[str, Any]:
+        """diagnosis.json of the first run, or of ``runs``; all its files go to the output folder."""
         found = self.folder / "diagnosis"
-        trunk("diagnose", self.folder / "run_1", "--output", found)
+        trunk("diagnose", *(self.folder / run for run in runs or ("run_1",)), "--output", found)
         for file in found.iterdir():
-            file.rename(self.folder / file.name)
+            file.replace(self.folder / file.name)
         found.rmdir()
         verdict: dict[str, Any] = json.loads((self.folder / "diagnosis.json").read_text())
         return verdict
+
+    def decide(self, verdict: dict[str, Any]) -> dict[str, Any]:
+        """Where the diagnosis proposes a motion that decides between equivalents, the hidden arm plays it;
+        the verdict on both runs.
+        """
+        told = [one for one in verdict["experiments"] if one["trajectory"]]
+        if not told:
+            return verdict
+        motion = self.folder / told[0]["trajectory"]
+        seconds = float(yaml.safe_load(motion.read_text())["points"][-1]["time_from_start"]) + REST
+        self.console.print()
+        self.step(
+            f"play the proposed motion ({seconds:.0f} s) on the hidden arm",
+            lambda: drive(self.arm, self.folder / "run_decisive", seconds, 3, "--trajectory", motion),
+        )
+        decided = self.step("diagnose both runs", lambda: self.diagnose("run_1", "run_decisive"))
+        self.say(decided)
+        for one in told:
+            self.console.print(f"  [bold]{outcome(one['separates'], decided['findings'])}[/]")
+        return decided
 
     def say(self, verdict: dict[str, Any]) -> None:
         """The verdict in its own words."""
         self.console.print(f"\n[bold]Verdict: {verdict['verdict'].replace('_', ' ')}[/]")
         for finding in verdict["findings"]:
-            self.console.print(
-                f"  [cyan]{finding['effect']}[/] ({finding['confidence']:.0%}): {finding['statement']}"
-            )
-            if finding["equivalents"]:
-                self.console.print(
-                    f"    [dim]these data cannot tell it from {', '.join(finding['equivalents'])}[/]"
-                )
+            names = " or ".join([finding["effect"], *map(joined, finding["equivalents"])])
+            sure = f"{finding['confidence']:.0%}" + (" that it is one of these" if " or " in names else "")
+            self.console.print(f"  [cyan]{names}[/] ({sure}): {finding['statement']}")
         for rest in verdict["unexplained"]:
             self.console.print(f"  unexplained: {rest['statement']}")
 
@@ -211,7 +230,7 @@ class Demo:
         """The second motion once more, with the fitted model in the compensator."""
         motion = ("--trajectory", self.folder / "motion_2.yaml", "--model", self.folder / "model.yaml")
         words = "run the second motion again with the fitted model in the compensator"
-        self.step(words, lambda: drive(self.arm, self.folder / "run_3", self.seconds, 3, *motion))
+        self.step(words, lambda: drive(self.arm, self.folder / "run_3", self.seconds, 4, *motion))
         before, after = (self.true_error(name) for name in ("run_2", "run_3"))
         self.console.print(
             f"  true joint angle less reference, mrad rms: "
@@ -222,6 +241,22 @@ class Demo:
         """Of the true joint angle against the reference, rad rms."""
         wanted, true = followed(self.folder / run)
         return float(np.sqrt(((true - wanted) ** 2).mean()))
+
+
+def joined(equivalent: str | list[str]) -> str:
+    """An equivalent in words: one effect, or several together."""
+    return equivalent if isinstance(equivalent, str) else " + ".join(equivalent)
+
+
+def outcome(rivals: list[str], findings: list[dict[str, Any]]) -> str:
+    """What a further run has decided between two effects."""
+    for finding in findings:
+        if finding["effect"] in rivals:
+            (other,) = (name for name in rivals if name != finding["effect"])
+            if other in map(joined, finding["equivalents"]):
+                return f"Not decided: {finding['effect']} or {other}"
+            return f"Decided: {finding['effect']}, not {other}"
+    return f"Decided: neither {' nor '.join(rivals)}"
 
 
 def pooled(rms: Array) -> float:

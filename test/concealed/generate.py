@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ import numpy as np
 from test.concealed.bag import write_bag
 from test.concealed.case import Case, draw_case
 from test.concealed.catalogue import CATALOGUE
+from test.concealed.masses_case import KINDS as MASSES
+from test.concealed.masses_case import draw_masses_case
 from test.concealed.mujoco_case import draw_mujoco_case
 from test.concealed.wire_case import draw_wire_case
 
@@ -21,7 +24,11 @@ MIXTURE: dict[str, dict[str, Any]] = {
     "singles": {"count": 1}, "pairs": {"count": 2}, "triples": {"count": 3}, "clean": {"count": 0},
     "unknown": {"unknown": True}, "hard": {"count": None, "hard": True},
 }  # fmt: skip
-OTHER_PLANTS: dict[str, Callable[[int], Case]] = {"wire": draw_wire_case, "mujoco": draw_mujoco_case}
+OTHER_PLANTS: dict[str, Callable[[int], Case]] = {
+    "wire": draw_wire_case,
+    "mujoco": draw_mujoco_case,
+    **{kind: partial(draw_masses_case, kind=kind) for kind in MASSES},
+}
 LAYOUT = """case_NNNN/train: bag to diagnose; case_NNNN/test: another motion of the same arm, to judge on.
 truth.json: what is hidden (effect, form, joints, parameters, strength = rms of the effect over the sensor
 noise), kinds of motion and of recording; `same` lists the parameters that mean the contract's.

@@ -117,7 +117,7 @@ def _own(where: Concealed, said: Said, out: Path, answer: Answer) -> Marks:
     diagnosis = json.loads((out / "diagnosis.json").read_text())
     return {
         **_about(answer),
-        **marked(answer.told["truth"], diagnosis),
+        **marked(answer.told["truth"], diagnosis, answer.told["noise"].get("allowed", ())),
         **_on_the_fitted_run(diagnosis, answer),
         **_removal(where, out, answer),
         "seconds": said.seconds,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -79,7 +80,16 @@ def _onset_error(truth: Entry, finding: Entry) -> float | None:
     return max(errors, default=None)
 
 
-def _hit(truth: Entry, finding: Entry, exact: bool) -> Entry:
+def _event_error(truth: Entry, events: list[Entry]) -> float | None:
+    """How far off (s) an event's beginning is said; None where none is owed, infinite where none is said."""
+    begin = truth.get("extra", {}).get("from")
+    if begin is None:
+        return None
+    said = [e["from"] for e in events if e["effect"] == truth["effect"] and e.get("from") is not None]
+    return min((abs(one - begin) for one in said), default=float("inf"))
+
+
+def _hit(truth: Entry, finding: Entry, exact: bool, events: list[Entry]) -> Entry:
     depends = truth["depends_on"]
     return {
         "effect": truth["effect"],
@@ -90,21 +100,27 @@ def _hit(truth: Entry, finding: Entry, exact: bool) -> Entry:
         "regime": finding["regime"] == truth["regime"],
         "z": z_scores(truth, finding) if exact and truth["known"] else {},
         "onset_error": _onset_error(truth, finding),
+        "event_error": _event_error(truth, events),
         "depends_on": None
         if truth["known"]
         else any(depends in str(x) for x in finding.get("depends_on", [])),
     }
 
 
-def marked(truth: list[Entry], diagnosis: Entry) -> Entry:
-    """Marks of one case: ``hits``, what was ``missed``, what was said falsely, the confidences."""
+def marked(truth: list[Entry], diagnosis: Entry, allowed: Sequence[str] = ()) -> Entry:
+    """Marks of one case: ``hits``, what was ``missed``, what was said falsely, the confidences.
+
+    allowed: names that are no lie in this recording, though nobody owes them; they do not count.
+    """
     findings = diagnosis["findings"]
     pairs = matched(truth, findings)
     right = [id(f) for _, f, _ in pairs]
+    findings = [f for f in findings if id(f) in right or f["effect"] not in allowed]
+    events = diagnosis.get("events", [])
     found = [id(t) for t, _, _ in pairs]
     return {
         "verdict": diagnosis["verdict"],
-        "hits": [_hit(*pair) for pair in pairs],
+        "hits": [_hit(*pair, events) for pair in pairs],
         "missed": [[t["effect"], t.get("strength")] for t in truth if id(t) not in found],
         "false": [str(f["effect"]) for f in findings if id(f) not in right],
         "confidence": [[f.get("confidence"), id(f) in right] for f in findings],

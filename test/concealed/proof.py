@@ -145,6 +145,7 @@ def write(cases: list[dict[str, Any]], output: Path, more: Beside) -> str:
         "live": {"arms": more.live, **as_json(live(more.live))},
         "paper": [asdict(row) for row in more.paper],
         "kill": more.kill,
+        "chaos": _kept(output / "chaos.json"),
         "cases": cases,
     }
     (output / "results.json").write_text(json.dumps(results, indent=1))
@@ -160,10 +161,14 @@ def _seeds() -> dict[str, list[int]]:
 
 
 def _apart(output: Path, console: Console) -> None:
-    """The live graph and the killed recorders, each as its own command; what is done is not done again."""
+    """The live graph, the killed recorders and the arm in chaos, each as its own command; what is done is not
+    done again.
+    """
     steps: list[tuple[Any, ...]] = [("test.concealed.live_proof", "--output", output)]
     if not (output / "kill.json").exists():
         steps.append(("test.recording.kill", "--times", 100, "--output", output / "kill.json"))
+    if not (output / "chaos.json").exists():
+        steps.append(("test.nodes.chaos", "--seconds", 600, "--output", output))
     for step in steps:
         console.print(" ".join(map(str, step)))
         subprocess.run([sys.executable, "-m", *map(str, step)], cwd=ROOT, check=False, stdout=sys.stderr)

@@ -15,12 +15,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 
 from test.concealed.labelled import labelled_truth
 from test.concealed.marks import marked
 from test.concealed.removed import removable
 from test.concealed.summary import as_text, summed_up
+
+SCHEMA = Path(__file__).parents[2] / "trunk_ros" / "diagnosis" / "verdict" / "diagnosis.schema.json"
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,10 @@ def _marks(job: Job) -> dict[str, Any]:
     began = time.perf_counter()
     _command(job, ["diagnose", train, "--output", str(found), "--overwrite"])
     took = time.perf_counter() - began
-    marks = {**marked(job.told["truth"], json.loads((found / "diagnosis.json").read_text())), "seconds": took}
+    said = json.loads((found / "diagnosis.json").read_text())
+    jsonschema.validate(said, json.loads(SCHEMA.read_text()))
+    allowed = job.told["noise"].get("allowed", ())
+    marks = {**marked(job.told["truth"], said, allowed), "seconds": took}
     if job.diagnose_only:
         return marks
     source = "setpoints" if any(t["stage"] == "servo" for t in job.told["truth"]) else "gearbox_states"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from test.concealed.case import Case, draw_case
+from test.concealed.masses_case import KINDS as MASSES
+from test.concealed.masses_case import draw_masses_case
 from test.concealed.mujoco_case import draw_mujoco_case
 from test.concealed.wire_case import KINDS, draw_wire_case
 
@@ -16,12 +18,19 @@ CONCEALED = {
     "hard": range(54_000, 54_060),  # one to four effects; coloured noise, 25 Hz, losses, drifting clock …
     "wire": range(55_000, 55_042),  # finite-element wires
     "mujoco": range(56_000, 56_060),  # tendons, masses and friction in an engine, four rounds of 15
+    "masses": range(57_000, 57_090),  # integrated from inertia, wires, friction and weight, five rounds of 18
+    "everyday": range(57_500, 57_554),  # such arms at work: motions that were not made to identify anything
+    "events": range(58_000, 58_056),  # such arms to which something happens in mid-run, seven rounds of 8
+    "awkward": range(59_000, 59_108),  # such arms under sensors, clocks and loggers of 12 kinds, nine rounds
 }
 CLEAN = {
     "clean": range(60_000, 60_210),
     "clean_hard": range(61_000, 61_060),
     "clean_wire": range(62_000, 62_030),
     "clean_mujoco": range(63_000, 63_030),
+    "clean_masses": range(64_000, 64_030),
+    "clean_everyday": range(65_000, 65_050),
+    "clean_awkward": range(66_000, 66_096),
 }
 LIVE = range(70_000, 70_012)  # arms on the live graph, each with three effects
 KNOBS: dict[str, dict[str, Any]] = {
@@ -42,6 +51,8 @@ def drawn(kind: str, seed: int) -> Case:
         return draw_mujoco_case(seed, "clean")
     if kind == "mujoco":
         return draw_mujoco_case(seed)
+    if kind in MASSES:
+        return draw_masses_case(seed, kind)
     return draw_case(seed, **KNOBS[kind])
 
 

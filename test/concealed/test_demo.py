@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.concealed.demo import OWN, SEED
+from test.concealed.demo import OWN, SEED, outcome
 from test.concealed.demo_runs import ROOT
 from test.concealed.hide import hide
 from test.concealed.live_arm import LiveArm
@@ -97,3 +97,17 @@ def test_interrupted_it_leaves_no_process_behind(tmp_path: Path) -> None:
     assert error.splitlines() == ["demo: ended by hand"]
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
+
+
+@pytest.mark.parametrize(
+    ("found", "equivalents", "says"),
+    [
+        ("backlash", [], "Decided: backlash, not stribeck_friction"),
+        ("stribeck_friction", ["cogging"], "Decided: stribeck_friction, not backlash"),
+        ("backlash", ["stribeck_friction"], "Not decided: backlash or stribeck_friction"),
+        ("cogging", [], "Decided: neither backlash nor stribeck_friction"),
+    ],
+)
+def test_it_says_what_the_proposed_motion_has_decided(found: str, equivalents: list[str], says: str) -> None:
+    findings = [{"effect": found, "equivalents": equivalents}]
+    assert outcome(["backlash", "stribeck_friction"], findings) == says

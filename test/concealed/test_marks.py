@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from test.concealed.marks import joints_iou, marked, z_scores
@@ -98,3 +99,21 @@ def test_the_summary_counts_clean_arms_apart() -> None:
     assert total["removed"]["median"] == pytest.approx(0.99)
     assert total["removed"]["made_worse"] == ["b"]
     assert "backlash" in as_text(total)
+
+
+def test_a_name_that_is_no_lie_there_is_neither_owed_nor_false() -> None:
+    said = {"verdict": "explained", "findings": [_finding("sensor_delay"), _finding("backlash")]}
+    marks = marked([], said, allowed=["sensor_delay"])
+    assert marks["false"] == ["backlash"]
+    assert marks["confidence"] == [[0.9, False]]
+    owed = marked([_truth("sensor_delay")], said, allowed=["sensor_delay"])
+    assert [hit["effect"] for hit in owed["hits"]] == ["sensor_delay"]
+
+
+@pytest.mark.parametrize(("events", "error"), [([{"effect": "backlash", "from": 21.5}], 1.5), ([], np.inf)])
+def test_an_event_is_marked_by_when_it_is_said_to_begin(events: list[Entry], error: float) -> None:
+    said = {"verdict": "explained", "findings": [_finding()], "events": events}
+    (hit,) = marked([_truth(extra={"from": 20.0})], said)["hits"]
+    assert hit["event_error"] == error
+    (hit,) = marked([_truth()], said)["hits"]
+    assert hit["event_error"] is None

@@ -12,7 +12,7 @@ REACH = 0.87 * LIMIT
 KINDS = ("sweep", "single", "multisine", "ptp", "fast", "mixed")
 
 
-def _rise(x: Array) -> Array:
+def rise(x: Array) -> Array:
     """Minimum-jerk step from 0 to 1."""
     x = np.clip(x, 0.0, 1.0)
     return x**3 * (10 - 15 * x + 6 * x**2)
@@ -69,7 +69,7 @@ def _moves(rng: np.random.Generator, t: Array, hold: tuple[float, float], move: 
         clock = rng.uniform(0.0, hold[1])
         while clock < t[-1]:
             took, now = rng.uniform(*move), x[-1]
-            x += (rng.uniform(-REACH, REACH) - now) * _rise((t - clock) / took)
+            x += (rng.uniform(-REACH, REACH) - now) * rise((t - clock) / took)
             clock += took + rng.uniform(*hold)
         out[:, j] = x
     return out
@@ -89,7 +89,7 @@ def _mixed(rng: np.random.Generator, t: Array) -> Array:
     order = rng.permutation(4)
     out = parts[order[0]]
     for n, which in enumerate(order[1:], 1):
-        share = _rise(t - n * t[-1] / 4)[:, None]
+        share = rise(t - n * t[-1] / 4)[:, None]
         out = (1 - share) * out + share * parts[which]
     return out
 

@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 from test.diagnosis.arms import on, recorded
+from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
+from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
@@ -140,3 +143,54 @@ def test_poses_without_an_orientation_do_not_count() -> None:
     data = tip_data(replace(recording, tip=replace(recording.tip, orientation=orientation)), TRUNK)
     assert data is not None
     assert len(data.stamp) == len(orientation) - 20
+
+
+def lossy(recording: Recording, share: float, most: int, seed: int) -> Recording:
+    """Each topic without a share of its samples, in bursts of up to so many."""
+    rng = np.random.default_rng(seed)
+
+    def keep(number: int) -> np.ndarray:
+        out = np.ones(number, dtype=bool)
+        while np.mean(~out) < share:
+            first = rng.integers(number)
+            out[first : first + rng.integers(1, most + 1)] = False
+        return out
+
+    return kept(recording, {key: keep(len(series.stamp)) for key, series in recording.series.items()})
+
+
+@pytest.mark.parametrize("most", [1, 11, 30])
+def test_what_is_lost_in_bursts_is_no_misfit_where_there_is_no_noise(most: int) -> None:
+    """A motion with fast turns and holds: what is guessed in a gap is off by far more than such a floor."""
+    recording = stopping(recorded(seconds=30.0, noise=0.0))
+    whole = worst(WireStage([wire(recording)], TRUNK, {}))
+    for seed in range(2):
+        thin = without_faults(lossy(recording, 0.14, most, seed))
+        assert thin.notes == ()
+        span = wire(thin)
+        assert worst(WireStage([span], TRUNK, {})) < 6 * whole
+        assert span.valid.mean() > 0.25
+
+
+def stopping(recording: Recording) -> Recording:
+    """The nominal arm on a motion that is fast, turns sharply, and stands still in between."""
+    arm = TRUNK.arm
+    stamp = recording.series["gearbox_states"].stamp
+    knots = np.arange(0.0, stamp[-1] + 1.0, 0.4)
+    rng = np.random.default_rng(3)
+    corners = np.repeat(rng.uniform(-0.3, 0.3, (len(knots) // 2 + 1, 5)), 2, axis=0)[: len(knots)]
+    phi = np.column_stack([PchipInterpolator(knots, column)(stamp) for column in corners.T])
+    theta, _ = Chain(TRUNK, "wire").run(phi, stamp)
+    step = 2 * np.pi / arm.counts_per_rev
+    read = np.round(phi / step) * step
+    series = {
+        "gearbox_states": JointSeries(stamp, arm.joints, read, np.gradient(phi, stamp, axis=0)),
+        "joint_states": JointSeries(stamp, arm.joints, theta),
+    }
+    return replace(recording, series=series)
+
+
+def test_an_arm_of_which_nothing_is_known_may_have_setpoints_in_its_recording() -> None:
+    recording = recorded(seconds=5.0)
+    assert "setpoints" in recording.series
+    assert wire_span(recording, load_model("direct")).joints == recording.joints

@@ -118,8 +118,8 @@ def test_a_run_that_only_one_of_two_can_show_says_so_and_does_what_it_says(
     doubtful = diagnose([first])
     assert [(f.effect, f.equivalents) for f in doubtful.findings] == [("sensor_delay", ["viscous_lag"])]
     (told,) = doubtful.experiments
-    assert "with the first_order viscous_lag" in told["statement"]
-    assert told["statement"].endswith("both are left: viscous_lag can do what sensor_delay does.")
+    assert "if it is the first_order viscous_lag" in told["statement"]
+    assert told["statement"].endswith("both remain possible: viscous_lag can do what sensor_delay does.")
     doubtful.save(tmp_path)
     settled = diagnose([first, made(tmp_path / "second", truth, proposed(tmp_path / FILE), 1)])
     left = [(f.effect, f.equivalents) for f in settled.findings]
@@ -129,7 +129,9 @@ def test_a_run_that_only_one_of_two_can_show_says_so_and_does_what_it_says(
     else:
         assert left == [("sensor_delay", ["viscous_lag"])]
         assert settled.trajectories == {}
-        assert settled.experiments[0]["statement"].startswith("No motion within the limits tells")
+        assert settled.experiments[0]["statement"].startswith(
+            "No motion within the joint limits decides between"
+        )
 
 
 def test_a_rival_explains_in_one_form_what_is_said_of_it() -> None:
@@ -203,7 +205,7 @@ def test_rivals_that_can_turn_into_each_other_are_said_to_be_beyond_any_motion()
     (found,) = result.findings
     assert (found.effect, found.equivalents) == ("sensor_delay", ["viscous_lag"])
     (told,) = result.experiments
-    assert told["statement"].startswith("No motion within the limits tells")
+    assert told["statement"].startswith("No motion within the joint limits decides between")
     assert told["trajectory"] == ""
     assert result.trajectories == {}
 

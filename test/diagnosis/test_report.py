@@ -13,6 +13,7 @@ import pytest
 
 from test.diagnosis import made
 from trunk_ros.diagnosis.report import render, write
+from trunk_ros.diagnosis.report.where import maps
 from trunk_ros.diagnosis.verdict.result import Diagnosis, Unexplained
 
 TRAIN = Path(__file__).parents[3] / "shared" / "concealed" / "dev_two_0" / "train"
@@ -66,16 +67,18 @@ def page(found: Diagnosis) -> str:
 def test_the_first_heading_is_the_verdict_in_one_sentence(page: str) -> None:
     tags = [tag for tag, _ in Page(page).tags]
     assert next(tag for tag in tags if re.fullmatch(r"h\d", tag)) == "h1"
-    assert re.search(r"<h1>Missing in the simulation: backlash \(joint_3\)\. With it, .* falls from", page)
+    assert re.search(
+        r"<h1>Missing in the simulation: backlash \(joint_3, \d+%\)\. With it, .* falls from", page
+    )
 
 
 def test_nothing_missing_is_said_only_of_what_was_judged() -> None:
     clean = made.diagnosis({}, [])
-    assert "Nothing is missing" in render(clean)
+    assert "No effect is missing: the simulation follows the recording down to" in render(clean)
     clean.stages["wire"] = {"compared": True, "joints": {}, "silent": list(made.JOINTS)}
     clean.plots = None
     text = words(render(clean))
-    assert "Nothing is missing" not in text
+    assert "No effect is missing" not in text
     assert "Nothing can be said" in text
     assert "nothing judged" in text
 
@@ -186,6 +189,25 @@ def test_every_regime_has_a_signature_also_of_effects_that_nobody_knows(regime: 
     assert 'alt="Signature of of the users own"' in page
 
 
+def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_coloured() -> None:
+    clean = made.diagnosis({}, [])
+    for said in clean.stages["wire"]["joints"].values():
+        said |= {"rmse_before": 8e-6, "rmse_after": 8e-6, "noise_floor": 2e-7, "resolution": 8.6e-6}
+    text = words(render(clean))
+    assert "No effect is missing: the residual that remains (8.000 µrad rms) is below a step of" in text
+    assert [cell.heat for _, cells in maps(clean)[0].rows for cell in cells] == [0] * 5
+
+
+def test_the_doubt_stands_in_the_headline_the_better_rival_first() -> None:
+    doubtful = made.backlash()
+    (finding,) = doubtful.findings
+    evidence = {**finding.evidence, "rivals": {"stribeck_friction": -3.0, "cogging": 5.0}}
+    rivals = ["cogging", "stribeck_friction"]
+    doubtful.findings = [replace(finding, equivalents=rivals, evidence=evidence)]
+    text = words(render(doubtful))
+    assert "stribeck friction, backlash or cogging (joint_3, " in text
+
+
 def test_findings_without_plots_are_told_all_the_same() -> None:
     tilt = made.finding(
         "base_tilt", [], {"arm": {"angle": made.value(2e-3, 1e-5)}}, stage="arm", regime="always"
@@ -194,7 +216,7 @@ def test_findings_without_plots_are_told_all_the_same() -> None:
     tip = {"unit": "m", "rmse_before": 4e-4, "rmse_after": 3e-5, "noise_floor": 3e-5}
     result.stages["arm"] = {"compared": True, "tip": {"y": tip}}
     text = words(render(result))
-    assert "base tilt (the tip)" in text
+    assert "base tilt (the tip, 90%)" in text
     assert "2.000 ± 0.010 mrad" in text
     assert "13.3 → 1.0" in text
     result.plots = None

@@ -155,3 +155,21 @@ def test_a_diagnosis_names_it_and_its_model_predicts_another_run(folder: Path) -
         "shown = simulate(other, result.model).series['joint_states'].position\n"
         "assert np.abs(shown - other.series['joint_states'].position)[300:].max() < 3e-4",
     )
+
+
+def test_an_effect_of_another_package_is_found_by_its_entry_point(tmp_path: Path) -> None:
+    code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert code
+    (tmp_path / "elsewhere.py").write_text(code[1])
+    info = tmp_path / "elsewhere-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: elsewhere\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[trunk_ros.effects]\nexample = elsewhere\n")
+    look = "[n for n, kind in registry().items() if kind.__module__ == 'elsewhere']"
+    done = subprocess.run(
+        [sys.executable, "-c", f"from trunk_ros.effects import registry; print({look})"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": f"{ROOT}:{tmp_path}"},
+    )
+    assert done.stdout.strip() == "['winding_growth']", done.stderr

@@ -166,7 +166,7 @@ class Received:
     """How many messages of a topic a supervised recorder has received, as it says itself."""
 
     def __init__(self, peer: Peer):
-        from trunk_ros.nodes.graph.base import PROGRESS_TOPIC
+        from trunk_ros.nodes.graph.report import PROGRESS_TOPIC
         from trunk_ros.nodes.graph.ros import String
 
         self.said = peer.listen(String, PROGRESS_TOPIC)

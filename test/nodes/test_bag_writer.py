@@ -1,5 +1,6 @@
 """Bags as they are written: every reader opens them, and what does not fit is said."""
 
+import errno
 import time
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from trunk_ros.errors import ArgumentError
 from trunk_ros.nodes.bags import writer as bag_writer
 from trunk_ros.nodes.bags.writer import BagWriter, Channel, Entry, Options
 from trunk_ros.recording.bag.metadata import read_metadata
-from trunk_ros.recording.mcap.write import COMPRESSION
+from trunk_ros.recording.mcap.write import COMPRESSION, ChunkWriter
 from trunk_ros.recording.messages.message_types import RELIABLE, definition
 
 STRING = "std_msgs/msg/String"
@@ -150,3 +151,13 @@ def test_a_fault_of_ours_is_not_hidden(tmp_path, monkeypatch):
     wait_until(lambda: writer.failure)
     with pytest.raises(ZeroDivisionError):
         writer.close(dict)
+
+
+def test_a_disk_without_room_for_the_head_leaves_no_folder(tmp_path, monkeypatch):
+    def full(self, data):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(ChunkWriter, "_append", full)
+    with pytest.raises(ArgumentError, match="No space left on device"):
+        BagWriter(tmp_path / "bag", Options())
+    assert list(tmp_path.iterdir()) == []

@@ -1,10 +1,12 @@
 """The simulated bus is the servo stage of the model, read tick by tick."""
 
 import numpy as np
+import pytest
 
 from trunk_ros.chain import Chain
+from trunk_ros.errors import ArgumentError
 from trunk_ros.model import load_model
-from trunk_ros.nodes.bus import SimulatedBus
+from trunk_ros.nodes.bus import SimulatedBus, bus_of
 
 MODEL = load_model("trunk")
 COUNT = 2 * np.pi / 2**17
@@ -55,3 +57,11 @@ def test_the_motor_pulls_against_the_load_and_friction():
 
 def beyond_weight(sample):
     return sample.effort + 0.625 * MODEL.arm.load(0.625 * sample.position[None])[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["os:system", "os:path", "os:nothing", "no_such_module:Bus", "math:pi", "simulate", ":"]
+)
+def test_what_is_no_bus_is_refused_and_not_called(name):
+    with pytest.raises(ArgumentError, match="bus"):
+        bus_of(name, MODEL)

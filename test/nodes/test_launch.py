@@ -1,6 +1,7 @@
 """Launch files: what can be checked where launch is not installed."""
 
 import ast
+import os
 import shlex
 import subprocess
 import sys
@@ -11,17 +12,19 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from test.nodes.graph import JOINTS, ROOT, needs_ros, running
+from test.nodes.graph import JOINTS, ROOT, environment, needs_ros, running
 from trunk_ros.__main__ import COMMANDS
 from trunk_ros.model import load_model, save_model
 from trunk_ros.urdf import urdf
 
 FILES = sorted((ROOT / "launch").glob("*.launch.py"))
 TRUNK, REPLAY = (ROOT / "launch" / f"{name}.launch.py" for name in ("trunk", "replay"))
+VIEWING = {"rviz2", "static_transform_publisher"}
 LAUNCH = (
     "launch",
     "launch.actions",
     "launch.conditions",
+    "launch.launch_description_sources",
     "launch.substitutions",
     "launch_ros",
     "launch_ros.actions",
@@ -58,7 +61,7 @@ def test_it_starts_executables_that_there_are(path):
         if k.arg == "executable" and isinstance(k.value, ast.Constant)
     ]
     assert named
-    assert set(named) <= {*COMMANDS, "robot_state_publisher"}
+    assert set(named) <= {*COMMANDS, "robot_state_publisher", "ros2_control_node", "spawner", *VIEWING}
 
 
 def calls(tree, name):
@@ -80,35 +83,74 @@ def executed(path):
 def described(monkeypatch):
     """described(path) -> the module after it described its nodes to a stand-in that notes calls."""
 
-    def described(path):
+    def described(path, **given):
         for name in LAUNCH:
             monkeypatch.setitem(sys.modules, name, MagicMock())
         module = executed(path)
         module.generate_launch_description()
+        if hasattr(module, "nodes"):
+            said = {name: default for name, (default, _) in module.ARGUMENTS.items()}
+            said |= {"state_publisher": "false"} | given
+            module.LaunchConfiguration.side_effect = lambda name: MagicMock(
+                perform=lambda _: said[name], argument=name
+            )
+            module.nodes(MagicMock())
         return module
 
     return described
 
 
+def parameters(module):
+    """Parameters of each node, by its executable."""
+    calls = [call.kwargs for call in module.Node.call_args_list if "parameters" in call.kwargs]
+    return {
+        each["executable"]: {key: value for given in each["parameters"] for key, value in given.items()}
+        for each in calls
+    }
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_no_argument_is_left_to_yaml_on_its_way_to_a_parameter(path, described):
-    module = described(path)
-    bare = module.LaunchConfiguration.return_value
-    given = [each for node in module.Node.call_args_list for each in node.kwargs.get("parameters", [])]
+    module = described(path, record="20260101")
+    given = [value for node in parameters(module).values() for value in node.values()]
     assert given
-    assert not any(value is bare for each in given for value in each.values())
+    wrapped = module.ParameterValue.return_value
+    assert all(value is wrapped or isinstance(value, bool) for value in given)
     assert all("value_type" in call.kwargs for call in module.ParameterValue.call_args_list)
 
 
 def test_the_description_is_that_of_a_model_whose_path_has_spaces_and_quotes(described, tmp_path):
     model = tmp_path / "it's my arm.yaml"
     save_model(load_model("trunk"), model)
-    module = described(TRUNK)
-    module.LaunchConfiguration.return_value.perform.return_value = str(model)
-    module.state_publisher(MagicMock())
+    module = described(TRUNK, plant_model=str(model), state_publisher="true")
     words = shlex.split(module.Command.call_args.args[0])  # as launch does
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert done.stdout == urdf(load_model("trunk").arm)
+
+
+@pytest.mark.parametrize("publisher", ["true", "false"])
+def test_one_source_describes_the_arm(described, publisher):
+    module = described(TRUNK, state_publisher=publisher)
+    started = parameters(module)
+    assert started["wire_elasticity"]["publish_description"] == (publisher == "false")
+    assert ("robot_state_publisher" in started) == (publisher == "true")
+
+
+def test_two_arms_have_frames_of_their_own(described):
+    module = described(TRUNK)
+    spaces = {"": "", "left": "left/", "/left/": "left/"}
+    for space, frames in spaces.items():
+        assert module.frame_prefix({"namespace": space, "frame_prefix": "auto"}) == frames
+    assert module.frame_prefix({"namespace": "left", "frame_prefix": "a_"}) == "a_"
+
+
+def test_where_a_node_of_ours_ends_all_end(described):
+    module = described(TRUNK, record="bag")
+    started = [call.kwargs for call in module.Node.call_args_list]
+    assert {each["executable"] for each in started} >= {"servo_driver", "compensator", "recorder"}
+    for each in started:
+        assert each["package"] != "trunk_ros" or each["on_exit"] is module.Shutdown.return_value
+        assert each["package"] != "trunk_ros" or float(each["sigterm_timeout"]) >= 15
 
 
 @needs_ros
@@ -136,11 +178,59 @@ def test_the_wire_beside_a_replayed_bag_publishes_on_none_of_the_bags_topics(des
     assert bag & {name for name, _ in said} == set()
 
 
-@pytest.mark.skipif(find_spec("launch_ros") is None, reason="launch is not installed here")
+needs_launch = pytest.mark.skipif(find_spec("launch_ros") is None, reason="launch is not installed here")
+
+
+@needs_launch
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_launch_itself_reads_the_arguments_and_what_they_mean(path):
     module = executed(path)
     declared = module.generate_launch_description().get_launch_arguments()
-    assert {each.name: each.description for each in declared} == {
-        name: description for name, (_, description) in module.ARGUMENTS.items()
-    }
+    said = {each.name: each.description for each in declared}
+    for name, (_, description) in module.ARGUMENTS.items():
+        assert said[name].startswith(description)  # launch adds what there is to choose from
+
+
+@needs_launch
+@needs_ros
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ("record", "exists: give another output"),
+        ("plant_model:=direct", "a live node has to know its joints"),
+    ],
+)
+def test_launch_ends_where_a_node_cannot_start_with_its_reason(given, reason, domain, tmp_path):
+    there = tmp_path / "there"
+    there.mkdir()
+    argument = f"record:={there}" if given == "record" else given
+    done = launched(tmp_path, domain, argument)
+    assert reason in done.stdout + done.stderr
+    assert "process has finished cleanly" in done.stdout + done.stderr
+    assert "exit code -" not in done.stdout + done.stderr
+
+
+def launched(folder, domain, *arguments):
+    """What a launch says that ends by itself; the package is one that only knows its executables."""
+    prefix = folder / "prefix"
+    (prefix / "lib" / "trunk_ros").mkdir(parents=True)
+    index = prefix / "share" / "ament_index" / "resource_index" / "packages"
+    index.mkdir(parents=True)
+    (index / "trunk_ros").touch()
+    for name in ("servo_driver", "wire_elasticity", "compensator", "recorder"):
+        script = prefix / "lib" / "trunk_ros" / name
+        script.write_text(f'#!/bin/sh\ncd {ROOT}\nexec {sys.executable} -m trunk_ros {name} "$@"\n')
+        script.chmod(0o755)
+    code = (
+        "import launch, sys\n"
+        "from launch.launch_description_sources import PythonLaunchDescriptionSource as Source\n"
+        "given = [each.split(':=', 1) for each in sys.argv[2:]]\n"
+        "there = launch.actions.IncludeLaunchDescription(Source(sys.argv[1]), launch_arguments=given)\n"
+        "service = launch.LaunchService(noninteractive=True)\n"
+        "service.include_launch_description(launch.LaunchDescription([there]))\n"
+        "sys.exit(service.run())\n"
+    )
+    env = environment(domain)
+    env["AMENT_PREFIX_PATH"] = os.pathsep.join([str(prefix), sys.prefix])
+    command = [sys.executable, "-c", code, str(TRUNK), *arguments]
+    return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=240)

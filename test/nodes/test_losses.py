@@ -1,5 +1,9 @@
 """Losses are counted from the publishers' own numbers."""
 
+from itertools import zip_longest
+
+import pytest
+
 from trunk_ros.nodes.graph.losses import Tally, in_words
 
 
@@ -38,6 +42,47 @@ def test_a_publisher_that_comes_later_is_no_loss_once_it_is_counted():
 
 def test_a_publisher_that_begins_anew_is_no_loss():
     assert tally([7, 8, 9, 1, 2]).lost == 0
+
+
+def in_turn(*streams):
+    return [number for turn in zip_longest(*streams) for number in turn if number]
+
+
+@pytest.mark.parametrize(
+    "after", [in_turn(range(1, 21), range(121, 141)), in_turn(range(121, 141), range(1, 21))]
+)
+def test_a_publisher_that_begins_anew_beside_another_one_is_no_loss(after):
+    before = in_turn(range(1, 121), range(1, 51))
+    assert tally(before + after, publishers=2).lost == 0
+    assert tally([*before, *after, 151], publishers=2).lost == 10
+
+
+def test_a_publisher_that_begins_anew_again_and_again_is_no_loss():
+    numbers = in_turn(range(1, 101), range(1, 101))
+    for last in range(100, 1100, 50):
+        numbers += in_turn(range(last + 1, last + 51), range(1, 51))
+    assert tally(numbers, publishers=2).lost == 0
+
+
+def test_what_passes_in_a_pause_is_neither_received_nor_lost():
+    it = tally([1, 2, 3])
+    it.pause()
+    for number in (4, 9, 10):
+        it.note(number, 100 * 10**9)
+    it.resume()
+    it.note(11, 200 * 10**9)
+    it.note(13, 201 * 10**9)
+    assert (it.received, it.lost) == (5, 1)
+    assert it.summary()["longest_gap_s"] == 1.0
+
+
+def test_types_that_are_not_recorded_are_said():
+    it = tally([1, 2])
+    it.unrecorded = ["std_msgs/msg/String"]
+    assert in_words("run", {"/a": it.summary()}) == [
+        "run: 2 messages on 1 topics, none of those lost",
+        "  /a: also published as std_msgs/msg/String, not recorded: a topic has one type",
+    ]
 
 
 def test_the_longest_gap_is_kept():

@@ -1,13 +1,12 @@
 """A model of another arm is refused."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from test.nodes.graph import needs_ros
-from trunk_ros.errors import ModelError, TrunkError
+from trunk_ros.errors import ModelError
 from trunk_ros.model import load_model
 from trunk_ros.urdf import urdf
 
@@ -16,7 +15,7 @@ ARM = load_model("trunk").arm
 
 
 def check(text, arm=ARM):
-    from trunk_ros.nodes.control.model_swap import check_description
+    from trunk_ros.nodes.graph.model_swap import check_description
 
     check_description(text, arm)
 
@@ -48,31 +47,6 @@ def test_another_arms_description_is_refused_with_the_difference(text, words):
         check(text)
 
 
-def test_after_a_model_that_could_not_be_shown_others_are_still_taken(monkeypatch):
-    from trunk_ros.nodes.control import model_swap
-
-    class Node(SimpleNamespace):
-        def add_on_set_parameters_callback(self, asked):
-            self.asked = asked
-
-        def add_post_set_parameters_callback(self, taken):
-            self.taken = taken
-
-    def fail(node, model):
-        raise TrunkError("no such parameter")
-
-    taken = []
-    node = Node(model=replace(load_model("trunk"), effects={"backlash": {"half_width": np.full(5, 1e-3)}}))
-    model_swap.ModelSwap(node, taken.append)
-    monkeypatch.setattr(model_swap.parameters, "describe_model", fail)
-    changes = [SimpleNamespace(name="model", value="trunk")]
-    for times in (1, 2):
-        assert node.asked(changes).successful
-        assert len(taken) == times
-        with pytest.raises(TrunkError):
-            node.taken(changes)
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -81,7 +55,7 @@ def test_after_a_model_that_could_not_be_shown_others_are_still_taken(monkeypatc
     ],
 )
 def test_another_arms_model_is_refused_at_a_swap(change, words):
-    from trunk_ros.nodes.control.model_swap import check_same_arm
+    from trunk_ros.nodes.graph.model_swap import check_same_arm
 
     with pytest.raises(ModelError, match=words):
         check_same_arm(replace(ARM, **change), ARM)

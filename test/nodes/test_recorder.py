@@ -44,7 +44,7 @@ def test_every_quality_of_service_is_matched_and_latched_messages_are_kept(recor
     peer.node.create_publisher(String, "latched", latched).publish(String(data="sent before"))
     fast = peer.node.create_publisher(String, "fast", careless)
     late = peer.node.create_publisher(String, "late", 100)
-    peer.meets(late, node="_recorder_taker")
+    peer.meets(late, node="recorder")
     peer.until(lambda: received("/fast") or fast.publish(String(data="heard?")))
     for message in numbered(50):
         fast.publish(message)
@@ -72,7 +72,7 @@ def test_publishers_of_all_qualities_on_one_topic_are_heard_once_each(domain, pe
     received = Received(peer)
     given = ("-p", f"output:={path}", "-p", "supervised:=true")
     with running("recorder", "--ros-args", *given, domain=domain) as process:
-        peer.meets(first, second, node="_recorder_taker")
+        peer.meets(first, second, node="recorder")
         peer.until(lambda: received("/mixed") == 2)
         expected = ["latched 1", "latched 2"]
         third, number = None, 0
@@ -101,7 +101,7 @@ def test_the_bag_carries_what_ros2_bag_needs(recorder):
 
     process, path, peer, received = recorder
     out = peer.publisher(String, "some/topic")
-    peer.meets(out, node="_recorder_taker")
+    peer.meets(out, node="recorder")
     out.publish(String(data="one"))
     peer.until(lambda: received("/some/topic") == 1)
     assert ended(process, signal.SIGTERM)[0] == 0
@@ -139,7 +139,7 @@ def test_what_was_sent_before_the_end_is_recorded_and_nothing_that_comes_after(d
     given = ("-p", f"output:={path}", "-p", "topics:=['/numbers']")
     out = peer.publisher(String, "numbers")
     with running("recorder", "--ros-args", *given, domain=domain) as process:
-        peer.meets(out, node="_recorder_taker")
+        peer.meets(out, node="recorder")
         out.publish(String(data="heard?"))
         peer.until(lambda: values(said, "recorder").get("messages") == "1")
         for message in numbered(90):
@@ -159,7 +159,7 @@ def test_messages_of_a_mebibyte_are_kept_byte_for_byte(recorder):
 
     process, path, peer, received = recorder
     out = peer.publisher(String, "large")
-    peer.meets(out, node="_recorder_taker")
+    peer.meets(out, node="recorder")
     sent = [str(number) * (1 << 20) for number in range(10)]
     for number, text in enumerate(sent):
         out.publish(String(data=text))
@@ -176,7 +176,7 @@ def test_while_the_clock_has_not_begun_messages_wait_in_the_room_there_is(domain
     received = Received(peer)
     with running("recorder", "--ros-args", *given, "-p", "supervised:=true", domain=domain) as process:
         out = peer.publisher(String, "large")
-        peer.meets(out, node="_recorder_taker")
+        peer.meets(out, node="recorder")
         for number in range(count):
             out.publish(String(data=f"{number:02}" * (size // 2)))
         peer.until(lambda: received("/large") == count)

@@ -68,7 +68,7 @@ def publish_noise(peer, over, most: int = 10_000, received=None) -> int:
     from trunk_ros.nodes.graph.ros import String
 
     out = peer.publisher(String, "noise")
-    peer.meets(out, node="_recorder_taker")
+    peer.meets(out, node="recorder")
     for number in range(most):
         if received is not None:
             peer.until(lambda number=number: over() or number - received("/noise") < 20)

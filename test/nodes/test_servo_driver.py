@@ -71,16 +71,16 @@ def test_it_holds_and_says_so_when_setpoints_dry_up(driver):
     assert len(shown["model"]) == 12
 
 
-def test_before_it_is_known_where_the_shafts_stand_a_setpoint_has_to_name_all_joints(peer):
+def test_before_it_is_known_where_the_shafts_stand_a_setpoint_has_to_name_all_joints():
+    from trunk_ros.model import load_model
+    from trunk_ros.nodes.arm.servo import Servo
+    from trunk_ros.nodes.bus import SimulatedBus
     from trunk_ros.nodes.graph.joints import MessageError
-    from trunk_ros.nodes.graph.ros import JointState
-    from trunk_ros.nodes.servo_driver import ServoDriver
 
-    node = ServoDriver(context=peer.context)
-    node.configure()
+    model = load_model("trunk")
+    servo = Servo(model.arm, SimulatedBus(model))
     with pytest.raises(MessageError, match="where the joints stand that it leaves out is not known"):
-        node.on_setpoints(JointState(name=["joint_1"], position=[0.1]))
-    node.on_setpoints(JointState(name=JOINTS, position=[0.1] * 5))
-    node.on_setpoints(JointState(name=["joint_1"], position=[0.2]))
-    np.testing.assert_array_equal(node.asked, [0.2, 0.1, 0.1, 0.1, 0.1])
-    node.destroy_node()
+        servo.ask(["joint_1"], [0.1], 0)
+    assert servo.ask(JOINTS, [0.1] * 5, 1) == []
+    assert "joint joint_2 missing" in servo.ask(["joint_1"], [0.2], 2)
+    np.testing.assert_array_equal(servo.asked, [0.2, 0.1, 0.1, 0.1, 0.1])

@@ -39,6 +39,14 @@ def test_the_wheel_holds_every_file_of_the_package_and_its_configuration(wheel, 
     assert {str(path.relative_to(source)) for path in files} <= held
 
 
+def test_the_source_distribution_builds_the_same_wheel(wheel, source, run, tmp_path):
+    run(sys.executable, "setup.py", "-q", "sdist", "--dist-dir", tmp_path, cwd=source)
+    options = ["--no-deps", "--no-build-isolation", "--wheel-dir", tmp_path]
+    run(sys.executable, "-m", "pip", "wheel", *options, next(tmp_path.glob("*.tar.gz")), cwd=tmp_path)
+    again = next(tmp_path.glob("*.whl"))
+    assert sorted(zipfile.ZipFile(again).namelist()) == sorted(zipfile.ZipFile(wheel).namelist())
+
+
 def test_a_wheel_puts_one_command_on_the_path_and_no_import_beside_others(wheel):
     files = zipfile.ZipFile(wheel)
     entry = next(name for name in files.namelist() if name.endswith("entry_points.txt"))
@@ -52,7 +60,7 @@ def test_without_ros_help_names_every_command(python, run, tmp_path):
     assert run(python.with_name("trunk_ros"), "--help", cwd=tmp_path).stdout == shown
 
 
-@pytest.mark.parametrize("name", ["simulate", "diagnose", "import", "recover"])
+@pytest.mark.parametrize("name", ["simulate", "diagnose", "import", "recover", "info", "check", "effects"])
 def test_without_ros_these_commands_start(python, run, tmp_path, name):
     assert "usage" in run(python, "-m", "trunk_ros", name, "--help", cwd=tmp_path).stdout.lower()
 

@@ -5,11 +5,17 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import StoragePlugin
 
+from test.recording.bags import KIND, NOETIC, motion, write_bag, write_ros1
+from trunk_ros.recording.messages.block import block_of
+from trunk_ros.recording.messages.decode import Decoder
+from trunk_ros.recording.messages.layout import joint_layout
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
@@ -58,6 +64,33 @@ def read_with_rosbags(bag: Path) -> dict[str, list[np.ndarray]]:
             row = np.concatenate([[stamp], message.position, message.velocity, message.effort])
             rows.setdefault(connection.topic, []).append(row)
     return {topic: np.array(each) for topic, each in rows.items()}
+
+
+def by_kind(folder: Path, count: int = 10_000) -> dict[str, tuple[float, float, float]]:
+    """Processor s a message, by storage: ours; bytes by rosbags and our decoder; rosbags alone."""
+    messages = motion(count=count, full=True)
+    bags = {
+        "mcap": write_bag(folder / "mcap", messages),
+        "sqlite3": write_bag(folder / "sqlite3", messages, StoragePlugin.SQLITE3),
+        "ROS 1": write_ros1(folder / "ros1.bag", motion(count=count, full=True, store=NOETIC)),
+    }
+    found = {}
+    for kind, bag in bags.items():
+        encoding = "ros1" if kind == "ROS 1" else "cdr"
+        ways = (read_recording, partial(decode_of_rosbags, encoding=encoding), read_with_rosbags)
+        ours, bytes_, alone = (best(partial(way, bag), 3) / count for way in ways)
+        found[kind] = (ours, bytes_, alone)
+    return found
+
+
+def decode_of_rosbags(bag: Path, encoding: str) -> Decoder:
+    """Bytes as rosbags finds them, into arrays by our decoder."""
+    with AnyReader([bag]) as reader:
+        rows = [(bytes(data), at) for _, at, data in reader.messages()]
+    decoder = Decoder(joint_layout)
+    payloads, times = [data for data, _ in rows], [at for _, at in rows]
+    decoder.add(block_of("/joint_states", KIND, encoding, payloads, times))
+    return decoder
 
 
 def best(action: Callable[[], object], runs: int) -> float:

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from test.recording.bags import NOETIC, STORE, joint_state, motion, pose
+from trunk_ros.errors import printable
 from trunk_ros.recording.messages.block import block_of
 from trunk_ros.recording.messages.decode import Decoder
 from trunk_ros.recording.messages.layout import joint_layout, pose_layout
@@ -43,7 +44,7 @@ def test_any_joint_states_are_decoded_as_they_were_serialised(messages, little):
     rows = {int(place): (piece, row) for piece in decoder.pieces for row, place in enumerate(piece.place)}
     for number, message in enumerate(messages):
         piece, row = rows[number]
-        assert piece.joints == tuple(message.name)
+        assert piece.joints == tuple(map(printable, message.name))
         assert piece.stamp_ns[row] == message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
         for values, name in (
             (piece.position, "position"),

@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from trunk_ros.commands.import_table import main
 from trunk_ros.errors import ArgumentError, RecordingError
-from trunk_ros.recording.importing.csv import main, read_csv
+from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.importing.mapping import parse_mapping
 from trunk_ros.recording.read import read_recording
 
@@ -95,6 +96,8 @@ def test_a_missing_column_is_named_with_those_that_exist(tmp_path):
         ("t,x\n", "has a header and no rows"),
         ("t,x\n0,1\n1,two\n", "line 3: 'two' is not a number"),
         ("t,x\n0,1\n1\n2,3\n", "line 3 has fewer fields"),
+        ("t,x\n0,1\n1,2,3\n2,3\n", "line 3 has 3 fields, the header 2"),
+        ("t,x\n0,1\n9,1,2\n", "line 3 has 3 fields, the header 2"),
         ("t,x,x\n0,1,2\n", "has several columns x"),
         ("t,x\n0,1" + "1" * 200_000, "is not CSV"),
     ],
@@ -178,3 +181,8 @@ def test_the_tip_gives_way_by_what_its_readme_says():
     load = -gearbox.effort[:, 0]  # the motors push against it
     assert np.polyfit(load, gives_way, 1)[0] == pytest.approx(0.2e-3, abs=0.02e-3)
     assert recording.units == {"tip_z": "m"}
+
+
+def test_empty_fields_at_the_end_of_a_line_are_no_columns(tmp_path):
+    recording = read_csv(table(tmp_path, "t,x\n0,1,\n1,2, ,\n"), mapping())
+    np.testing.assert_array_equal(recording.require("joint_states").position, [[1], [2]])

@@ -14,11 +14,13 @@ from mcap.writer import Writer as McapWriter
 from rosbags.highlevel import AnyReader
 
 from test.recording.bags import KIND, STORE, motion, only_file
+from trunk_ros.commands.recover import main
 from trunk_ros.errors import RecordingError
+from trunk_ros.recording.mcap.verify import is_intact
 from trunk_ros.recording.mcap.write import ChunkWriter
 from trunk_ros.recording.messages.message_types import RELIABLE, definition, qos_text
 from trunk_ros.recording.read import read_recording
-from trunk_ros.recording.recover import main, recover, unfinished
+from trunk_ros.recording.recover import recover, unfinished
 
 COUNT = 2000
 
@@ -218,3 +220,54 @@ def test_whether_a_bag_needs_repair_is_known(killed):
         fcntl.flock(stream, fcntl.LOCK_EX)
         with pytest.raises(RecordingError, match="is being recorded"):
             unfinished(killed)
+
+
+def counted(file: Path) -> int:
+    """Messages of a file, the same for rosbags and the mcap tools."""
+    with AnyReader([file]) as reader, file.open("rb") as stream:
+        count = sum(1 for _ in reader.messages())
+        assert count == sum(1 for _ in make_reader(stream, validate_crcs=True).iter_messages())
+    return count
+
+
+def flipped(file: Path, at: int) -> None:
+    data = bytearray(file.read_bytes())
+    data[at] ^= 0x10
+    file.write_bytes(bytes(data))
+
+
+def test_a_flipped_byte_in_a_chunk_is_found_and_left_out(tmp_path):
+    file = write_mcap(tmp_path / "bag.mcap")
+    with file.open("rb") as stream:
+        chunk = make_reader(stream).get_summary().chunk_indexes[0]
+    flipped(file, chunk.chunk_start_offset + chunk.chunk_length // 2)
+    (said,) = recover(file)
+    assert "1 damaged chunks left out" in said
+    assert "kept as bag.mcap.damaged" in said
+    assert recover(file) == [f"{file}: is whole, nothing to repair"]
+
+
+def test_a_flipped_byte_anywhere_is_found_or_harms_nobody(tmp_path):
+    """Where it is not found, all readers agree on what the file holds. A header says nothing of messages."""
+    file = write_mcap(tmp_path / "bag.mcap")
+    whole, count = file.read_bytes(), counted(file)
+    places = range(40, len(whole), len(whole) // 60)
+    found = 0
+    for at in places:
+        file.write_bytes(whole)
+        flipped(file, at)
+        intact = is_intact(file)
+        found += not intact
+        assert not intact or counted(file) == count, at
+    assert found > len(places) / 2
+
+
+def test_an_index_that_leads_astray_is_made_anew_and_nothing_lost(tmp_path):
+    file = write_mcap(tmp_path / "bag.mcap")
+    count = counted(file)
+    with file.open("rb") as stream:
+        chunk = make_reader(stream).get_summary().chunk_indexes[0]
+    flipped(file, max(chunk.message_index_offsets.values()) + 9 + 6 + 8)  # the offset of its first message
+    (said,) = recover(file)
+    assert f"{count} messages kept, all that the file held; its index is made anew" in said
+    assert counted(file) == count

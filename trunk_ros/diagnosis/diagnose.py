@@ -9,35 +9,41 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.against import SERVO, Simulator, identified, nominal_for
 from trunk_ros.diagnosis.context import LEAST, Context, Work
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
-from trunk_ros.diagnosis.data.other_simulator import completed, on_the_clock, shifted
+from trunk_ros.diagnosis.data.mix_ups import MixUp, mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.other_simulator import completed, shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence, evidence, spreads
+from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
+from trunk_ros.diagnosis.evidence.veto import harmless
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.findings import (
     findings,
     is_known,
     left_over,
     without_a_name,
 )
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots, Unexplained
 from trunk_ros.diagnosis.wire import WireStage, settled
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, Values, load_model
-from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
@@ -48,28 +54,47 @@ WORK = 3e9  # simulated joint-steps of a stage: half a minute of one core, whate
 
 
 def diagnose(
-    recordings: Sequence[Recording | str | Path],
-    model: Model | str | Path = "trunk",
+    recordings: Recording | str | Path | Sequence[Recording | str | Path],
+    model: Model | str | Path | None = None,
     against: Recording | str | Path | None = None,
     from_time: str | None = None,
     until: str | None = None,
     progress: Progress = lambda _: None,
+    namespace: str | None = None,
     settle: float = SETTLE,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
-    ``against``: another simulator's recording of the same motion, whose prediction takes the place of the
-    model's. ``settle``: seconds of measured joint angles from which it is estimated how the wires lay where a
-    recording that stops to measure begins; 0: none.
+    ``recordings``: one or several, each a path or in memory. ``model``: in memory, a file, or a name in
+    config/; by default the nominal arm. ``from_time``, ``until``: "12.5" (s) or "70%" of each recording.
+    ``progress`` is told each step. ``against``: a simulator's recording of the same motion; what it does
+    is found from it first, by default from an ideal transmission, and takes the place of the model.
+    ``namespace``: of the arm, where recordings hold several. ``settle``: seconds of measured joint angles
+    that tell how the wires lay where a recording that stops to measure begins; 0: none.
     Raises RecordingError or ModelError in one line.
     """
-    read = [_read(r, from_time, until) for r in recordings]
-    nominal = model if isinstance(model, Model) else load_model(model)
+    several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
+    read = [part for r in several for part in _read(r, from_time, until, namespace)]
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )
-    read = [without_faults(completed(r, other)) for r in read]
-    return Diagnoser(read, nominal, other, progress, settle).run()
+    read = [completed(r, other) for r in read]
+    if model is None:
+        nominal = load_model("trunk") if other is None else nominal_for(read[0].joints)
+    else:
+        nominal = model if isinstance(model, Model) else load_model(model)
+    read = [without_faults(readings_put_right(r, nominal)) for r in read]
+    mixed = [mix_ups(r, nominal) for r in read]
+    read = [without_mix_ups(r, found) for r, found in zip(read, mixed, strict=True)]
+    read = [clocks_put_right(r, nominal) for r in read]
+    if other is None:
+        return Diagnoser(read, nominal, None, progress, mixed, settle=settle).run()
+    progress("what the simulation has itself")
+    simulator = identified(
+        other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, experiments=False).run()
+    )
+    result = Diagnoser(read, simulator.model, simulator, progress, mixed, settle=settle).run()
+    return told_as_differences(result, simulator.model, simulator.found)
 
 
 class Diagnoser:
@@ -79,11 +104,15 @@ class Diagnoser:
         self,
         recordings: list[Recording],
         model: Model,
-        against: Recording | None,
+        against: Simulator | None,
         progress: Progress,
-        settle: float,
+        mixed: Sequence[list[MixUp]] = (),
+        experiments: bool = True,
+        settle: float = SETTLE,
     ):
-        self.recordings, self.against, self.say, self.settle = recordings, against, progress, settle
+        """``mixed``: what is mixed up in each recording, and left out of it."""
+        self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
+        self.experiments, self.settle = experiments, settle
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -97,10 +126,7 @@ class Diagnoser:
         self.spans = (
             spans
             if against is None
-            else [
-                shifted(s, self.model, on_the_clock(against, r))
-                for s, r in zip(spans, recordings, strict=True)
-            ]
+            else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.effects: dict[str, Values] = {}
@@ -116,15 +142,16 @@ class Diagnoser:
         self.servo()  # with the payload that the wires show
         self.tip()
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
+        self._say_what_is_mixed_up()
         self._refuse_if_nothing_was_seen()
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
-        self.result.model = self._known_limits(replace(self.model, effects=kept, duration=longest))
-        self.result.quality = _by_name(self.recordings, self.model)
+        self.result.model = self._with_limits(replace(self.model, effects=kept, duration=longest))
+        self.result.quality = _by_name(self.recordings, self.model, self.mixed)
         return self.result
 
-    def _known_limits(self, model: Model) -> Model:
+    def _with_limits(self, model: Model) -> Model:
         """The model with what it left, and how far the motors went; as it is where no wire was compared."""
         if not self.error:
             return model
@@ -137,25 +164,30 @@ class Diagnoser:
             reach=np.array([reach.get(joint, 0.0) for joint in arm.joints]),
         )
 
+    def _say_what_is_mixed_up(self) -> None:
+        """What was left out for it is not explained."""
+        for one in dict.fromkeys(one for found in self.mixed for one in found if one.certain):
+            rest = Unexplained(one.stage, list(one.joints), "always", 1.0, [], one.statement)
+            self.result.unexplained.insert(0, rest)
+            stage = self.result.stages[one.stage]
+            stage["silent"] = [joint for joint in stage.get("silent", []) if joint not in one.joints]
+
     def _refuse_if_nothing_was_seen(self) -> None:
         stages = self.result.stages.values()
-        if not any(stage.get("joints") or stage.get("tip") for stage in stages):
+        seen = any(stage.get("joints") or stage.get("tip") for stage in stages)
+        if not seen and not self.result.unexplained:
             raise RecordingError(
                 f"{', '.join(r.name for r in self.recordings)}: no joint moves for {LEAST} samples or more: "
                 "record a motion that moves the joints, over a longer time"
             )
 
     def servo(self) -> None:
-        """Setpoint to gearbox, where setpoints were recorded and nothing else stands for the simulation."""
-        spans = (
-            [
-                servo_span(r, self.model)
-                for r in self.recordings
-                if {"setpoints", "gearbox_states"} <= set(r.series)
-            ]
-            if self.against is None
-            else []
-        )
+        """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
+        other = self.against
+        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
+        spans = [servo_span(r, self.model) for r in recorded if other is None or other.has_servo]
+        if other is not None and other.has_servo:
+            spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         spans = [s for s in spans if s.joints == self.joints]
         if spans:
             self.say("servo")
@@ -180,10 +212,15 @@ class Diagnoser:
                 "compared": False, "joints": {}, "silent": list(stage.joints)
             }  # fmt: skip
             return None
+        wrong = contradiction(context, lambda text: self.say(f"{stage.name}: {text}"))
+        if wrong is not None:
+            raise RecordingError(wrong.statement())
         done = searched(context, lambda text: self.say(f"{stage.name}: {text}"))
         self.say(f"{stage.name}: evidence")
-        found = evidence(done.part, done.state)
-        state = with_banks(settled(done.state, self.settle))
+        state = harmless(done.state)
+        part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
+        found = evidence(part, state)
+        state = with_banks(settled(state, self.settle))
         found = found | banks_evidence(state)
         std, context = spreads(state), state.context
         errors = held_out(state)
@@ -199,6 +236,7 @@ class Diagnoser:
                     "rmse_before": e.before,
                     "rmse_after": e.after,
                     "noise_floor": e.noise_floor,
+                    "resolution": float(np.hypot(stage.own_steps(c), stage.resolution(c))),
                     "rmse_before_std": e.before_std,
                     "rmse_after_std": e.after_std,
                 }
@@ -215,11 +253,13 @@ class Diagnoser:
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(context, state.hypothesis)
-        self._experiment(done.part, {f.effect: found[f.effect] for f in new if f.equivalents})
+        self._experiment(part, {f.effect: found[f.effect] for f in new if f.equivalents})
         return state
 
     def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
         """The motion that tells what was found from its equivalents."""
+        if not self.experiments:
+            return
         stage = state.context.stage.name
         self.say(f"{stage}: experiment")
         done, file = experiment(state, found), f"experiment_{stage}.yaml"
@@ -261,10 +301,13 @@ class Diagnoser:
         self.effects |= values
 
 
-def _read(recording: Recording | str | Path, from_time: str | None, until: str | None) -> Recording:
+def _read(
+    recording: Recording | str | Path, from_time: str | None, until: str | None, namespace: str | None
+) -> list[Recording]:
+    """The recordings that one is: two where its clock was set."""
     if isinstance(recording, Recording):
-        return recording.part(*time_range(recording.duration, from_time, until))
-    return read_recording(recording, from_time, until)
+        return [recording.part(*time_range(recording.duration, from_time, until))]
+    return read_parts(recording, from_time, until, namespace)
 
 
 def on_the_arm(
@@ -285,12 +328,13 @@ def on_the_arm(
     }
 
 
-def _by_name(recordings: list[Recording], model: Model) -> dict[str, Any]:
+def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]]) -> dict[str, Any]:
     """Quality by name of recording; those of one name are numbered."""
     out: dict[str, Any] = {}
     for number, recording in enumerate(recordings, start=1):
         name = recording.name if recording.name not in out else f"{recording.name} ({number})"
-        out[name] = quality_of_recording(recording, model)
+        found = mixed[number - 1] if mixed else []
+        out[name] = quality_of_recording(recording, model, found)
     return out
 
 

@@ -1,5 +1,5 @@
-"""One file, one phenomenon. Files in this folder, and in those named by TRUNK_ROS_EFFECTS, are found by
-themselves.
+"""One file, one phenomenon. Files in this folder, in those named by TRUNK_ROS_EFFECTS, and modules that other
+packages name as entry points of the group ``trunk_ros.effects``, are found by themselves.
 """
 
 from __future__ import annotations
@@ -10,11 +10,14 @@ import os
 import pkgutil
 from collections.abc import Iterator
 from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 
 from trunk_ros.effects.effect import Effect
 from trunk_ros.errors import ModelError
+
+GROUP = "trunk_ros.effects"
 
 
 @cache
@@ -43,11 +46,22 @@ def effect(name: str) -> type[Effect]:
 def _modules() -> Iterator[ModuleType]:
     for _, name, _ in pkgutil.walk_packages(__path__, __name__ + "."):
         yield importlib.import_module(name)
+    for point in entry_points(group=GROUP):
+        yield _of_package(point)
     for folder in filter(None, os.environ.get("TRUNK_ROS_EFFECTS", "").split(os.pathsep)):
         if not Path(folder).is_dir():
             raise ModelError(f"TRUNK_ROS_EFFECTS names {folder}, which is not a folder")
         for path in sorted(Path(folder).glob("*.py")):
             yield _load(path)
+
+
+def _of_package(point: EntryPoint) -> ModuleType:
+    """The module of another package: the entry point names it, or an effect in it."""
+    try:
+        return importlib.import_module(point.module)
+    except Exception as error:
+        why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise ModelError(f"cannot load the effect {point.name} of {point.module}: {why}") from error
 
 
 def _load(path: Path) -> ModuleType:

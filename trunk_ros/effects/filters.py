@@ -31,9 +31,10 @@ def lowpass(x: Array, dt: Array, time_constant: Array, before: Array, out: Array
     before.
     """
     steps, columns = x.shape
-    ramp, decay = np.empty(2), np.empty(2)
+    ramp, decay, known, s = np.empty(2), np.empty(2), np.empty(2), 0
     for j in range(columns):
-        known, s = np.full(2, -1.0), 0
+        if j == 0 or time_constant[j] != time_constant[j - 1]:
+            known[:] = -1.0
         old, y = before[0, j], before[1, j]
         for k in range(steps):
             s, new_step = kept(dt[k], known, s)
@@ -69,8 +70,10 @@ def oscillator(
     An ``omega`` of 0 stands for a rigid link.
     """
     steps, columns = x.shape
+    swings, known, s = np.zeros((2, 5)), np.empty(2), 0
     for j in range(columns):
-        swings, known, s = np.zeros((2, 5)), np.full(2, -1.0), 0
+        if j == 0 or omega[j] != omega[j - 1] or zeta[j] != zeta[j - 1]:
+            known[:] = -1.0
         old, y, rate = before[0, j], before[1, j], before[2, j]
         for k in range(steps):
             s, new_step = kept(dt[k], known, s)

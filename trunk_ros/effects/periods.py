@@ -5,6 +5,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 
 CELLS = 8.0  # per shortest period
+MOST = 1000  # cells per value: in wider ranges a line cannot be told from its neighbours
 FINER = 8  # steps of the search per period that the range cannot hold
 
 
@@ -23,9 +24,9 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
 
     Source: Schuster (1898), the periodogram, of the sums in narrow cells of ``x``.
     """
-    if np.ptp(x) <= 0.0 or not np.any(rest):
-        return ()
     cell = 2 * np.pi / (CELLS * high)
+    if not 0.0 < np.ptp(x) < MOST * len(x) * cell or not np.any(rest):
+        return ()
     bent = np.polynomial.Polynomial.fit(x, rest, 3)
     sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent(x))
     size = FINER * len(sums)

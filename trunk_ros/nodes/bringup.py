@@ -9,7 +9,9 @@ from collections.abc import Callable
 from typing import Any
 
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.graph.losses import left_out
 from trunk_ros.nodes.run.plan import PARTS, PUBLISHED, Plan, plan_of
+from trunk_ros.nodes.run.plan import parser as parser
 from trunk_ros.recording.bag.metadata import read_metadata
 
 LAG = 500  # messages of a topic that the recorder may be behind
@@ -17,23 +19,27 @@ CHAIN = [part for part in PARTS if part != "recorder"]
 
 
 def main(argv: list[str]) -> int:
-    """Run and record: 0 when done or asked to end, 1 when a node gave up. Raises TrunkError at first."""
+    """Run and record: 0 when done or asked to end; 2 when a node gave up for a reason outside of it, such as
+    a full disk, 1 for any other. Raises TrunkError at first.
+    """
     plan = plan_of(argv)
-    from trunk_ros.nodes.graph.process import Stop, start_ros
+    from trunk_ros.nodes.graph.process import start_ros
     from trunk_ros.nodes.graph.ros import rclpy
+    from trunk_ros.nodes.stop import Stop
 
     if plan.trajectory is not None and plan.trajectory.duration > plan.seconds:
         say(f"the trajectory takes {plan.trajectory.duration:.4g} s, the run ends after {plan.seconds:g} s")
     stop = Stop()
     start_ros(plan.ros_arguments)
     try:
-        fault = run_apart(plan, stop) if plan.apart else run_together(plan, stop)
+        fault, code = run_apart(plan, stop) if plan.apart else run_together(plan, stop)
     finally:
+        stop.ignore()
         rclpy.try_shutdown()
     summarise(plan)
     if fault:
         say(f"ended early: {fault}")
-    return 1 if fault else 0
+    return code if fault else 0
 
 
 def say(text: str) -> None:
@@ -58,10 +64,10 @@ def make_pacer(plan: Plan) -> Any:
     return pacer
 
 
-def run_together(plan: Plan, stop: Any) -> str:
-    """All nodes in this process; returns why it ended early, "" otherwise."""
-    from trunk_ros.nodes.graph.base import DELIVERY
-    from trunk_ros.nodes.graph.process import serve_for
+def run_together(plan: Plan, stop: Any) -> tuple[str, int]:
+    """All nodes in this process; returns why it ended early, "" otherwise, and the exit code for that."""
+    from trunk_ros.nodes.graph.managed import end, retire, start
+    from trunk_ros.nodes.graph.process import DELIVERY, serve_for
     from trunk_ros.nodes.graph.ros import EventsExecutor
 
     make_room(plan)
@@ -72,19 +78,20 @@ def run_together(plan: Plan, stop: Any) -> str:
     try:
         for part in plan.parts:
             nodes[part] = make_node(part, plan.parameters(part))
-            nodes[part].listener = pacer.note
-            nodes[part].start()
+            nodes[part].report.listener = pacer.note
+            start(nodes[part])
             executor.add_node(nodes[part])
         pump(executor, pacer, stop, lambda: first_fault(nodes), lambda: pacer.phase == "done")
         for part in CHAIN:
             if part in nodes:
-                nodes[part].retire()
+                retire(nodes[part])
         serve_for(DELIVERY, executor, pacer)
     finally:
         for part in [*CHAIN, "recorder"]:
             if part in nodes:
-                nodes[part].end()
-    return pacer.fault or (nodes["recorder"].fault if "recorder" in nodes else "")
+                end(nodes[part], DELIVERY)
+    given_up = first_fault(nodes)
+    return pacer.fault or given_up, 2 if given_up else 1
 
 
 def make_node(part: str, parameters: dict[str, Any]) -> Any:
@@ -101,8 +108,8 @@ def make_node(part: str, parameters: dict[str, Any]) -> Any:
     )
 
 
-def run_apart(plan: Plan, stop: Any) -> str:
-    """Each node in a process of its own; returns why it ended early, "" otherwise."""
+def run_apart(plan: Plan, stop: Any) -> tuple[str, int]:
+    """Each node in a process of its own; returns why it ended early, "" otherwise, and the exit code."""
     from trunk_ros.nodes.graph.ros import EventsExecutor
     from trunk_ros.nodes.run.child_processes import Processes
 
@@ -125,7 +132,7 @@ def run_apart(plan: Plan, stop: Any) -> str:
         processes.stop(["recorder"])
     finally:
         processes.close()
-    return str(pacer.fault)
+    return str(pacer.fault), processes.code
 
 
 def first_fault(nodes: dict[str, Any]) -> str:
@@ -152,7 +159,11 @@ def pump(executor: Any, pacer: Any, stop: Any, trouble: Callable[[], str], over:
 
 def make_room(plan: Plan) -> None:
     """Remove the recording that is to be replaced."""
-    if plan.output is not None and plan.overwrite and plan.output.exists():
+    if plan.output is None or not plan.overwrite:
+        return
+    if plan.output.is_symlink() or plan.output.is_file():
+        plan.output.unlink()
+    elif plan.output.exists():
         shutil.rmtree(plan.output)
 
 
@@ -171,4 +182,6 @@ def summarise(plan: Plan) -> None:
         lost = losses.get(topic, {})
         missing = int(lost.get("lost", 0) + lost.get("dropped", 0))
         print(f"  {topic:28} {count:8d}" + (f"   lost {missing} of {count + missing}" if missing else ""))
+        if others := left_out(lost):
+            print(f"  {topic:28} {others}")
     print(f"lost: {sum(int(each['lost'] + each['dropped']) for each in losses.values())}")

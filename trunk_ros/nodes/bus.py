@@ -111,6 +111,8 @@ def bus_of(name: str, model: Model) -> Bus:
         made = getattr(importlib.import_module(module), kind)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ArgumentError(f"bus {name!r} is neither {SIMULATED} nor MODULE:CLASS: {error}") from None
+    if not (isinstance(made, type) and all(hasattr(made, name) for name in ("read", "write", "close"))):
+        raise ArgumentError(f"bus {name!r} is no class with read, write and close")
     bus: Bus = made(model)
     return bus
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Iterator
 from typing import Any
 
 from trunk_ros.errors import TrunkError
@@ -11,13 +12,13 @@ from trunk_ros.nodes.bags.recorder_parameters import MIB, PARAMETERS, bag_option
 from trunk_ros.nodes.bags.run_notes import WallClock, manifest
 from trunk_ros.nodes.bags.writer import BagWriter, Channel, Entry
 from trunk_ros.nodes.graph.base import TrunkNode
-from trunk_ros.nodes.graph.health import ERROR
+from trunk_ros.nodes.graph.health import OK
 from trunk_ros.nodes.graph.interfaces import message_class, message_definition
 from trunk_ros.nodes.graph.losses import Tally, in_words
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.qos import hearing_all, latches, stricter, unique
-from trunk_ros.nodes.graph.ros import LifecycleState, TransitionCallbackReturn, rclpy
-from trunk_ros.nodes.graph.topic_subscription import Ear, subscribe
+from trunk_ros.nodes.graph.ros import LifecycleState, TransitionCallbackReturn
+from trunk_ros.nodes.graph.topic_subscription import Ear, by_hand, subscribe
 
 LOOK = 0.1  # s between two looks at the graph
 TURNS = 20  # looks after which a topic's publishers are asked for their QoS again
@@ -25,6 +26,7 @@ TAKE = 0.01  # s between two looks for messages
 AT_ONCE = 2000  # messages of one topic taken before the next topic has its turn
 QUIET = 10  # empty looks after which everything has arrived
 LAST = 1.0  # s after which no more is waited for
+SHARED = ("/clock", "/tf", "/tf_static")  # topics that belong to every namespace
 
 
 class Recorder(TrunkNode):
@@ -34,7 +36,14 @@ class Recorder(TrunkNode):
     needs_model = False
     idle = True
     recording = False
+    ending = 0  # ns at which it was asked to end
+    writer: BagWriter | None = None
     OWN = PARAMETERS
+
+    @property
+    def subscriptions(self) -> Iterator[Any]:
+        """Those that an executor serves."""
+        return (each for each in super().subscriptions if each.callback is not by_hand)
 
     def configure(self) -> None:
         """Open the bag. Raises TrunkError where that is impossible."""
@@ -47,25 +56,23 @@ class Recorder(TrunkNode):
         self.early_bytes, self.room = 0, options.buffer_bytes
         self.wall = WallClock()
         self.ending = 0
-        self.writer: BagWriter | None = BagWriter(
-            self.value("output"), options, {"trunk_ros.manifest": self.manifest}
-        )
-        self.taker = rclpy.create_node(
-            f"_{self.get_name()}_taker", context=self.context, use_global_arguments=False
-        )
+        self.writer = BagWriter(self.value("output"), options, {"trunk_ros.manifest": self.manifest})
         self.wanted = {self.resolve_topic_name(topic) for topic in self.value("topics") if topic}
+        self.others: dict[str, set[str]] = {}
+        self.prefix = self.get_namespace().rstrip("/") + "/"
         self.unwanted = {self.resolve_topic_name(topic) for topic in self.value("exclude") if topic}
         self.unwanted.add(f"{self.get_fully_qualified_name()}/transition_event")  # of its own life
         for period, function in ((LOOK, self.look), (TAKE, self.take)):
             self.every(period, function)
         self.look()
+        self.log(OK, f"recording into {self.value('output')}")
 
     # Finding topics
 
     def look(self) -> None:
         """Subscribe to topics that have appeared, and anew where a publisher's QoS asks for it."""
         self.looks += 1
-        for number, (topic, kinds) in enumerate(self.get_topic_names_and_types(), self.looks):
+        for number, (topic, _) in enumerate(self.get_topic_names_and_types(), self.looks):
             ear = self.ears.get(topic)
             if not self.is_wanted(topic) or topic in self.refused:
                 continue
@@ -75,27 +82,43 @@ class Recorder(TrunkNode):
             if not publishers:
                 continue
             try:
-                self.hear(topic, kinds[0], publishers)
+                self.hear(topic, self.of_one_type(topic, publishers))
             except TrunkError as error:
                 self.refused[topic] = f"{topic} is not recorded: {error}"
                 self.health.note(self.refused[topic])
 
     def is_wanted(self, topic: str) -> bool:
-        """Whether a topic is to be recorded; hidden ones only where they are named."""
-        hidden = any(part.startswith("_") for part in topic.split("/"))
-        return topic not in self.unwanted and (topic in self.wanted or (not self.wanted and not hidden))
+        """Whether a topic is to be recorded; hidden ones and those of others only where they are named."""
+        if self.wanted or topic in self.unwanted:
+            return topic in self.wanted - self.unwanted
+        own = self.value("all_namespaces") or topic in SHARED or topic.startswith(self.prefix)
+        return own and not any(part.startswith("_") for part in topic.split("/"))
 
-    def hear(self, topic: str, kind: str, publishers: list[Any]) -> None:
+    def of_one_type(self, topic: str, publishers: list[Any]) -> list[Any]:
+        """The publishers of the type that is recorded: of most of them, where it is not settled yet."""
+        types = sorted(each.topic_type for each in publishers)
+        ear = self.ears.get(topic)
+        kind = ear.channel.type if ear else max(types, key=types.count)
+        others = sorted(set(types) - {kind})
+        if others:
+            self.others.setdefault(topic, set()).update(others)
+            said = f"{topic} is recorded as {kind}, not as {', '.join(others)}: a topic has one type"
+            self.health.trouble(topic, said)
+        return [each for each in publishers if each.topic_type == kind]
+
+    def hear(self, topic: str, publishers: list[Any]) -> None:
         """Listen with a profile that all publishers match. Raises TrunkError for a type not installed."""
-        profile = self.profile_for(publishers)
+        if not publishers:
+            return
+        profile, kind = self.profile_for(publishers), publishers[0].topic_type
         ear = self.ears.get(topic)
         if ear is None:
             ear = self.new_ear(topic, kind, profile, publishers)
         elif stricter(ear.profile, profile):
-            ear.settle(self.taker.destroy_subscription, at_once=True)
+            ear.settle(self.destroy_subscription, at_once=True)
             ear.beside(ear.subscription)
-            ear.subscription, ear.profile = subscribe(self.taker, topic, kind, profile), profile
-        ear.settle(self.taker.destroy_subscription)
+            ear.subscription, ear.profile = subscribe(self, topic, kind, profile), profile
+        ear.settle(self.destroy_subscription)
         ear.tally.publishers = len(publishers)
         ear.channel.qos = unique(publishers)
 
@@ -105,14 +128,15 @@ class Recorder(TrunkNode):
         offered = str(publishers[0].topic_type_hash)
         digest = offered if offered.startswith("RIHS") else known_hash
         channel = Channel(topic, kind, text, digest, unique(publishers))
-        ear = Ear(message_class(kind), subscribe(self.taker, topic, kind, profile), profile, channel, Tally())
+        tally = Tally(paused=not self.recording)
+        ear = Ear(message_class(kind), subscribe(self, topic, kind, profile), profile, channel, tally)
         latched = [each for each in publishers if latches(each.qos_profile)]
         if latched and len(latched) < len(publishers):
-            ear.beside(subscribe(self.taker, topic, kind, self.profile_for(latched)))
+            ear.beside(subscribe(self, topic, kind, self.profile_for(latched)))
         assert self.writer is not None
         self.writer.add_channel(channel)
         self.ears[topic] = ear
-        self.progress.received.setdefault(topic, 0)
+        self.streams.progress.received.setdefault(topic, 0)
         return ear
 
     def profile_for(self, publishers: list[Any]) -> Any:
@@ -135,8 +159,7 @@ class Recorder(TrunkNode):
             for taken in ear.take(AT_ONCE):
                 total += self.keep(topic, ear, *taken)
         if self.writer is not None and self.writer.failure and not self.fault:
-            self.fault = self.writer.failure
-            self.health.note(self.fault, ERROR)
+            self.fault = self.health.fault = self.writer.failure
         return total
 
     def keep(self, topic: str, ear: Ear, data: bytes, info: dict[str, Any]) -> bool:
@@ -144,13 +167,13 @@ class Recorder(TrunkNode):
         number, arrival = info["publication_sequence_number"], info["received_timestamp"]
         if self.ending and info["source_timestamp"] > self.ending:
             return False
-        self.progress.received[topic] += 1
+        self.streams.progress.received[topic] += 1
+        if not ear.tally.goes_on(number):  # maybe of a publisher that has come since the last look
+            ear.tally.publishers = max(ear.tally.publishers, self.count_publishers(topic))
+        missing = ear.tally.note(number, self.now() if self.simulated else self.wall.steady(arrival))
+        if missing:
+            self.health.note(f"{missing} messages of {topic} lost")
         if self.recording:
-            if not ear.tally.goes_on(number):  # maybe of a publisher that has come since the last look
-                ear.tally.publishers = max(ear.tally.publishers, self.count_publishers(topic))
-            missing = ear.tally.note(number, self.now() if self.simulated else self.wall.steady(arrival))
-            if missing:
-                self.health.note(f"{missing} messages of {topic} lost")
             self.file(ear, arrival, info["source_timestamp"], number or 0, data)
         return True
 
@@ -188,53 +211,57 @@ class Recorder(TrunkNode):
 
     # Saying and ending
 
-    def _diagnose(self, now: int) -> None:
-        tallies = [ear.tally for ear in self.ears.values()]
-        self.health.values["lost"] = str(sum(tally.lost for tally in tallies))
-        self.health.values["dropped"] = str(sum(tally.dropped for tally in tallies))
+    def diagnosing(self) -> None:
+        """Say what was lost, and what waits."""
+        tallies, values = [ear.tally for ear in self.ears.values()], self.health.values
+        values["lost"] = str(sum(tally.lost for tally in tallies))
+        values["dropped"] = str(sum(tally.dropped for tally in tallies))
         if not self.simulated:
-            self.health.values["messages"] = str(sum(tally.received for tally in tallies))
-            self.health.values["waiting [MiB]"] = (
-                f"{self.writer.queued_bytes / MIB:.2f}" if self.writer else "0"
-            )
-        super()._diagnose(now)
+            values["messages"] = str(sum(tally.received for tally in tallies))
+            values["waiting [MiB]"] = f"{self.writer.queued_bytes / MIB:.2f}" if self.writer else "0"
 
-    def _heartbeat(self) -> None:
+    def beat(self) -> None:
+        """Say as well which publishers have been found."""
+        super().beat()
         for topic, ear in self.ears.items():
-            self.progress.matched["<" + topic] = ear.subscription.get_publisher_count()
-        super()._heartbeat()
+            self.streams.progress.matched["<" + topic] = ear.subscription.get_publisher_count()
 
     # Life cycle
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin to record."""
         self.recording = True
+        for ear in self.ears.values():
+            ear.tally.resume()
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Pause, with all that has arrived so far."""
         self.take()
         self.recording = False
+        for ear in self.ears.values():
+            ear.tally.pause()
         return super().on_deactivate(state)
 
-    def end(self) -> None:
-        """Record all that has been sent up to now, and end the bag."""
+    def last_call(self) -> None:
+        """What is sent from now on is not recorded."""
         self.ending = time.time_ns()
-        super().end()
 
     def release(self) -> None:
         """Take what is still on its way, and end the bag. Sums up, where no bringup does."""
-        if getattr(self, "writer", None) is None:
+        writer = self.writer
+        if writer is None:
             return
         self.ending = self.ending or time.time_ns()
         self.take_the_last()
         self.file_early()
-        writer, self.writer = self.writer, None
-        assert writer is not None
+        self.writer = None
+        for ear in self.ears.values():
+            ear.settle(self.destroy_subscription, at_once=True)
+            self.destroy_subscription(ear.subscription)
         writer.close(self.noted)
         self.fault = self.fault or writer.failure
-        self.taker.destroy_node()
-        if self.listener is None:
+        if self.report.listener is None:
             print("\n".join(in_words(self.value("output"), self.losses())), flush=True)
 
     def take_the_last(self) -> None:
@@ -254,6 +281,9 @@ class Recorder(TrunkNode):
 
     def losses(self) -> dict[str, Any]:
         """Per topic: messages expected, received, lost, and the longest gap."""
+        for topic, types in self.others.items():
+            if topic in self.ears:
+                self.ears[topic].tally.unrecorded = sorted(types)
         return {topic: ear.tally.summary() for topic, ear in sorted(self.ears.items())}
 
 

@@ -17,11 +17,21 @@ from trunk_ros.nodes.bags.through import through
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.interfaces import message_class
+from trunk_ros.nodes.graph.managed import end, start
 from trunk_ros.nodes.graph.messages import time_message
-from trunk_ros.nodes.graph.process import Stop, start_ros
+from trunk_ros.nodes.graph.process import DELIVERY, start_ros
 from trunk_ros.nodes.graph.qos import recorded
-from trunk_ros.nodes.graph.ros import Clock, EventsExecutor, SetBool, Trigger, rclpy
+from trunk_ros.nodes.graph.ros import (
+    Clock,
+    EventsExecutor,
+    InvalidTopicNameException,
+    SetBool,
+    Trigger,
+    rclpy,
+    validate_full_topic_name,
+)
 from trunk_ros.nodes.run.plan import split_ros
+from trunk_ros.nodes.stop import Stop
 
 LAST_PARTNER = 1.0  # s without a new subscriber after which no more are expected
 SETTLE = 0.5  # s after which partners know each other, and have what was sent
@@ -154,6 +164,10 @@ def renamed(pairs: list[str]) -> dict[str, str]:
         old, sign, new = pair.partition(":=")
         if not (old and sign and new):
             raise ArgumentError(f"--remap {pair}: give OLD:=NEW")
+        try:
+            validate_full_topic_name(full(new))
+        except InvalidTopicNameException as error:
+            raise ArgumentError(f"--remap {pair}: {str(error).splitlines()[0]}") from None
         names[full(old)] = full(new)
     return names
 
@@ -193,6 +207,7 @@ def main(argv: list[str]) -> int:
         try:
             play(given, bag, topics, stop)
         finally:
+            stop.ignore()
             rclpy.try_shutdown()
     return 0
 
@@ -210,7 +225,7 @@ def play(given: argparse.Namespace, bag: BagSource, topics: list[Topic], stop: S
     """Publish until the end of the bag."""
     node = Replay()
     node.prepare(given, topics)
-    node.start()
+    start(node)
     executor = EventsExecutor()
     executor.add_node(node)
     if given.step:
@@ -222,7 +237,7 @@ def play(given: argparse.Namespace, bag: BagSource, topics: list[Topic], stop: S
         if not given.loop or not node.count:
             break
     player.linger(SETTLE)
-    node.end()
+    end(node, DELIVERY)
     print(f"{given.bag}: {node.count} messages on {len(node.outlets)} topics")
 
 

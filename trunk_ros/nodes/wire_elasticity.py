@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from trunk_ros.chain import Chain, State
-from trunk_ros.model import Declaration
+from trunk_ros.model import Declaration, Model
+from trunk_ros.nodes.arm.wire import Wire
 from trunk_ros.nodes.graph.base import TrunkNode
-from trunk_ros.nodes.graph.elapsed import SECOND, Elapsed
-from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
 from trunk_ros.nodes.graph.messages import fill_pose, nanoseconds
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.qos import LATCHED
-from trunk_ros.nodes.graph.ros import JointState, PoseStamped, String
-from trunk_ros.trajectory import Array
+from trunk_ros.nodes.graph.ros import PoseStamped, String
 from trunk_ros.urdf import urdf
 
-RESTART = SECOND  # ns that a stamp may be before the last one; more is a clock that was set back
+DESCRIBE = "publish robot_description; false where robot_state_publisher does"
 
 
 class WireElasticity(TrunkNode):
@@ -29,87 +24,50 @@ class WireElasticity(TrunkNode):
     OWN = (
         Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which gearbox_states are called stale"),
         Declaration("base_frame", "base_link", "", None, "frame of tip_pose"),
+        Declaration(
+            "frame_prefix", "", "", None, "put in front of base_frame, as robot_state_publisher does"
+        ),
+        Declaration("publish_description", True, "", None, DESCRIBE, True),
     )
+    wire: Wire | None = None
 
     def configure(self) -> None:
-        """Create the chains and the streams."""
+        """Create the model and the streams."""
         arm = self.model.arm
-        self.joints = arm.joints
-        self.zero = self.model.effects.get("zero_offset", {}).get("offset", 0.0)
-        self.wires = [f"wire_{number}" for number in range(1, len(arm.joints) + 1)]
-        self.matcher = JointMatcher(arm.joints)
-        self.restart()
-        still = np.zeros((2, len(arm.joints)))
-        self.wire.run(still, np.arange(2.0) / 100)  # compiles, so that no sample is late
-        self.publish_joints = self.joint_states_on("joint_states", self.joints)
-        self.publish_wires = self.joint_states_on("trunk/wire_states", self.wires)
-        self.publish_tip = self.publish_on(PoseStamped, "trunk/tip_pose")
+        self.wire = Wire(self.model)
+        wires = [f"wire_{number}" for number in range(1, len(arm.joints) + 1)]
+        self.publish_joints = self.streams.publish_joints("joint_states", arm.joints)
+        self.publish_wires = self.streams.publish_joints("trunk/wire_states", wires)
+        self.publish_tip = self.streams.publish(PoseStamped, "trunk/tip_pose")
         self.pose = PoseStamped()
-        self.publish_on(String, "robot_description", LATCHED)(String(data=urdf(arm)))
-        self.gearbox = self.watch("trunk/gearbox_states", self.value("timeout"))
-        self.listen_to(JointState, "trunk/gearbox_states", self.on_gearbox)
+        if self.value("publish_description"):
+            self.streams.publish(String, "robot_description", LATCHED)(String(data=urdf(arm)))
+        self.gearbox = self.streams.watch("trunk/gearbox_states", self.value("timeout"))
+        self.streams.sense("trunk/gearbox_states", self.on_gearbox)
 
-    def restart(self) -> None:
-        """Begin with no memory, the play at its centre."""
-        self.wire, self.tip = (Chain(self.model, stage, hold_time=True) for stage in ("wire", "arm"))
-        self.state: State | None = None
-        self.elapsed = Elapsed()
-        self.last: tuple[int, Array] | None = None
-        self.phi = np.full(len(self.joints), np.nan)
+    def use(self, model: Model) -> None:
+        """The simulated arm changes."""
+        super().use(model)
+        if self.wire is not None:
+            self.wire.swap(model)
 
     def on_gearbox(self, message: Any) -> None:
         """Pass one sample through the wire. Raises MessageError for one that cannot be used."""
+        assert self.wire is not None
         now = nanoseconds(message.header.stamp)
-        self.heard(self.gearbox, now)
-        phi = self.complete(message)
-        if self.last is not None and now <= self.last[0]:
-            if self.last[0] - now < RESTART:
-                raise MessageError("gearbox_states out of order: a sample was left out")
-            self.health.note("the stamps of gearbox_states jumped back")
-            self.last = None
-        self.publish_all(now, phi, message)
-
-    def complete(self, message: Any) -> Array:
-        """Gearbox angles (joints,) rad; joints that the message leaves out keep their last angle."""
-        phi = self.matcher.gather(message.name, message.position)
-        for oddity in self.matcher.oddities():
+        self.streams.heard(self.gearbox, now)
+        phi = self.wire.complete(message.name, message.position)
+        for oddity in self.wire.matcher.oddities():
             self.health.note(oddity)
-        known = np.isfinite(phi)
-        phi = phi if known.all() else np.where(known, phi, self.phi)
-        if not known.all() and not np.isfinite(phi).all():
-            raise MessageError(f"no angle yet of {self.joints[int(np.argmin(np.isfinite(phi)))]}")
-        self.phi = phi
-        return phi
-
-    def publish_all(self, now: int, phi: Array, message: Any) -> None:
-        """Publish the joints, the wires and the tip at ``now`` ns."""
-        stamp = np.array([self.elapsed.at(now)])
-        (shown,), self.state = self.wire.run(phi[None], stamp, self.state)
-        theta = self.state.angles + self.zero  # where the joints are, not what late sensors show
-        effort = -self.wire.arm.load(theta[None])[0]
-        self.publish_joints(now, shown, self.speed(now, shown), effort)
-        self.last = now, shown
-        if self.model.arm.wire is not None:
-            stretch, tension = wire_state(self.model.arm, phi, self.state.angles, effort)
-            self.publish_wires(now, stretch, None, tension)
-        if self.model.arm.has_geometry:
-            tip = self.tip.tip(theta[None], stamp)[0]
-            self.publish_tip(fill_pose(self.pose, now, self.value("base_frame"), tip))
-
-    def speed(self, now: int, shown: Array) -> Array:
-        """Speed of the joint readings (joints,) rad/s since the last sample."""
-        if self.last is None:
-            return np.zeros_like(shown)
-        return (shown - self.last[1]) * SECOND / (now - self.last[0])
-
-
-def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array, Array]:
-    """Elongation [m] and tension [N] of the wires (joints,): lag of the joint, and pull plus load.
-
-    ``theta``: joint angles [rad] from the gearbox's zero, since zeros that differ stretch no wire.
-    """
-    stretch = arm.wire.cylinder_radius * (arm.ratio * phi - theta)
-    return stretch, arm.wire.pull_tension + np.abs(effort) / arm.wire.cylinder_radius
+        if self.wire.begins_anew(now):
+            self.health.note("the stamps of gearbox_states jumped back")
+        shown = self.wire.update(now, phi)
+        self.publish_joints(now, shown.joints, shown.velocity, shown.effort)
+        if shown.wires is not None:
+            self.publish_wires(now, shown.wires[0], None, shown.wires[1])
+        if shown.tip is not None:
+            frame = self.value("frame_prefix") + self.value("base_frame")
+            self.publish_tip(fill_pose(self.pose, now, frame, shown.tip))
 
 
 def main(argv: list[str]) -> int:

@@ -1,4 +1,4 @@
-"""`paper`: prints the comparison; with --output also a page and its figures."""
+"""Prints the comparison, and writes it as a page with figures."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from rich.table import Table
 from rich.text import Text
 
 from trunk_ros.arm import Wire
+from trunk_ros.commands.console import Level, asked, say
 from trunk_ros.errors import ModelError
 from trunk_ros.model import load_model
 from trunk_ros.paper.figures import figures_5_and_6, tip_over_workspace
 from trunk_ros.paper.formulas import PRINTED_FIGURES, quantities
 from trunk_ros.paper.workspace import STRETCH, WORST, Workspace, workspace
-from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import new_folder, prepare_output
 
 PAGE = "paper.html"
@@ -25,32 +25,23 @@ FIGURES = ("paper-fig-5-6.png", "paper-workspace.png")
 COLUMNS = ("median", "max", "straight", "all +23°")
 
 
-def main(argv: list[str]) -> int:
-    """`paper [--output DIR] [--overwrite]`. Raises ArgumentError where DIR exists or cannot be written."""
-    asked = parser().parse_args(argv)
-    if asked.output is not None:
-        prepare_output(asked.output, asked.overwrite, (PAGE, *FIGURES))
+def run(output: Path | None, overwrite: bool = False) -> None:
+    """Print the comparison; also write it as a page. Raises ArgumentError where that cannot be written."""
+    if output is not None:
+        prepare_output(output, overwrite, (PAGE, *FIGURES))
     arm = load_model("trunk").arm
     if arm.wire is None:
         raise ModelError("config/trunk.yaml lacks wire.modulus and the rest of Table 1: bring them back")
     found = workspace(arm)
-    show(Console(), arm.wire, found)
-    if asked.output is not None:
+    if asked() > Level.QUIET:
+        show(Console(), arm.wire, found)
+    if output is not None:
         pictures = [figures_5_and_6(arm.wire), tip_over_workspace(arm, found)]
-        with new_folder(asked.output, asked.overwrite, (PAGE, *FIGURES)) as folder:
+        with new_folder(output, overwrite, (PAGE, *FIGURES)) as folder:
             for name, picture in zip(FIGURES, pictures, strict=True):
                 (folder / name).write_bytes(picture)
             (folder / PAGE).write_text(page(arm.wire, found, pictures), encoding="utf-8")
-        print(f"{asked.output}: {', '.join((PAGE, *FIGURES))}")
-    return 0
-
-
-def parser() -> Parser:
-    """Arguments of `paper`."""
-    made = Parser(prog="paper", description="The paper's numbers, checked, and its further work.")
-    made.add_argument("--output", type=Path, metavar="DIR", help=f"also write {PAGE} and its figures there")
-    made.add_argument("--overwrite", action="store_true", help="replace DIR if it exists")
-    return made
+        say(f"{output}: {', '.join((PAGE, *FIGURES))}")
 
 
 def show(console: Console, wire: Wire, found: Workspace) -> None:

@@ -3,10 +3,19 @@
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import Floats, Recording
 from trunk_ros.recording.topics import TIP, TOPICS
+
+LARGEST = 1e12  # rad, m, N m: what is more was never measured, and its square is soon infinite
+
+
+def is_reading(values: Floats) -> npt.NDArray[np.bool_]:
+    """Whether values are finite, and not beyond anything that an arm could show."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.abs(values) <= LARGEST)
 
 
 def checked(recording: Recording) -> Recording:

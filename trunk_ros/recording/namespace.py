@@ -41,7 +41,9 @@ def _decide(name: str, found: dict[str, dict[str, str]]) -> tuple[dict[str, str]
             chosen[key] = there[arms[0]]
         else:
             said = ", ".join(space or "/" for space in sorted(there))
-            raise RecordingError(f"{name}: holds {TOPICS[key]} of several arms ({said}): give a bag with one")
+            raise RecordingError(
+                f"{name}: holds {TOPICS[key]} of several arms ({said}): give --namespace, or a bag with one"
+            )
     fitting = {topic for there in found.values() for topic in there.values()}
     left_out = sorted(fitting - set(chosen.values()))
     remarks = [f"topics of the namespaces {', '.join(s or '/' for s in spaces)}"] if len(spaces) > 1 else []

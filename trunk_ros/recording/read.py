@@ -5,11 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from trunk_ros.errors import RecordingError, one_line
+from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.bag.bag import read_blocks
 from trunk_ros.recording.check import checked
 from trunk_ros.recording.child_process import HELD, brought_together
-from trunk_ros.recording.messages.assemble import first_stamp, joint_series
-from trunk_ros.recording.messages.block import Contents, DamageError, Progress
+from trunk_ros.recording.messages import holes
+from trunk_ros.recording.messages.assemble import all_times, first_stamp, joint_series, table_bytes, within
+from trunk_ros.recording.messages.block import Contents, DamageError, Progress, Whole
 from trunk_ros.recording.messages.decode import Decoder
 from trunk_ros.recording.messages.layout import joint_layout, pose_layout
 from trunk_ros.recording.namespace import choose
@@ -30,23 +32,65 @@ def read_recording(
 
     from_time, until: "12.5" (s) or "70%"; stamps stay those of the whole. namespace: of the arm, where the
     recording holds several. progress: called with the fraction that is done.
+    Of one with a hole of years, as where the clock was set, this is the part with the most samples.
     RecordingError, ArgumentError: one line on what is wrong.
     """
-    path = Path(path)
+    whole = max(_read(Path(path), namespace, progress), key=_samples)
+    return checked(whole.part(*time_range(whole.duration, from_time, until)))
+
+
+def read_parts(
+    path: str | Path, from_time: str | None = None, until: str | None = None, namespace: str | None = None
+) -> list[Recording]:
+    """The same as all the recordings that it is, mostly one; times are those of each part."""
+    wholes = _read(Path(path), namespace, None)
+    return [checked(each.part(*time_range(each.duration, from_time, until))) for each in wholes]
+
+
+def _samples(recording: Recording) -> int:
+    return sum(len(each.stamp) for each in recording.series.values())
+
+
+def _read(path: Path, namespace: str | None, progress: Progress | None) -> list[Recording]:
     try:
-        whole = _read(path, namespace, progress or (lambda _: None))
+        return _read_parts(path, namespace, progress or (lambda _: None))
     except DamageError as error:
         raise RecordingError(f"{path}: {error}") from None
     except (OSError, MemoryError) as error:
         raise RecordingError(f"{path}: cannot be read ({str(error) or 'not enough memory'})") from None
-    return checked(whole.part(*time_range(whole.duration, from_time, until)))
 
 
-def _read(path: Path, namespace: str | None, progress: Progress) -> Recording:
-    contents = Contents()
+def _read_parts(path: Path, namespace: str | None, progress: Progress) -> list[Recording]:
+    contents = Contents(Allowance(path))
     decoders = _decode(path, contents, progress)
     chosen, remarks = choose(str(path), contents.topics, namespace)
-    return _assemble(path, contents, {key: decoders[topic] for key, topic in chosen.items()}, remarks)
+    decoders = {key: decoders[topic] for key, topic in chosen.items()}
+    times = [all_times(decoder.pieces) for decoder in decoders.values() if decoder.pieces]
+    found = holes.parts(times) if times else []
+    if len(found) < 2:
+        return [_assemble(path, contents, decoders, remarks)]
+    largest = max(found, key=lambda part: holes.samples(times, part))
+    read = [part for part in found if part == largest or _is_worth(decoders, times, part, largest)]
+    out = []
+    for part in read:
+        others = [holes.remark(times, part, other, other in read) for other in found if other != part]
+        out.append(_assemble(path, contents, _cut(decoders, part), remarks + others))
+    return out
+
+
+def _is_worth(
+    decoders: dict[str, Decoder], times: list[Whole], part: tuple[int, int], largest: tuple[int, int]
+) -> bool:
+    """Whether a part has as many topics as the largest, and enough of them."""
+    topics = [{key for key, each in _cut(decoders, one).items() if each.pieces} for one in (part, largest)]
+    return topics[0] == topics[1] and holes.samples(times, part) >= holes.FEWEST
+
+
+def _cut(decoders: dict[str, Decoder], part: tuple[int, int]) -> dict[str, Decoder]:
+    return {
+        key: replace(each, pieces=within(each.pieces, *part) if each.pieces else [])
+        for key, each in decoders.items()
+    }
 
 
 def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Decoder]:
@@ -76,6 +120,7 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     series: dict[str, JointSeries] = {}
     counts: dict[str, Counts] = {}
     for key, decoder in full.items():
+        contents.allowance.check(table_bytes(decoder.pieces))
         series[key], count, remark = joint_series(decoder.pieces, start_ns)
         counts[key] = replace(count, unreadable=decoder.unreadable)
         remarks += [f"{TOPICS[key]}: {remark}"] if remark else []

@@ -1,12 +1,13 @@
 """A recording in memory: one array per quantity, all stamps in seconds since the recording's first sample."""
 
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from trunk_ros.errors import RecordingError
+from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.topics import TIP, TOPICS
 
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -87,6 +88,7 @@ class Recording:
     series: by `reference`, `setpoints`, `gearbox_states`, `joint_states`, `wire_states`, where recorded.
     notes: damage and oddities, in sentences. units: SI unit of position per joint that is not in rad.
     custom: what the writer noted in the bag. counts: per key of `series`, what the reader saw.
+    observed: what clocks and sensors were seen to do; mostly it was put right in `series`.
     """
 
     name: str
@@ -98,6 +100,7 @@ class Recording:
     units: dict[str, str] = field(default_factory=dict)
     custom: dict[str, str] = field(default_factory=dict)
     counts: dict[str, Counts] = field(default_factory=dict)
+    observed: tuple[Observed, ...] = ()
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -117,6 +120,42 @@ class Recording:
             return self.series[key]
         there = ", ".join(TOPICS[each] for each in self.series) or "none that describe joints"
         raise RecordingError(f"{self.name}: no topic {TOPICS.get(key, key)}; topics there: {there}")
+
+    @staticmethod
+    def from_arrays(t: npt.ArrayLike, motor: Any = None, joint: Any = None, **others: Any) -> "Recording":
+        """A recording of arrays with common stamps.
+
+        t: (n,) s, rising. motor: (n, joints) motor-side angles; joint: (n, joints) joint angles, NaN where
+        not known; one joint may come as (n,). setpoint, torque: likewise, of the motor. joints: their names,
+        by default joint_1 and so on. unit: rad, deg, m, mm or 1. name: what to call it in messages.
+        RecordingError where shapes do not fit.
+        """
+        from trunk_ros.recording.arrays import from_arrays
+
+        return from_arrays(t, motor, joint, **others)
+
+    @staticmethod
+    def from_pandas(table: Any, motor: Any = None, joint: Any = None, **others: Any) -> "Recording":
+        """A recording of the columns of a pandas table (or any that is like it).
+
+        motor, joint, setpoint, torque: a column, a list of them, or {joint: column}; joints are named by
+        `joint`. time: column of the stamps in s or as dates, by default the index. unit, name: as in
+        `from_arrays`. RecordingError names a column that is not there.
+        """
+        from trunk_ros.recording.arrays import from_pandas
+
+        return from_pandas(table, motor, joint, **others)
+
+    @staticmethod
+    def from_xarray(data: Any, motor: str = "motor", joint: str = "joint", **others: Any) -> "Recording":
+        """A recording of the variables (time, joint) of an xarray data set.
+
+        motor, joint, setpoint, torque: names of variables; time: name of their dimension of time. Joints are
+        named by the coordinate of the other dimension, if it has one.
+        """
+        from trunk_ros.recording.arrays import from_xarray
+
+        return from_xarray(data, motor, joint, **others)
 
     def part(self, first: float, end: float) -> "Recording":
         """The samples with first <= stamp < end; stamps, start and duration stay those of the whole."""

@@ -1,6 +1,5 @@
-"""`recover`: a bag whose recorder was killed becomes one that all readers open, and what was lost is said."""
+"""A bag whose recorder was killed becomes one that all readers open, and what was lost is said."""
 
-import argparse
 import fcntl
 import os
 from collections.abc import Sequence
@@ -10,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from mcap.reader import make_reader
+from mcap.records import Metadata, Statistics
+from mcap.summary import Summary
 
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording import plain_yaml
-from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.bag.bag import mcap_files
 from trunk_ros.recording.bag.metadata import (
     FILE,
@@ -24,8 +24,9 @@ from trunk_ros.recording.bag.metadata import (
     read_metadata,
     write_metadata,
 )
-from trunk_ros.recording.mcap.records import HEADER, MAGIC, record_at
+from trunk_ros.recording.mcap.records import HEADER, MAGIC, METADATA, parsed, record_at, records
 from trunk_ros.recording.mcap.repair import is_whole, repair
+from trunk_ros.recording.mcap.verify import is_intact
 from trunk_ros.recording.messages.block import DamageError, mapped
 from trunk_ros.recording.output import new_file
 
@@ -76,7 +77,7 @@ def _damaged(file: Path) -> Path:
 
 
 def _recover_file(file: Path) -> list[str]:
-    if is_whole(file):
+    if is_intact(file):
         return []
     with new_file(file, overwrite=True) as draft:
         loss = repair(file, draft)
@@ -137,9 +138,10 @@ def _custom(files: Sequence[Path]) -> dict[str, str]:
     """What the recorder noted in the files."""
     custom: dict[str, str] = {}
     for file in files:
-        with file.open("rb") as stream:
-            for record in make_reader(stream).iter_metadata():
-                custom.update(record.metadata if record.name == "trunk_ros" else {})
+        data = mapped(file)
+        for record in records(data, len(MAGIC), len(data)):
+            noted = parsed(data, record, Metadata) if record.kind == METADATA else None
+            custom.update(noted.metadata if noted and noted.name == "trunk_ros" else {})
     return custom
 
 
@@ -151,11 +153,7 @@ def _agrees(old: BagMetadata, files: Sequence[BagFile], topics: Sequence[Topic])
 
 def _describe(file: Path) -> tuple[BagFile, list[Topic]]:
     """A whole file and its topics, from its summary."""
-    with file.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    if summary is None or summary.statistics is None:
-        raise DamageError(f"has no summary in {file.name}")
-    seen = summary.statistics
+    summary, seen = _summary(file)
     topics = []
     for number, channel in summary.channels.items():
         schema = summary.schemas.get(channel.schema_id)
@@ -167,6 +165,19 @@ def _describe(file: Path) -> tuple[BagFile, list[Topic]]:
             Topic(channel.topic, schema.name if schema else "", count, hash_, qos, channel.message_encoding)
         )
     return BagFile(file.name, seen.message_start_time, seen.message_end_time, seen.message_count), topics
+
+
+def _summary(file: Path) -> tuple[Summary, Statistics]:
+    try:
+        with file.open("rb") as stream:
+            summary = make_reader(stream).get_summary()
+    except OSError:
+        raise
+    except Exception:  # the mcap package raises whatever its parsing runs into
+        summary = None
+    if summary is None or summary.statistics is None:
+        raise DamageError(f"has no summary that can be read in {file.name}")
+    return summary, summary.statistics
 
 
 def _profiles(text: str) -> list[dict[str, Any]]:
@@ -184,19 +195,3 @@ def _merged(topics: Sequence[Topic]) -> list[Topic]:
         before = merged[topic.name].messages if topic.name in merged else 0
         merged[topic.name] = replace(topic, messages=topic.messages + before)
     return list(merged.values())
-
-
-def parser() -> argparse.ArgumentParser:
-    """Arguments of `recover`."""
-    made = Parser(
-        prog="recover", description="Repair a bag whose recorder was killed, and say what was lost."
-    )
-    made.add_argument("bag", metavar="BAG", type=Path, help="a rosbag2 folder, or an .mcap file")
-    return made
-
-
-def main(argv: list[str]) -> int:
-    """`recover BAG`."""
-    for sentence in recover(parser().parse_args(argv).bag):
-        print(sentence)
-    return 0

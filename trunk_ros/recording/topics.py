@@ -13,6 +13,7 @@ JOINT_TOPICS = {
 TIP = "tip_pose"
 TIP_TOPIC = "trunk/tip_pose"
 TOPICS = {**JOINT_TOPICS, TIP: TIP_TOPIC}
+SOURCES = ("gearbox_states", "setpoints")  # what a model can be driven by
 
 
 def split_topic(topic: str) -> tuple[str, str] | None:

@@ -14,6 +14,7 @@ from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
 from trunk_ros.recording.signal.fill import hold
+from trunk_ros.recording.signal.gaps import usual
 from trunk_ros.recording.signal.resample import (
     LONGEST_GAP,
     SAME,
@@ -22,13 +23,13 @@ from trunk_ros.recording.signal.resample import (
     longest_gap,
     resample,
     stops_to_measure,
-    wide_gaps,
 )
 from trunk_ros.resistance import Resistance, resistance
 from trunk_ros.servo_course import as_the_servo_went
 from trunk_ros.start import TURNS
 
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
+UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
 SETTLING = 0.3  # s in which a servo forgets how it began
 MOVED = 3e-4  # rad
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
@@ -79,6 +80,7 @@ def wire_span(recording: Recording, model: Model) -> Span:
     """
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
+    model = model.for_joints(joints)
     gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
     steps = counts(gearbox)
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
@@ -87,12 +89,13 @@ def wire_span(recording: Recording, model: Model) -> Span:
     grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
     valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
     target = np.where(valid, measured.position[kept], 0.0)
-    arm = model.for_joints(joints).arm.only(joints)
+    arm = model.arm.only(joints)
     u = phi * arm.ratio
     start = _start(u, rows, target, valid)
     least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
-    valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, least)[rows]
+    small = np.maximum(noises(measured) / 2, UNSEEN)
+    valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, least, small)[rows]
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
     known = resistance(arm, gearbox, grid, phi)
@@ -165,12 +168,15 @@ def common_joints(recording: Recording, model: Model, *series: JointSeries) -> t
 
 
 def in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
-    """(m, joints): where the input is guessed across a gap too long to be bridged."""
+    """(m, joints): where the input is guessed, since samples are missing, or none come for long.
+
+    A guess is good to some part of the motion, not to the noise, which may be as small as it likes.
+    """
     out = np.zeros((len(grid), len(series.joints)), dtype=bool)
-    usual = longest_gap(series.stamp)
+    longest = min(usual(series.stamp), longest_gap(series.stamp))
     for j in range(len(series.joints)):
         known = series.stamp[np.isfinite(series.position[:, j])]
-        for k in np.flatnonzero(np.diff(known) > usual):
+        for k in np.flatnonzero(np.diff(known) > longest):
             out[(grid > known[k] + SAME) & (grid < known[k + 1] - SAME), j] = True
     return out
 
@@ -179,10 +185,10 @@ def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray
     """(m,): where setpoints may have been lost, and until the servo has caught up with those after."""
     stamp, position = setpoints.stamp, hold(setpoints.position)
     out = np.zeros(len(grid), dtype=bool)
-    usual = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
-    for k in np.flatnonzero(np.diff(stamp) > usual):
+    longest = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
+    for k in np.flatnonzero(np.diff(stamp) > longest):
         catching_up = 2.0 * float(np.abs(position[k + 1] - position[k]).max()) / v_max
-        out[(grid > stamp[k] + usual / 2) & (grid < stamp[k + 1] + SETTLING + catching_up)] = True
+        out[(grid > stamp[k] + longest / 2) & (grid < stamp[k + 1] + SETTLING + catching_up)] = True
     return out
 
 
@@ -198,15 +204,32 @@ def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: A
     return np.asarray((engaged | standing)[rows])
 
 
-def _forgotten(u: Array, grid: Array, stamp: Array, least: Array) -> np.ndarray:
-    """(m, joints): where the state of the play is unknown after a gap, until the joint has moved on."""
+def _forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array) -> np.ndarray:
+    """(m, joints): where the state of the play is unknown after a gap in which a joint turned, or may have
+    turned to and fro, until it has moved on. Turns by less than ``small`` (joints,) rad do not count.
+    """
     out = np.zeros(u.shape, dtype=bool)
-    for _, before in wide_gaps(stamp):
-        if stamp[before] - stamp[before - 1] > FORGETS:
-            first = int(np.searchsorted(grid, stamp[before] - SAME))
+    longest = min(usual(stamp), longest_gap(stamp))
+    for k in np.flatnonzero(np.diff(stamp) > longest):
+        first = int(np.searchsorted(grid, stamp[k + 1] - SAME))
+        unseen = _turned_by(u, grid, stamp, int(k)) > small
+        unseen |= bool(stamp[k + 1] - stamp[k] > FORGETS)
+        if unseen.any():
             far = np.maximum.accumulate(np.abs(u[first:] - u[first]), axis=0)
-            out[first:] |= far < least
+            out[first:] |= (far < least) & unseen
     return out
+
+
+def _turned_by(u: Array, grid: Array, stamp: Array, k: int) -> Array:
+    """(joints,) rad that each may have gone further in the gap after sample ``k`` before it turned, as a
+    parabola turns; 0 where it goes on over the gap as it came.
+    """
+    at = stamp[[max(k - 1, 0), k, k + 1, min(k + 2, len(stamp) - 1)]]
+    seen = u[np.clip(np.searchsorted(grid, at - SAME), 0, len(u) - 1)]
+    before, over, after = np.diff(seen, axis=0) / np.maximum(np.diff(at), SAME)[:, None]
+    turns = (before * over < 0) | (over * after < 0) | (before * after <= 0)
+    unseen = np.maximum(np.abs(before), np.abs(after)) * (at[2] - at[1]) / 4
+    return np.asarray(np.where(turns, unseen, 0.0))
 
 
 def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tuple[np.ndarray, ...]:

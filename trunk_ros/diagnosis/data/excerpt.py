@@ -13,6 +13,7 @@ LONG = 600.0  # s from which on a recording is not searched as a whole
 BLOCKS = 6
 LENGTH = 55.0  # s of a block
 WARM = 15.0  # s of it after which it has forgotten what went before
+PAUSE = 1.0  # s without a sample that count as recorded
 SHARE = 0.15  # of a joint's range that it has to move in a block before it counts
 
 
@@ -21,17 +22,27 @@ def excerpt(span: Span) -> Span:
 
     The first block begins with the recording, the last one ends with it.
     """
-    if span.grid[-1] - span.grid[0] < LONG:
+    time = recorded_time(span.grid)
+    if time[-1] < LONG:
         return span
-    starts = np.linspace(span.grid[0], span.grid[-1] - LENGTH, BLOCKS)
-    steps = [slice(*np.searchsorted(span.grid, (s, s + LENGTH)).tolist()) for s in starts]
+    starts = np.linspace(0.0, time[-1] - LENGTH, BLOCKS)
+    steps = [slice(*np.searchsorted(time, (s, s + LENGTH)).tolist()) for s in starts]
+    steps = [step for step in steps if step.start < step.stop]
     chosen = np.zeros(len(span.grid), dtype=bool)
     forgotten = np.zeros(span.gearbox.shape, dtype=bool)
     for step in steps:
         chosen[step] = True
     for step in steps[1:]:
-        forgotten[step] = ~_warm(span.grid[step], span.gearbox[step], np.ptp(span.gearbox, axis=0))
+        forgotten[step] = ~_warm(time[step], span.gearbox[step], np.ptp(span.gearbox, axis=0))
     return _taken(span, chosen, forgotten)
+
+
+def recorded_time(grid: Array) -> Array:
+    """(m,) s since the first of the stamps (m,), without the gaps in which nothing was recorded."""
+    step = np.diff(grid)
+    if not len(step):
+        return np.zeros(len(grid))
+    return np.concatenate([[0.0], np.cumsum(np.minimum(step, max(PAUSE, 4.0 * float(np.median(step)))))])
 
 
 def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
@@ -52,7 +63,7 @@ def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
     )
 
 
-def _warm(grid: Array, gearbox: Array, reach: Array) -> np.ndarray:
+def _warm(time: Array, gearbox: Array, reach: Array) -> np.ndarray:
     """(m, joints) where a block counts: after some time, and once a joint has moved in it."""
     far = np.maximum.accumulate(np.abs(gearbox - gearbox[0]), axis=0)
-    return np.asarray((far > SHARE * reach) & (grid > grid[0] + WARM)[:, None])
+    return np.asarray((far > SHARE * reach) & (time > time[0] + WARM)[:, None])

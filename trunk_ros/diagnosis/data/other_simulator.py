@@ -1,4 +1,4 @@
-"""Another simulator's recording in the place of the model's prediction."""
+"""Another simulator's recording beside that of the arm."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import Span, in_gaps
-from trunk_ros.diagnosis.wire import WireStage
-from trunk_ros.model import Model
+from trunk_ros.diagnosis.context import LEAST, Context
+from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.signal.resample import longest_gap
 
 
 def on_the_clock(other: Recording, recording: Recording) -> Recording:
@@ -25,20 +24,24 @@ def on_the_clock(other: Recording, recording: Recording) -> Recording:
     return replace(other, start_ns=recording.start_ns, series=series)
 
 
-def shifted(span: Span, model: Model, against: Recording) -> Span:
-    """Targets as if the model's own prediction were the other simulator's: its difference is taken off."""
-    said = against.require("joint_states").select(span.joints)
-    span = replace(span, start=(np.empty(0, dtype=int),) * len(span.joints))
-    context = Context.of(WireStage([span], model))
+def shifted(span: Span, of_simulator: Context) -> Span:
+    """Targets less what the simulator does beyond the model of it, with ``of_simulator`` the stage of its own
+    recording: what is then missing in the model is missing in the simulator.
+    """
+    theirs = of_simulator.views[0].span
     target, valid = span.target.copy(), span.valid.copy()
-    inside = (span.stamp >= said.stamp[0]) & (span.stamp <= said.stamp[-1])
-    lost = in_gaps(said, span.stamp)
-    for c in range(len(span.joints)):
-        known = np.isfinite(said.position[:, c])
-        there = np.interp(span.stamp, said.stamp[known], said.position[known, c])
-        target[:, c] += context.predict(0, context.known, c) - there
-        valid[:, c] &= inside & ~lost[:, c]
-    return replace(span, target=target, valid=valid)
+    for c, joint in enumerate(span.joints):
+        j = theirs.joints.index(joint)
+        known, rest = theirs.valid[:, j], of_simulator.residual(0, of_simulator.known, j)
+        if known.sum() < LEAST:
+            valid[:, c] = False
+            continue
+        at = theirs.stamp[known]
+        target[:, c] -= np.interp(span.stamp, at, rest[known])
+        after = np.clip(np.searchsorted(at, span.stamp), 1, len(at) - 1)
+        valid[:, c] &= (span.stamp >= at[0]) & (span.stamp <= at[-1])
+        valid[:, c] &= at[after] - at[after - 1] <= longest_gap(theirs.stamp)
+    return replace(span, target=target, valid=valid, start=(np.empty(0, dtype=int),) * len(span.joints))
 
 
 def completed(recording: Recording, other: Recording | None) -> Recording:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.model import Model
 from trunk_ros.recording.quality import quality
@@ -32,8 +34,18 @@ def left_out(recording: Recording, model: Model) -> list[str]:
     ]
 
 
-def quality_of_recording(recording: Recording, model: Model) -> dict[str, Any]:
-    """Rates and gaps by topic, what the reader had to say, and what the motors' torque says of the load."""
+def quality_of_recording(recording: Recording, model: Model, mixed: Sequence[MixUp] = ()) -> dict[str, Any]:
+    """Rates and gaps by topic, what the reader had to say, what is mixed up, what clocks and sensors did, and
+    what the motors' torque says of the load.
+    """
     topics = {key: asdict(value) for key, value in quality(recording).items()}
-    notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model)]
-    return {"duration": recording.duration, "topics": topics, "notes": notes}
+    remarks = [one.statement for one in recording.observed]
+    remarks += [f"{one.statement}." for one in mixed if not one.certain]
+    notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model), *remarks]
+    return {
+        "duration": recording.duration,
+        "topics": topics,
+        "notes": notes,
+        "mix_ups": [{**asdict(one), "joints": list(one.joints)} for one in mixed],
+        "observed": [asdict(one) for one in recording.observed],
+    }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from trunk_ros.compiled import Array
@@ -12,6 +14,9 @@ REGULAR = 0.5  # of the usual time between readings: the shortest, where a clock
 VARIED = 3.0  # longest over shortest step between readings: the steps of a coarse sensor are all alike
 MANY = 20  # readings that it takes to tell
 FEW = 0.1  # different values per reading, where a sensor is coarse
+LONGER = 1.6  # times the usual time between readings: there one has come that was no new one
+SLACK = 0.15  # of a tick
+MOST = (0.005, 0.995)  # of the readings
 ROOT_12 = np.sqrt(12.0)
 
 
@@ -29,6 +34,25 @@ def holding(stamp: Array, values: Array) -> float:
     return usual if clocked and usual > REPEATED * np.median(np.diff(stamp)) else 0.0
 
 
+def asked(stamp: Array, usual: float, tick: float) -> Array:
+    """Times (n,) s at which a sensor was read, about every ``usual`` s, whose readings are published at the
+    next ``tick``, at ``stamp`` (n,): they wait up to a whole one, which looks like a lag that wanders.
+
+    The last moments that the stamps allow, evenly apart; a constant age beyond that cannot be seen in them.
+    The stamps where no even reading explains them, or where they are even already.
+    """
+    apart = np.diff(stamp)
+    mean = float(np.mean(apart[apart < LONGER * usual]))
+    number = np.concatenate([[0.0], np.cumsum(np.maximum(np.rint(apart / mean), 1.0))])
+    period, begin = np.polyfit(number, stamp, 1)
+    waits = stamp - begin - period * number
+    low, high = np.quantile(waits, MOST)  # the first one, and one after a rest, may be old
+    if not SLACK * tick < high - low < (1.0 + SLACK) * tick:
+        return stamp
+    out = stamp - np.clip(waits - low, 0.0, tick)
+    return np.asarray(out) if (np.diff(out) > 0.0).all() else stamp
+
+
 def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     """The series without repeats, and how long [s] its sensor holds a reading; 0 where it does not.
 
@@ -42,7 +66,8 @@ def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     if not times or min(times) == 0.0:
         return series, 0.0
     usual = float(np.median(times))
-    return series.rows(_kept(series.stamp, series.position, 2.0 * usual)), usual
+    new = series.rows(_kept(series.stamp, series.position, 2.0 * usual))
+    return replace(new, stamp=asked(new.stamp, usual, float(np.median(np.diff(stamp))))), usual
 
 
 def _kept(stamp: Array, position: Array, longest: float) -> np.ndarray:

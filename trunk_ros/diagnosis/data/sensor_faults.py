@@ -3,28 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
+from trunk_ros.recording.signal.gaps import usual
+from trunk_ros.recording.topics import TOPICS
 
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
 HARDLY = 0.1  # of the samples, sticking aside
 LEAPS = 1.5  # times as far as a joint moves between two samples as a rule
 FAR = 12.0  # times the scatter about the readings beside it that a single reading is off
+WILD, MOST = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
+LEAST = 20  # readings of which some can be called wild
+MEASURED = ("gearbox_states", "joint_states")
 FEW = 0.06  # of the readings: more of them are the sensor's noise
 
 
 def without_faults(recording: Recording) -> Recording:
     """A recording without such joint readings (they become NaN), and a note on each joint that had some."""
+    recording = without_wild(recording)
     series = recording.series.get("joint_states")
     if series is None or len(series.stamp) < 10 * STUCK:
         return recording
     position, notes = series.position.copy(), []
     for j, joint in enumerate(series.joints):
-        stuck, off = sticks(position[:, j]), strays(position[:, j])
+        stuck, off = sticks(position[:, j], series.stamp), strays(position[:, j])
         position[stuck | off, j] = np.nan
         if stuck.any():
             begin = series.stamp[np.flatnonzero(stuck)[0]]
@@ -39,8 +46,49 @@ def without_faults(recording: Recording) -> Recording:
     return replace(recording, series=changed, notes=(*recording.notes, *notes))
 
 
-def sticks(readings: Array) -> np.ndarray:
-    """(n,) where a sensor repeats one reading for long and leaps when it goes on."""
+def without_wild(recording: Recording) -> Recording:
+    """A recording without single readings of joints and gearboxes that no arm can have shown, and notes."""
+    series, notes = dict(recording.series), []
+    for key in MEASURED:
+        if key not in series or len(series[key].stamp) < LEAST:
+            continue
+        kept: dict[str, Any] = {}
+        for name in ("position", "velocity", "effort"):
+            values = getattr(series[key], name)
+            out = np.zeros((0, 0)) if values is None else np.column_stack([wild(v) for v in values.T])
+            if out.any():
+                kept[name] = np.where(out, np.nan, values)
+                joints = [joint for joint, one in zip(series[key].joints, out.T, strict=True) if one.any()]
+                notes.append(
+                    f"{TOPICS[key]}: {out.sum()} wild values of {name} ({', '.join(joints)}) left out"
+                )
+        series[key] = replace(series[key], **kept)
+    return replace(recording, series=series, notes=(*recording.notes, *notes)) if notes else recording
+
+
+def wild(readings: Array) -> np.ndarray:
+    """(n,) single readings that are off by far more than most steps (n,), while those beside them agree."""
+    known = np.flatnonzero(np.isfinite(readings))
+    out = np.zeros(len(readings), dtype=bool)
+    step = np.abs(np.diff(readings[known]))
+    if len(known) < LEAST or not (step > 0.0).any():
+        return out
+    most = float(np.quantile(step[step > 0.0], MOST))
+    if step.max() < WILD * most / 4:
+        return out
+    beside = np.pad(readings[known], 2, mode="reflect")
+    before, after = beside[1:-3], beside[3:-1]
+    off = np.abs(readings[known] - np.median([beside[:-4], before, after, beside[4:]], axis=0))
+    found = (off > WILD * most) & (np.abs(after - before) < off / 2)
+    out[known[found]] = found.mean() < FEW
+    return out
+
+
+def sticks(readings: Array, stamp: Array) -> np.ndarray:
+    """(n,) where a sensor repeats one reading for long and leaps when it goes on, at ``stamp`` (n,) s.
+
+    Where readings are missing in between the joint may have gone there.
+    """
     out = np.zeros(len(readings), dtype=bool)
     step = np.abs(np.diff(readings))
     same = step == 0.0
@@ -49,9 +97,10 @@ def sticks(readings: Array) -> np.ndarray:
     rest = same.sum() - sum(last - first for first, last in runs)
     if not runs or rest > HARDLY * len(same):
         return out
+    together = np.diff(stamp) <= usual(stamp)
     far = leap(readings)
     for first, last in runs:
-        if last < len(step) and step[last] > far:
+        if last < len(step) and step[last] > far and together[last]:
             out[first + 1 : last + 1] = True
     return out
 

@@ -231,10 +231,13 @@ def smoothed(design: Array, target: Array, bend: Array) -> tuple[Array, float]:
     bent, rank = bend.T @ bend, np.linalg.matrix_rank(bend)
     size = float(np.trace(normal)) / len(side)
     least, best = -np.inf, (np.zeros_like(side), 0.0)
-    if size == 0.0:  # nothing of the curve comes through
+    if not 0.0 < size < np.inf:  # nothing of the curve comes through
         return best
     for weight in SMOOTH * size:
-        factor = cho_factor(normal + weight * bent + 1e-9 * size * np.eye(len(side)))
+        try:
+            factor = cho_factor(normal + weight * bent + 1e-9 * size * np.eye(len(side)))
+        except np.linalg.LinAlgError:  # values so far apart that the numbers cannot hold their squares
+            continue
         values = cho_solve(factor, side)
         likely = float(side @ values) - 2.0 * float(np.log(np.diag(factor[0])).sum())
         likely += rank * float(np.log(weight))

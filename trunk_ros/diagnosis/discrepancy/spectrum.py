@@ -11,12 +11,16 @@ from trunk_ros.compiled import Array
 FINER = 4  # steps of the first look to each line's width
 FASTEST = 0.45  # of the sampling rate
 TURNS = 2.0  # that a line must make in the recording
+SPARSE = 10.0  # times the usual step between samples
 LONGEST = 50.0  # Hz
 
 
 def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
     """(frequency Hz, share of the power) of the strongest line in a residual (n,) at uneven stamps (n,)."""
-    off = residual - residual.mean()
+    whole = _longest(stamp)
+    stamp, off = stamp[whole], residual[whole] - residual[whole].mean()
+    if len(stamp) < 2:
+        return 0.0, 0.0
     step, span = float(np.median(np.diff(stamp))), float(stamp[-1] - stamp[0])
     low, high = TURNS / span, min(FASTEST / step, LONGEST)
     if high <= low or not np.any(off):
@@ -32,6 +36,17 @@ def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
     best = minimize_scalar(lambda f: -_explained(f, stamp, off), bounds=near, method="bounded",
                            options={"xatol": 1e-4 / span})  # fmt: skip
     return float(best.x), float(-best.fun)
+
+
+def _longest(stamp: Array) -> slice:
+    """All samples, or where most of the time is gaps, the most that follow each other without a long one."""
+    step = np.diff(stamp)
+    usual = float(np.median(step)) if len(step) else 0.0
+    if not len(step) or stamp[-1] - stamp[0] < SPARSE * usual * len(stamp):
+        return slice(None)
+    ends = np.concatenate([[0], 1 + np.flatnonzero(step > SPARSE * usual), [len(stamp)]])
+    longest = int(np.argmax(np.diff(ends)))
+    return slice(int(ends[longest]), int(ends[longest + 1]))
 
 
 def _explained(frequency: float, stamp: Array, off: Array) -> float:

@@ -44,7 +44,7 @@ def held_out(state: Fit) -> dict[int, Error]:
 def _unseen(state: Fit, fold: int) -> dict[int, list[Array]]:
     """Errors by column and span of what was fitted to the samples outside a fold alone."""
     context = state.context
-    half = context.only([_fold(len(view.span.rows)) != fold for view in context.views])
+    half = context.only([fold_of(len(view.span.rows)) != fold for view in context.views])
     fitted = _fitted_anew(half, state.hypothesis)
     return {c: _errors(half, fitted, c) for c in context.columns}
 
@@ -69,7 +69,7 @@ def _number(count: int) -> np.ndarray:
     return np.asarray(np.arange(count) * BLOCKS // max(count, 1))
 
 
-def _fold(count: int) -> np.ndarray:
+def fold_of(count: int) -> np.ndarray:
     """(count,): 0 or 1 by blocks of time."""
     return np.asarray(_number(count) % 2)
 

@@ -52,6 +52,7 @@ def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
         for name, evidence in found.items()
         for rival in evidence.equivalents
     ]
+    sides = [duels for duels in ([d for d in side if d.columns] for side in sides) if duels]
     return Design(state.context, sides).run() if sides else None
 
 
@@ -154,34 +155,38 @@ def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[s
 
     ``trajectory`` is empty where no motion within the limits tells a pair apart.
     """
+    told = zip(done.pairs, done.duels, done.seen, done.mutual, strict=True)
     return [
         {
             "separates": list(pair),
-            "statement": statement(duel, seen, mutual, done.motion, units),
+            "statement": statement(duel, seen, mutual, done.motion, units, file),
             "trajectory": file if seen.ratio >= SURE else "",
         }
-        for pair, duel, seen, mutual in zip(done.pairs, done.duels, done.seen, done.mutual, strict=True)
+        for pair, duel, seen, mutual in told
     ]
 
 
-def statement(duel: Duel, seen: Difference, mutual: bool, there: Trajectory, units: dict[str, str]) -> str:
-    """What to look for, and what its absence means."""
+def statement(
+    duel: Duel, seen: Difference, mutual: bool, there: Trajectory, units: dict[str, str], file: str
+) -> str:
+    """What to play, what to look for, and what its absence means."""
     joint = there.joints[seen.column]
     unit = units.get(joint, "rad")
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
     if seen.ratio < SURE:
         return (
-            f"No motion within the limits tells {duel.truth} from {duel.other}: fitted anew, the two would "
-            f"differ by no more than {gap}, {times}, on {joint}."
+            f"No motion within the joint limits decides between {duel.truth} and {duel.other}: once both are "
+            f"fitted to it, single samples differ by at most {gap} ({times}, on {joint}), and all samples "
+            f"together give {seen.ratio / SURE:.0%} of the evidence that a decision takes."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
     form = duel.base[duel.truth].form
     truth = f"the {form} {duel.truth}" if form else duel.truth
     told = (
-        f"In {there.duration:.0f} s of motion look at {where}: with {truth} as it fits best now it reads "
-        f"{gap} {'more' if seen.gap > 0 else 'less'}, {times}, than with any {duel.other} that fits these "
-        f"data; over the whole motion they differ by {seen.rms:.2g} times the noise."
+        f"Play {file} ({there.duration:.0f} s) on the arm that was recorded, and look at {where}: if it is "
+        f"{truth}, the joint reads {gap} {'higher' if seen.gap > 0 else 'lower'} than if it is {duel.other} "
+        f"({times}; {seen.rms:.2g} times rms over the whole motion)."
     )
-    absent = f" Without that both are left: {duel.truth} can do what {duel.other} does."
+    absent = f" If it does not, both remain possible: {duel.truth} can do what {duel.other} does."
     return told if mutual else told + absent

@@ -82,7 +82,7 @@ def sizes(finding: Finding) -> str:
     for owner, held in finding.parameters.items():
         name = next((n for n, v in held.items() if not isinstance(v.get("value"), str)), None)
         if name is not None:
-            text = quantity(held[name].get("value"), None, held[name].get("unit") or "1", name == "relative")
+            text = _value(name, held[name])
             kept.append((owner, f"{spoken(name)} {text}"))
     shared = [text for owner, text in kept if owner == ALL]
     own = [text if len(kept) == 1 else f"{owner}: {text}" for owner, text in kept]

@@ -38,7 +38,9 @@ LEAST = 0.5  # times the noise; a simulated arm without noise has errors of 0, w
 
 @dataclass(frozen=True)
 class Ratio:
-    """Root mean square error of one signal on unseen data over its noise, with standard errors."""
+    """Root mean square error of one signal on unseen data over its noise, or over the steps of the encoders
+    where those are larger; with standard errors.
+    """
 
     stage: str
     name: str
@@ -53,7 +55,7 @@ def ratios(result: Diagnosis) -> list[Ratio]:
     out = []
     for stage in STAGES:
         for name, said in entries(result, stage).items():
-            noise = said.get("noise_floor") or math.nan
+            noise = max(said.get("noise_floor") or 0.0, said.get("resolution") or 0.0) or math.nan
             keys = ("rmse_before", "rmse_before_std", "rmse_after", "rmse_after_std")
             values = [float(said.get(key) or 0.0) / noise for key in keys]
             if all(math.isfinite(value) for value in values):

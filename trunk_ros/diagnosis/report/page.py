@@ -47,6 +47,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
     return {
         "sentence": sentence(result),
         "verdict": result.verdict,
+        "simulation": result.simulation,
         "verdict_word": verdict_word(result),
         "recordings": recordings(result),
         "maps": maps(result),
@@ -61,6 +62,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "unnamed": any(f.effect == "unknown" for f in result.findings),
         "experiments": result.experiments,
         "runs": runs(result),
+        "recorded": " ".join(quote(str(bag)) for bag in result.provenance.get("bags", ["run1"])),
         "rivals_remain": any(f.equivalents for f in result.findings),
         "numbers": numbers(result),
         "provenance": provenance(result),

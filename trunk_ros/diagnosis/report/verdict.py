@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import entries
-from trunk_ros.diagnosis.report.units import listed, spoken, times
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.report.units import listed, quantity, spoken, times
+from trunk_ros.diagnosis.verdict.differences import is_excess
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding
 
 ABOVE = 1.15  # times the noise: what is more is said to be left
 
@@ -13,15 +14,28 @@ ABOVE = 1.15  # times the noise: what is more is said to be left
 def sentence(result: Diagnosis) -> str:
     """What the busy reader needs to know."""
     rows = ratios(result)
+    if not rows and result.unexplained:
+        return f"Nothing can be said before the data are put right: {result.unexplained[0].statement}"
     if not rows:
         return "Nothing can be said: no signal moved enough, or was measured enough, to be judged."
     if result.verdict == "no_mismatch":
-        return "Nothing is missing: the simulation follows the recording down to the sensor noise."
+        return _no_mismatch(result)
     if not result.findings:
         where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
         return f"The recording departs from the simulation on {where}, and nothing explains it."
     gain = _gain(rows, len(result.findings)) + _rest(result)
     return f"Missing in the simulation: {listed(_missing(result))}. {gain}"
+
+
+def _no_mismatch(result: Diagnosis) -> str:
+    """How closely the simulation follows, in a unit."""
+    every = [said for stage in STAGES for said in entries(result, stage).values()]
+    coarse = [said for said in every if said.get("resolution", 0.0) > said["noise_floor"]]
+    if not coarse:
+        return "No effect is missing: the simulation follows the recording down to the sensor noise."
+    worst = max(coarse, key=lambda said: float(said["rmse_before"]))
+    left = quantity(worst["rmse_before"], None, worst.get("unit", "rad"))
+    return f"No effect is missing: the residual that remains ({left} rms) is below a step of the encoder."
 
 
 def _missing(result: Diagnosis) -> list[str]:
@@ -30,7 +44,9 @@ def _missing(result: Diagnosis) -> list[str]:
 
 
 def _named(result: Diagnosis, finding: Finding) -> str:
-    return f"{spoken(finding.effect)} ({_place(result, finding.stage, finding.joints)})"
+    much = "less " if is_excess(finding) else ""
+    names = much + listed([spoken(name) for name in finding.candidates], "or")
+    return f"{names} ({_place(result, finding.stage, finding.joints)}, {finding.confidence:.0%})"
 
 
 def _unnamed(result: Diagnosis, finding: Finding) -> str:

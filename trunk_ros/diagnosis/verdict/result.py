@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from trunk_ros.diagnosis.verdict.figures import Figures
+from trunk_ros.diagnosis.verdict.table import ROW, rows_of, table_of
 from trunk_ros.model import Model, save_model
 from trunk_ros.trajectory import Trajectory, save_trajectory
 
@@ -31,6 +33,18 @@ class Finding:
     evidence: dict[str, Any]
     curve: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def candidates(self) -> list[str]:
+        """The effect and its equivalents, which ``confidence`` is about together; those that fit the data
+        better than the effect come first.
+        """
+        losses = self.evidence.get("rivals", {})
+        words = {name if isinstance(name, str) else " + ".join(name): name for name in self.equivalents}
+        better = [
+            word for word, name in words.items() if isinstance(name, str) and losses.get(name, 0.0) < 0.0
+        ]
+        return [*better, self.effect, *(word for word in words if word not in better)]
+
 
 @dataclass
 class Unexplained:
@@ -44,7 +58,7 @@ class Unexplained:
     statement: str
 
 
-@dataclass
+@dataclass(repr=False)
 class Diagnosis:
     """The whole answer. ``stages`` is as in the JSON; ``model`` the nominal model with what was found."""
 
@@ -58,6 +72,10 @@ class Diagnosis:
     plots: Plots | None = None
     trajectories: dict[str, Trajectory] = field(default_factory=dict)
     """Motions of the experiments by the names of their files."""
+    simulation: dict[str, Any] = field(default_factory=dict)
+    """What another simulator was found to do itself, where the arm is compared with one."""
+    simulator: Model | None = None
+    """The model of that."""
 
     @property
     def verdict(self) -> str:
@@ -69,6 +87,21 @@ class Diagnosis:
         if not rest:
             return "explained"
         return "partly_explained" if named else "unexplained"
+
+    def __repr__(self) -> str:
+        """The verdict, and a table of what was found."""
+        return table_of(self)
+
+    @property
+    def plot(self) -> Figures:
+        """Figures of the diagnosis, for notebooks: ``result.plot.before_after()``."""
+        return Figures(self)
+
+    def to_dataframe(self) -> Any:
+        """A pandas table with a row for each joint and parameter of a finding. Needs pandas."""
+        import pandas as pd
+
+        return pd.DataFrame(rows_of(self), columns=list(ROW))
 
     def to_json(self) -> dict[str, Any]:
         """The dictionary that ``diagnosis.json`` holds."""
@@ -82,6 +115,8 @@ class Diagnosis:
             "quality": self.quality,
             "provenance": self.provenance,
         }
+        if self.simulation:
+            content["simulation"] = self.simulation
         plain = _plain(content)
         assert isinstance(plain, dict)
         return plain
@@ -90,6 +125,8 @@ class Diagnosis:
         """Write ``diagnosis.json``, ``model.yaml`` and the experiments' trajectories into a folder."""
         (folder / "diagnosis.json").write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n")
         save_model(self.model, folder / "model.yaml")
+        if self.simulator is not None:
+            save_model(self.simulator, folder / "simulation.yaml")
         for name, trajectory in self.trajectories.items():
             save_trajectory(folder / name, trajectory)
 

@@ -69,7 +69,6 @@ class LinkResonance(Effect):
         ),
     )
     forms = ("absolute", "relative", "beam", "links")
-    refined = ("links",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
@@ -104,7 +103,11 @@ class LinkResonance(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        """A beam rings long: only the lines of what is left are near enough to its frequency."""
+        """A beam rings long: only the lines of what is left are near enough to its frequency. Links cost a
+        hundred times a single joint: their damping is left to the fit.
+        """
+        if self.form == "links" and parameter.name == "damping":
+            return (parameter.typical,)
         if self.form != "beam" or parameter.name == "share":
             return super().grid(parameter, now, column, rest)
         if rest is None or not len(stops(now.stamp, np.ascontiguousarray(now.gearbox[:, column]))):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from trunk_ros.commands.arguments import Parser
 from trunk_ros.nodes.bags.through import NODES
-from trunk_ros.recording.arguments import Parser
 
 
 def parser() -> argparse.ArgumentParser:

@@ -14,6 +14,7 @@ from typing import Any
 from trunk_ros.errors import RecordingError, one_line
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.recording.bag import ros1 as ros1_file
+from trunk_ros.recording.bag.bag import check_size
 from trunk_ros.recording.mcap import records as mcap_records
 from trunk_ros.recording.mcap.repair import is_whole, repair
 from trunk_ros.recording.messages.block import DamageError
@@ -45,7 +46,11 @@ class BagSource:
         self.notes: list[str] = []
         self._left = ExitStack()
         try:
+            check_size(self.path)
             self._open()
+        except RecordingError:
+            self._left.close()
+            raise
         except Exception as error:  # rosbags raises whatever its parsing runs into
             self._left.close()
             said = one_line(str(error)) or type(error).__name__

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from copy import deepcopy
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,75 +11,36 @@ import numpy as np
 
 from trunk_ros.errors import RecordingError, TrunkError
 from trunk_ros.model import Model, load_model
+from trunk_ros.nodes.arm.wire import Shown, Wire
 from trunk_ros.nodes.bags.source import BagSource
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.messages import nanoseconds
-from trunk_ros.nodes.graph.ros import Parameter, deserialize_message
-from trunk_ros.nodes.wire_elasticity import WireElasticity
+from trunk_ros.nodes.graph.reader import unpacked
+from trunk_ros.nodes.graph.ros import JointState
 from trunk_ros.recording.compare import Difference, differences, table
 from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
-from trunk_ros.recording.topics import JOINT_TOPICS, TIP_TOPIC, TOPICS
+from trunk_ros.recording.topics import TOPICS
 
 SAME = 1e-9  # in the unit of a quantity: what rounding may do
-KEYS = {name: key for key, name in TOPICS.items()}
 
 
-class OfflineWire(WireElasticity):
-    """The node without streams: it is told what was recorded, and what it would publish is kept."""
-
-    def __init__(self, **options: Any):
-        super().__init__(**options)
-        self.said: dict[str, list[Any]] = {}
-        self.inputs: dict[str, tuple[Any, Any]] = {}
-        self.at = 0
-        self.left_out = 0
-        self.configure()
-
-    def publish_on(self, kind: Any, topic: str, qos: Any = None) -> Any:
-        """Keep in the place of publishing: a copy, as publishing makes one."""
-        kept = self.said.setdefault(topic, [])
-        return lambda message: kept.append(deepcopy(message))
-
-    def listen_to(self, kind: Any, topic: str, callback: Any, raw: bool = False) -> None:
-        """Note what is to be told."""
-        self.inputs[topic] = kind, callback
-
-    def now(self) -> int:
-        """Time of recording of the message under way."""
-        return self.at
-
-    def tell(self, topic: str, at: int, data: bytes) -> None:
-        """Hand over a message [CDR] that was recorded at ``at`` ns; one that the node refuses is counted."""
-        kind, callback = self.inputs[topic]
-        self.at = at
-        try:
-            callback(deserialize_message(data, kind))
-        except TrunkError:
-            self.left_out += 1
-
-
-NODES = {WireElasticity.NAME: OfflineWire}
+NODES = ("wire_elasticity",)
+INPUT = "gearbox_states"
 
 
 def through(bag: str, name: str, model: str | None, tolerance: float | None) -> int:
     """Recompute, compare and print; 0, or 1 where a tolerance is given and exceeded. Raises TrunkError."""
     recorded = read_recording(bag)
     asked, of = believed(recorded, name, model)
-    given = [Parameter(key, value=value) for key, value in asked.parameters().items()]
-    node = NODES[name](parameter_overrides=given)
-    try:
-        told = feed(node, bag)
-        computed = as_recording(bag, node.said)
-    finally:
-        node.destroy_node()
-    found = differences(recorded, computed)
+    said = answers(Wire(asked), bag, name)
+    found = differences(recorded, as_recording(bag, asked, said.shown))
     if not found:
         raise RecordingError(f"{bag}: holds nothing that {name} publishes: there is nothing to compare")
-    print(f"{bag}: {told} messages through {name} with {of}")
-    if node.left_out:
-        print(f"{node.left_out} of them were refused, as the live node does")
+    print(f"{bag}: {said.told} messages through {name} with {of}")
+    if said.refused:
+        print(f"{said.refused} of them were refused, as the live node does")
     print("\n".join(table(found)))
     limit = SAME if tolerance is None else tolerance
     worst = beyond(found, limit)
@@ -101,53 +62,64 @@ def believed(recorded: Recording, name: str, model: str | None) -> tuple[Model, 
     return asked, f"the model {model}" if model else "the model trunk, since the bag does not say which"
 
 
-def feed(node: OfflineWire, bag: str) -> int:
-    """Tell the node what was recorded; returns how many messages."""
-    count = 0
+@dataclass
+class Answers:
+    """What the node shows at each stamp [ns], of how many messages, and how many it refuses."""
+
+    shown: list[tuple[int, Shown]] = field(default_factory=list)
+    told: int = 0
+    refused: int = 0
+
+
+def answers(wire: Wire, bag: str, name: str) -> Answers:
+    """Tell the node's model what was recorded. Raises RecordingError where there is nothing for it."""
+    found = Answers()
     with BagSource(bag) as source:
         chosen, _ = choose(bag, {topic.name: topic.kind for topic in source.topics})
-        given = {chosen[KEYS[topic]]: topic for topic in node.inputs if KEYS[topic] in chosen}
-        if missing := set(node.inputs) - set(given.values()):
-            raise RecordingError(f"{bag}: no topic {', '.join(sorted(missing))}: {node.NAME} needs it")
-        for at, topic, data in source.messages(set(given)):
-            node.tell(given[topic], at, data)
-            count += 1
-    return count
+        if INPUT not in chosen:
+            raise RecordingError(f"{bag}: no topic {TOPICS[INPUT]}: {name} needs it")
+        for _, _, data in source.messages({chosen[INPUT]}):
+            found.told += 1
+            try:
+                found.shown.append(answer(wire, unpacked(data, JointState)))
+            except TrunkError:
+                found.refused += 1
+    return found
 
 
-def as_recording(bag: str, said: dict[str, list[Any]]) -> Recording:
-    """What a node has said, by topic, as a recording."""
-    stamped = [said[topic] for topic in TOPICS.values() if topic in said]
-    stamps = [nanoseconds(each.header.stamp) for kept in stamped for each in kept]
-    start_ns = min(stamps, default=0)
-    series = {
-        key: joint_series(said[topic], start_ns) for key, topic in JOINT_TOPICS.items() if said.get(topic)
-    }
-    tip = pose_series(said[TIP_TOPIC], start_ns) if said.get(TIP_TOPIC) else None
-    return Recording(str(Path(bag)), start_ns, (max(stamps, default=0) - start_ns) / SECOND, series, tip)
+def answer(wire: Wire, message: Any) -> tuple[int, Shown]:
+    """Stamp [ns] and what the node shows then. Raises TrunkError where it refuses the message."""
+    stamp = nanoseconds(message.header.stamp)
+    phi = wire.complete(message.name, message.position)
+    wire.begins_anew(stamp)
+    return stamp, wire.update(stamp, phi)
 
 
-def seconds(messages: list[Any], start_ns: int) -> Any:
-    """Stamps (n,) s since the start."""
-    return np.array([nanoseconds(each.header.stamp) - start_ns for each in messages]) / SECOND
+def as_recording(bag: str, model: Model, shown: list[tuple[int, Shown]]) -> Recording:
+    """What the node shows, as a recording of its topics."""
+    stamps = np.array([stamp for stamp, _ in shown], dtype=np.int64)
+    start_ns = int(stamps.min()) if len(stamps) else 0
+    time, joints = (stamps - start_ns) / SECOND, model.arm.joints
+    columns = [
+        np.array([getattr(each, name) for _, each in shown]) for name in ("joints", "velocity", "effort")
+    ]
+    series = {"joint_states": JointSeries(time, joints, *columns)} if shown else {}
+    wires = [each.wires for _, each in shown if each.wires is not None]
+    if wires:
+        stretch, tension = (np.array([pair[part] for pair in wires]) for part in (0, 1))
+        names = tuple(f"wire_{number}" for number in range(1, len(joints) + 1))
+        series["wire_states"] = JointSeries(time, names, stretch, None, tension)
+    tips = [each.tip for _, each in shown if each.tip is not None]
+    tip = pose_series(time, np.array(tips)) if tips else None
+    return Recording(str(Path(bag)), start_ns, float(np.ptp(time)) if shown else 0.0, series, tip)
 
 
-def joint_series(messages: list[Any], start_ns: int) -> JointSeries:
-    """JointState messages of the same joints."""
-    position, velocity, effort = (
-        np.array([getattr(each, name) for each in messages], dtype=float)
-        for name in ("position", "velocity", "effort")
-    )
-    given = [values if values.size else None for values in (velocity, effort)]
-    return JointSeries(seconds(messages, start_ns), tuple(messages[0].name), position, *given)
-
-
-def pose_series(messages: list[Any], start_ns: int) -> PoseSeries:
-    """PoseStamped messages."""
-    places = [(p.x, p.y, p.z) for p in (each.pose.position for each in messages)]
-    turns = [(q.x, q.y, q.z, q.w) for q in (each.pose.orientation for each in messages)]
-    frame = messages[0].header.frame_id
-    return PoseSeries(seconds(messages, start_ns), np.array(places), np.array(turns), frame)
+def pose_series(time: Any, tip: Any) -> PoseSeries:
+    """Tips (n, 3), y m, z m, roll rad about X, as the node publishes them."""
+    none = np.zeros(len(tip))
+    places = np.stack([none, tip[:, 0], tip[:, 1]], axis=1)
+    turns = np.stack([np.sin(tip[:, 2] / 2), none, none, np.cos(tip[:, 2] / 2)], axis=1)
+    return PoseSeries(time, places, turns, "")
 
 
 def beyond(found: list[Difference], tolerance: float) -> list[str]:

@@ -98,9 +98,18 @@ class BagWriter:
             first = self._begin_part().writer
             first.note("trunk_ros", noted or {})
         except OSError as error:
+            self._leave_nothing()
             raise ArgumentError(f"{self.folder} cannot be written: {error.strerror}") from None
         self._thread = threading.Thread(target=self._work, name="bag_writer", daemon=True)
         self._thread.start()
+
+    def _leave_nothing(self) -> None:
+        """Take a folder away again in which nothing can be written."""
+        for part in self._parts:
+            part.writer.close()
+            part.path.unlink(missing_ok=True)
+        with suppress(OSError):
+            self.folder.rmdir()
 
     def add_channel(self, channel: Channel) -> None:
         """Announce a topic; it is in the bag from its first message on."""

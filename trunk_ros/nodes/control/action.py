@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from trunk_ros.errors import TrunkError
+from trunk_ros.nodes.control.controller import Controller
 from trunk_ros.nodes.control.goal import Code, Goal, GoalError, Outcome, State, Tolerance, leeway, overlaid
 from trunk_ros.nodes.graph.elapsed import SECOND
+from trunk_ros.nodes.graph.health import OK
 from trunk_ros.nodes.graph.messages import point, time_message
 from trunk_ros.nodes.graph.ros import ActionServer, CancelResponse, FollowJointTrajectory, GoalResponse
+from trunk_ros.nodes.graph.trajectory_reader import order_of
 
 NAME = "trunk/follow_joint_trajectory"
 MONITORED = SECOND // 20  # ns between two feedback messages
@@ -32,10 +35,10 @@ class PatientServer(ActionServer):
 
 
 class FollowAction:
-    """Serves goals to the compensator ``node``, which follows their trajectories."""
+    """Serves goals to the ``controller`` of the compensator ``node``, which follows their trajectories."""
 
-    def __init__(self, node: Any):
-        self.node = node
+    def __init__(self, node: Any, controller: Controller):
+        self.node, self.controller = node, controller
         self.goal: Goal | None = None
         self.next_goal: Goal | None = None
         self.handle: Any = None
@@ -49,7 +52,7 @@ class FollowAction:
             handle_accepted_callback=self.accepted,
             cancel_callback=self.cancelled,
         )
-        node.own(lambda server: server.destroy(), self.server)
+        node.streams.own(lambda server: server.destroy(), self.server)
 
     def asked(self, request: Any) -> Any:
         """Take a goal, or refuse it with the reason in the log and on diagnostics."""
@@ -57,7 +60,6 @@ class FollowAction:
             self.next_goal = self.begin(request)
         except TrunkError as error:
             self.node.health.note(f"goal refused: {error}")
-            self.node.get_logger().error(f"goal refused: {error}")
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 
@@ -75,27 +77,30 @@ class FollowAction:
             request.goal_tolerance, node.value("goal_tolerance"), node.value("stopped_velocity")
         )
         late = leeway(request.goal_time_tolerance, node.value("goal_time"))
-        if node.follower is None:
-            if node.observation.stands(node.now()) is None:
-                raise GoalError("where the arm stands is not known: no trunk/gearbox_states")
-            node.begin(node.now())
-        return Goal(node.joints, node.follow(request.trajectory), path, goal, late)
+        order = order_of(request.trajectory)
+        assert order.trajectory is not None
+        if not self.controller.start(node.now()):
+            raise GoalError("where the arm stands is not known: no trunk/gearbox_states")
+        end = self.controller.follow(order.trajectory, node.now(), order.begin, node.graph())
+        assert end is not None
+        return Goal(self.controller.joints, end, path, goal, late)
 
     def tolerance(self, given: Any, position: float, velocity: float) -> Tolerance:
         """What a goal asks over the node's own."""
-        joints = self.node.joints
+        joints = self.controller.joints
         return overlaid(given, joints, Tolerance.same(len(joints), position, velocity))
 
     def accepted(self, handle: Any) -> None:
         """A goal that was taken replaces the one under way."""
         self.abort("replaced by a new goal")
         self.handle, self.goal = handle, self.next_goal
+        self.node.log(OK, "goal accepted")
         handle.execute()
 
     def cancelled(self, handle: Any) -> Any:
         """Hold; the goal ends with the next step of the loop."""
         if handle is self.handle:
-            self.node.hold()
+            self.controller.hold(self.node.now())
         return CancelResponse.ACCEPT
 
     def abort(self, reason: str) -> None:
@@ -121,12 +126,14 @@ class FollowAction:
         elif outcome.code == Code.SUCCESSFUL:
             self._end("succeed", outcome)
         else:
-            self.node.hold()
+            self.controller.hold(now)
             self._end("abort", outcome)
 
     def _end(self, state: str, outcome: Outcome) -> None:
         if outcome.code != Code.SUCCESSFUL:
             self.node.health.note(f"goal aborted: {outcome.text}")
+        else:
+            self.node.log(OK, outcome.text)
         handle, self.handle, self.goal = self.handle, None, None
         self.server.finish(handle, "canceled" if handle.is_cancel_requested else state, outcome)
 

@@ -20,19 +20,19 @@ PARTS = ("reference", "feedback", "error", "output")
 class ControllerState:
     """Publishes at most ``rate`` times a second; ``output`` is the setpoint (joints,) rad at the gearbox."""
 
-    def __init__(self, node: Any, joints: tuple[str, ...], rate: float):
+    def __init__(self, streams: Any, joints: tuple[str, ...], rate: float):
         self.joints = list(joints)
-        self.least = round(SECOND / rate)
+        self.rate = rate
         self.last: int | None = None
         self.whole: Any = None
         if JointTrajectoryControllerState is not None:
-            self.whole = node.publish_on(JointTrajectoryControllerState, NAME)
+            self.whole = streams.publish(JointTrajectoryControllerState, NAME)
         else:
-            self.parts = [node.publish_on(JointState, f"{NAME}/{part}") for part in PARTS]
+            self.parts = [streams.publish(JointState, f"{NAME}/{part}") for part in PARTS]
 
     def due(self, now: int) -> bool:
         """Whether it is time to publish."""
-        return self.last is None or not 0 <= now - self.last < self.least
+        return self.last is None or not 0 <= now - self.last < SECOND / self.rate
 
     def tick(self, now: int, wanted: State, actual: State, output: Any) -> None:
         """Publish what holds at ``now`` ns if it is time to."""

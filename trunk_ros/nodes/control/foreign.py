@@ -9,7 +9,8 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
-from trunk_ros.nodes.graph.ros import JointState, deserialize_message
+from trunk_ros.nodes.graph.reader import unpacked
+from trunk_ros.nodes.graph.ros import JointState
 from trunk_ros.trajectory import Array
 
 REMEMBERED = 1000  # stamps of our own messages
@@ -39,7 +40,7 @@ class ForeignReference:
     def message(self, raw: bytes) -> Any:
         """The message, None where it is our own."""
         ours = self._ours.get(raw[STAMP])
-        return None if ours is not None and ours in raw else deserialize_message(raw, JointState)
+        return None if ours is not None and ours in raw else unpacked(raw, JointState)
 
     def position(self, message: Any) -> Array:
         """Wanted angles (joints,) rad, NaN where it has none.

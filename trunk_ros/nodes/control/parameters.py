@@ -1,6 +1,12 @@
 """The compensator's own parameters."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from trunk_ros.model import Declaration
+from trunk_ros.nodes.control import slow_feedback
+from trunk_ros.nodes.control.controller import Settings
 
 STREAMS = (
     Declaration(
@@ -45,3 +51,10 @@ FEEDBACK = (
     Declaration("feedback_tolerance", 5e-4, "rad", (0.0, 0.1), "error that it leaves alone"),
 )
 OWN = (*STREAMS, *MOTION, *GOALS, *FEEDBACK)
+
+
+def settings_of(node: Any) -> Settings:
+    """What the parameters say of the control."""
+    names = ("reversal", "max_acceleration", "patience", "lead")
+    feedback = slow_feedback.Settings(*[node.value(each.name) for each in FEEDBACK])
+    return Settings(**{name: node.value(name) for name in names}, feedback=feedback)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from trunk_ros.nodes.graph.elapsed import SECOND
 
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
+LOGGED = 5  # different words that one report lets into the log; diagnostics have all
+
+
+def unheard(level: int, text: str) -> None:
+    """Where nobody wants a log."""
 
 
 @dataclass
@@ -43,7 +49,13 @@ class Health:
     """Lasting facts, such as the model's hash."""
     fault: str = ""
     """Why the node refuses to act, as long as it does."""
+    troubles: dict[str, str] = field(default_factory=dict)
+    """What is wrong as long as it lasts, though the node acts: an error, by what it is about."""
+    log: Callable[[int, str], None] = unheard
+    """Takes level and words of what is new."""
     _notes: dict[str, tuple[int, int]] = field(default_factory=dict)
+    _before: set[str] = field(default_factory=set)
+    """What the last report said."""
     _since: int | None = None
     _ticks: int = 0
     _late: int = 0
@@ -52,6 +64,16 @@ class Health:
         """Say something with the next report; the same words are counted, not repeated."""
         times, worst = self._notes.get(text, (0, OK))
         self._notes[text] = times + 1, max(level, worst)
+        if not times and text not in self._before and len(self._notes) <= LOGGED:
+            self.log(max(level, WARN), text)
+
+    def trouble(self, about: str, text: str) -> None:
+        """Say an error with each report until it is over, which empty words say."""
+        if not text:
+            self.troubles.pop(about, None)
+        elif self.troubles.get(about) != text:
+            self.troubles[about] = text
+            self.log(ERROR, text)
 
     def ticked(self, late: int = 0) -> None:
         """Note a step of the node's loop that came ``late`` ns."""
@@ -71,13 +93,22 @@ class Health:
             text if times == 1 else f"{text} ({times} times)" for text, (times, _) in self._notes.items()
         ]
         levels = [OK, *(level for _, level in self._notes.values()), *(WARN for _ in stale)]
-        level = ERROR if self.fault else max(levels)
-        words = [f"no {name} for {self.silence(name, now):.1f} s" for name in stale] + notes
-        words = [self.fault, *words] if self.fault else words
+        errors = [*([self.fault] if self.fault else []), *self.troubles.values()]
+        level = ERROR if errors else max(levels)
+        words = [*errors, *(f"no {name} for {self.silence(name, now):.1f} s" for name in stale), *notes]
         values = self._rates(now) | self.values
+        self._log_stale(stale)
+        self._before = {*self._notes, *stale}
         self._notes.clear()
         self._since, self._ticks, self._late = now, 0, 0
         return level, "; ".join(words) or "ok", values
+
+    def _log_stale(self, stale: list[str]) -> None:
+        for name in stale:
+            if name not in self._before:
+                self.log(WARN, f"{name} is stale: nothing for more than {self.streams[name].timeout:g} s")
+        for name in self._before & self.streams.keys() - set(stale):
+            self.log(OK, f"{name} is back")
 
     def silence(self, name: str, now: int) -> float:
         """Seconds since the last message of a stream; infinite before the first."""

@@ -6,7 +6,8 @@ import struct
 from array import array
 from typing import Any
 
-from trunk_ros.nodes.graph.ros import JointState, deserialize_message
+from trunk_ros.nodes.graph.joints import MessageError
+from trunk_ros.nodes.graph.ros import JointState, RMWError, deserialize_message
 
 LITTLE_ENDIAN_CDR = b"\x00\x01\x00\x00"
 STAMP = slice(4, 12)
@@ -26,7 +27,7 @@ class JointStateReader:
         self._same: list[tuple[slice, bytes]] = []
 
     def read(self, raw: bytes) -> Any:
-        """The message [CDR] as a JointState."""
+        """The message [CDR] as a JointState. Raises MessageError for bytes that are none."""
         if len(raw) != self._length or any(raw[part] != seen for part, seen in self._same):
             self._learn(raw)
             return self._message
@@ -37,7 +38,11 @@ class JointStateReader:
 
     def _learn(self, raw: bytes) -> None:
         """Unpack, and note where the values are; a layout that does not prove right is not relied upon."""
-        self._message = message = deserialize_message(raw, JointState)
+        self._length = -1
+        try:
+            self._message = message = deserialize_message(raw, JointState)
+        except RMWError:
+            raise MessageError(f"{len(raw)} bytes that are no JointState were left out") from None
         values = [getattr(message, field) for field in FIELDS]
         self._values = places(message, values)
         read = [raw[part] for part in self._values]

@@ -9,6 +9,8 @@ import numpy as np
 from trunk_ros.errors import TrunkError
 from trunk_ros.trajectory import Array
 
+LARGEST = 1e6  # rad: an angle beyond is none
+
 
 class MessageError(TrunkError):
     """A message cannot be used; the node says so on diagnostics and goes on."""
@@ -60,6 +62,14 @@ class JointMatcher:
         out = np.full(len(self.joints), np.nan)
         out[self._to] = np.asarray(values, dtype=float)[self._from]
         return out
+
+    def angles(self, names: Sequence[str], values: Sequence[float]) -> Array:
+        """As ``gather``, of angles [rad]. Raises MessageError for numbers that no joint can be at as well."""
+        found = self.gather(names, values)
+        if (wild := np.abs(found) > LARGEST).any():
+            j = int(np.argmax(wild))
+            raise MessageError(f"{self.joints[j]} at {found[j]:.3g} rad is no angle: a sample was left out")
+        return found
 
     def oddities(self) -> list[str]:
         """What is wrong with the names, in words."""

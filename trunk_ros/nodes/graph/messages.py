@@ -62,7 +62,7 @@ def state_of(message: Any, matcher: JointMatcher) -> State:
 
     Raises MessageError where names and values do not go together.
     """
-    position = matcher.gather(message.name, message.position)
+    position = matcher.angles(message.name, message.position)
     velocity = matcher.gather(message.name, message.velocity)
     return State(position, np.where(np.isfinite(velocity), velocity, 0.0))
 

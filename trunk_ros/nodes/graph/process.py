@@ -10,24 +10,17 @@ from typing import Any
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.graph import parameters
-from trunk_ros.nodes.graph.base import COMMON, DELIVERY, TrunkNode, steady_clock
+from trunk_ros.nodes.graph.base import COMMON, TrunkNode
+from trunk_ros.nodes.graph.loop import steady_clock
+from trunk_ros.nodes.graph.managed import end, retire, start
 from trunk_ros.nodes.graph.ros import EventsExecutor, Future, SignalHandlerOptions, rclpy
+from trunk_ros.nodes.stop import Stop
 
+DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
 MOMENT = 0.05  # s after which it is noticed that somebody asks to end
+LEAVING = 10.0  # s that the middleware has to end in
 LONG = 1e5  # s; without a timeout the events executor does not see that the future is done, and while
 # callbacks queue up it sees no timeout
-
-
-class Stop:
-    """Turns SIGINT and SIGTERM into a flag, so that a process ends in good order."""
-
-    def __init__(self) -> None:
-        self.asked = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
-
-    def _ask(self, *_: Any) -> None:
-        self.asked = True
 
 
 def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
@@ -40,18 +33,28 @@ def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
     try:
         node = kind()
         if node.value("autostart"):
-            node.start()
+            start(node)
         executor = EventsExecutor()
         executor.add_node(node)
         serve(executor, node, lambda: stop.asked or node.fault)
-        node.retire()
+        retire(node)
         serve_for(DELIVERY, executor, node)
-        node.end()
+        end(node, DELIVERY)
         if node.fault:
             raise TrunkError(f"{node.get_name()}: {node.fault}")
     finally:
+        leave_in_time()
+        stop.ignore()
         rclpy.try_shutdown()
     return 0
+
+
+def leave_in_time() -> None:
+    """End the process by SIGALRM where the middleware does not let go of it: it may wait for ever for a lock
+    in shared memory that a partner held when it was killed. All that is ours has ended by then.
+    """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, LEAVING)
 
 
 def serve(executor: Any, node: Any, over: Callable[[], Any]) -> None:

@@ -6,11 +6,21 @@ from collections.abc import Sequence
 from typing import Any
 
 from trunk_ros.nodes.graph.elapsed import SECOND
-from trunk_ros.nodes.graph.ros import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from trunk_ros.recording.messages.message_types import RELIABLE
+from trunk_ros.nodes.graph.ros import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+)
+from trunk_ros.recording.messages.message_types import RELIABLE as DEFAULT
 
+DEPTH = 200  # messages that a slow partner may be behind
+RELIABLE = QoSProfile(depth=DEPTH)
+SENSED = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-ENDLESS = RELIABLE["deadline"]
+ENDLESS = DEFAULT["deadline"]
 LARGEST = 2**63 - 1
 
 
@@ -79,3 +89,12 @@ def unique(publishers: Sequence[Any]) -> list[dict[str, Any]]:
 def stricter(old: Any, new: Any) -> bool:
     """Whether an old profile shuts out publishers that a new one hears."""
     return bool(old.reliability != new.reliability or old.durability != new.durability)
+
+
+def mismatch(topic: str, publishers: Sequence[Any], asked: Any) -> str:
+    """Words about publishers that a subscription with this profile does not hear, "" where it hears all."""
+    for each in publishers:
+        compatibility, reason = qos_check_compatible(each.qos_profile, asked)
+        if compatibility == QoSCompatibility.ERROR:
+            return f"{topic} of {each.node_name} is not heard: {reason.removeprefix('ERROR: ').strip(' ;')}"
+    return ""

@@ -26,27 +26,37 @@ try:
     from builtin_interfaces.msg import Time
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
     from geometry_msgs.msg import PoseStamped
-    from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+    from rcl_interfaces.msg import (
+        FloatingPointRange,
+        IntegerRange,
+        ParameterDescriptor,
+        SetParametersResult,
+    )
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.clock import Clock as SteadyClock
     from rclpy.clock import ClockType
     from rclpy.event_handler import SubscriptionEventCallbacks
-    from rclpy.exceptions import ParameterException
+    from rclpy.exceptions import InvalidTopicNameException, ParameterException
     from rclpy.experimental import EventsExecutor
+    from rclpy.impl.implementation_singleton import rclpy_implementation
     from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+    from rclpy.logging import LoggingSeverity
     from rclpy.node import Node
     from rclpy.parameter import Parameter
     from rclpy.qos import (
         DurabilityPolicy,
         HistoryPolicy,
+        QoSCompatibility,
         QoSProfile,
         ReliabilityPolicy,
+        qos_check_compatible,
     )
     from rclpy.serialization import deserialize_message
     from rclpy.signals import SignalHandlerOptions
     from rclpy.task import Future
+    from rclpy.validate_full_topic_name import validate_full_topic_name
     from rosgraph_msgs.msg import Clock
-    from sensor_msgs.msg import JointState
+    from sensor_msgs.msg import JointState, PointCloud2, PointField
     from std_msgs.msg import String
     from std_srvs.srv import SetBool, Trigger
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -56,6 +66,9 @@ except ImportError as error:
         "pip install '.[ros]' in this environment, or source a ROS 2 installation"
     ) from None
 
+INFO, WARNING = LoggingSeverity.INFO, LoggingSeverity.WARN
+RCLError, RMWError = rclpy_implementation.RCLError, rclpy_implementation.RMWError
+
 try:
     from control_msgs.action import FollowJointTrajectory
     from control_msgs.msg import JointTrajectoryControllerState
@@ -63,6 +76,8 @@ except ImportError:  # not among the packages that PyPI has
     FollowJointTrajectory = JointTrajectoryControllerState = None
 
 __all__ = [
+    "INFO",
+    "WARNING",
     "ActionServer",
     "CancelResponse",
     "Clock",
@@ -76,6 +91,8 @@ __all__ = [
     "Future",
     "GoalResponse",
     "HistoryPolicy",
+    "IntegerRange",
+    "InvalidTopicNameException",
     "JointState",
     "JointTrajectory",
     "JointTrajectoryControllerState",
@@ -88,8 +105,13 @@ __all__ = [
     "Parameter",
     "ParameterDescriptor",
     "ParameterException",
+    "PointCloud2",
+    "PointField",
     "PoseStamped",
+    "QoSCompatibility",
     "QoSProfile",
+    "RCLError",
+    "RMWError",
     "ReliabilityPolicy",
     "SetBool",
     "SetParametersResult",
@@ -102,5 +124,7 @@ __all__ = [
     "Trigger",
     "deserialize_message",
     "get_package_share_directory",
+    "qos_check_compatible",
     "rclpy",
+    "validate_full_topic_name",
 ]

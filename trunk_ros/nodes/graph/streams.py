@@ -2,45 +2,42 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.graph.elapsed import SECOND
-from trunk_ros.nodes.graph.health import Health, Stream
-from trunk_ros.nodes.graph.joint_state_reader import JointStateReader
+from trunk_ros.nodes.graph.health import Stream
 from trunk_ros.nodes.graph.messages import fill, nanoseconds
-from trunk_ros.nodes.graph.progress import Listener, Progress
-from trunk_ros.nodes.graph.qos import LATCHED
-from trunk_ros.nodes.graph.ros import JointState, LifecycleNode
+from trunk_ros.nodes.graph.progress import Progress
+from trunk_ros.nodes.graph.qos import DEPTH, LATCHED, RELIABLE, SENSED, mismatch
+from trunk_ros.nodes.graph.reader import reader
+from trunk_ros.nodes.graph.ros import JointState, SubscriptionEventCallbacks
 
 NEAR = SECOND  # ns; a stamp further off than this is of another clock
 
-DEPTH = 200  # messages that a slow partner may be behind
+Handler = Callable[[Any], Any]
 
 
-class StreamNode(LifecycleNode):
-    """A managed node that counts what it sends and hears; ``active`` tells whether it acts."""
+class Streams:
+    """What a node publishes and hears. ``counted``: a bringup waits for each message; none may be lost.
 
-    simulated = False
+    ``node``: a TrunkNode. A TrunkError of a handler goes to diagnostics and the node goes on.
+    """
 
-    def __init__(self, name: str, **options: Any):
-        super().__init__(name, **options)
-        self.health = Health()
-        self.progress = Progress(self.get_fully_qualified_name())
-        self.listener: Listener | None = None
-        self.active = False
+    def __init__(self, node: Any, counted: bool):
+        self.node, self.health = node, node.health
+        self.counted = counted
+        self.progress = Progress(node.get_fully_qualified_name())
         self._parts: list[tuple[Callable[[Any], Any], Any]] = []
+        self._doubtful: dict[str, Any] = {}
 
-    def now(self) -> int:
-        """ns of the node's clock, which is the system's in real time."""
-        return time.time_ns()
+    # Out
 
-    def publish_on(self, kind: Any, topic: str, qos: Any = DEPTH) -> Callable[[Any], None]:
+    def publish(self, kind: Any, topic: str, qos: Any = DEPTH) -> Callable[[Any], None]:
         """Create a publisher; returns a function that publishes and counts."""
-        publisher = self.create_publisher(kind, topic, qos)
-        self.own(self.destroy_publisher, publisher)
+        publisher = self.node.create_publisher(kind, topic, qos)
+        self.own(self.node.destroy_publisher, publisher)
         name, sent = publisher.topic_name, self.progress.sent
         sent.setdefault(name, 0)
 
@@ -50,59 +47,71 @@ class StreamNode(LifecycleNode):
 
         return publish
 
-    def joint_states_on(self, topic: str, names: Sequence[str]) -> Callable[..., None]:
+    def publish_joints(self, topic: str, names: Sequence[str]) -> Callable[..., None]:
         """Create a publisher of JointStates; returns a function of what ``fill`` takes after the message.
 
         One message serves for all: publishing copies it.
         """
-        publish, message = self.publish_on(JointState, topic), JointState(name=list(names))
+        publish, message = self.publish(JointState, topic), JointState(name=list(names))
         return lambda ns, *arrays: publish(fill(message, ns, *arrays))
 
-    def listen_to(self, kind: Any, topic: str, callback: Callable[[Any], None], raw: bool = False) -> None:
-        """Subscribe and count; a TrunkError of the callback goes to diagnostics and the node goes on.
+    # In
 
-        A JointState is valid until the next one: its message is reused.
+    def sense(self, topic: str, handler: Handler, kind: Any = JointState, raw: bool = False) -> None:
+        """Hear a sensor, also with best effort: the next message makes up for a loss. ``raw``: the handler
+        takes the bytes.
         """
-        if kind is not JointState or raw:
-            self._listen(kind, topic, callback, DEPTH, raw)
-            return
-        read = JointStateReader().read
-        self._listen(kind, topic, lambda data: callback(read(data)), DEPTH, raw=True)
+        self._listen(kind, topic, handler, RELIABLE if self.counted else SENSED, raw=raw)
 
-    def listen_latched(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> None:
-        """Subscribe to a topic that keeps its last message for latecomers; heard before activation too."""
-        self._listen(kind, topic, callback, LATCHED, raw=False, always=True)
+    def obey(self, kind: Any, topic: str, handler: Handler, raw: bool = False) -> None:
+        """Hear commands, each of which counts. ``raw``: the handler takes the bytes."""
+        self._listen(kind, topic, handler, RELIABLE, raw=raw)
+
+    def latched(self, kind: Any, topic: str, handler: Handler) -> None:
+        """Hear a topic that keeps its last message for latecomers; before activation too."""
+        self._listen(kind, topic, handler, LATCHED, always=True)
 
     def _listen(
-        self,
-        kind: Any,
-        topic: str,
-        callback: Callable[[Any], None],
-        qos: Any,
-        raw: bool,
-        always: bool = False,
+        self, kind: Any, topic: str, handler: Handler, qos: Any, raw: bool = False, always: bool = False
     ) -> None:
-        name, received = "", self.progress.received
+        read = bytes if raw else reader(kind)
+        name, received = self.node.resolve_topic_name(topic), self.progress.received
 
-        def arrived(message: Any) -> None:
+        def arrived(data: bytes) -> None:
             received[name] += 1
-            if self.active or always:
-                self.guarded(callback, message)
-            if self.simulated:
-                self._tell()
+            if self.node.active or always:
+                self.guarded(lambda: handler(read(data)))
+            if self.node.simulated:
+                self.node.tell()
 
-        subscription = self.create_subscription(kind, topic, arrived, qos, raw=raw)
-        self.own(self.destroy_subscription, subscription)
-        name = subscription.topic_name
-        self.progress.received.setdefault(name, 0)
+        events = SubscriptionEventCallbacks(incompatible_qos=lambda _: self._doubt(name, qos))
+        subscription = self.node.create_subscription(
+            kind, topic, arrived, qos, raw=True, event_callbacks=events
+        )
+        self.own(self.node.destroy_subscription, subscription)
+        received.setdefault(name, 0)
 
-    def own(self, destroy: Callable[[Any], Any], part: Any) -> None:
-        """Have something destroyed with the streams."""
-        self._parts.append((destroy, part))
+    def _doubt(self, topic: str, qos: Any) -> None:
+        self._doubtful[topic] = qos
+        self.look_after_qos()
+
+    def look_after_qos(self) -> None:
+        """Say which publishers are not heard for their quality of service, as long as there are any."""
+        for topic, qos in list(self._doubtful.items()):
+            words = mismatch(topic, self.node.get_publishers_info_by_topic(topic), qos)
+            self.health.trouble(topic, words)
+            if not words:
+                del self._doubtful[topic]
+
+    # Time of what is heard
+
+    def watch(self, topic: str, timeout: float) -> Stream:
+        """A stream whose silence diagnostics report."""
+        return self.health.streams.setdefault(topic, Stream(timeout))
 
     def arrived(self, stream: Stream, message: Any) -> int:
         """Note a message; returns its stamp [ns], now where it has none or that of another clock."""
-        stamp = self.own_time(nanoseconds(message.header.stamp), self.now())
+        stamp = self.own_time(nanoseconds(message.header.stamp), self.node.now())
         self.heard(stream, stamp)
         return stamp
 
@@ -110,7 +119,7 @@ class StreamNode(LifecycleNode):
         """Note that a message came: in simulated time at its stamp [ns], so that runs repeat whatever comes
         first.
         """
-        stream.arrived(stamp if self.simulated and stamp else self.now())
+        stream.arrived(stamp if self.node.simulated and stamp else self.node.now())
 
     def own_time(self, stamp: int, now: int) -> int:
         """A stamp [ns] as the node's clock would give it: ``now`` where it is missing or of another clock."""
@@ -121,9 +130,11 @@ class StreamNode(LifecycleNode):
             return now
         return stamp
 
-    def watch(self, topic: str, timeout: float) -> Stream:
-        """A stream whose silence diagnostics report."""
-        return self.health.streams.setdefault(topic, Stream(timeout))
+    # The rest
+
+    def own(self, destroy: Callable[[Any], Any], part: Any) -> None:
+        """Have something destroyed with the streams."""
+        self._parts.append((destroy, part))
 
     def guarded(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call, and turn a TrunkError into a line on diagnostics."""
@@ -133,12 +144,18 @@ class StreamNode(LifecycleNode):
             self.health.note(str(error))
             return None
 
-    def _tell(self, beat: bool = False) -> None:
-        """In real time nobody waits for each message: a beat now and then is enough."""
-        if self.listener is not None and (beat or self.simulated):
-            self.listener(self.progress)
+    def count_partners(self) -> None:
+        """Note how many partners each publisher and subscription has found."""
+        for destroy, part in self._parts:
+            if destroy == self.node.destroy_publisher:
+                self.progress.matched[">" + part.topic_name] = part.get_subscription_count()
+            elif destroy == self.node.destroy_subscription:
+                self.progress.matched["<" + part.topic_name] = part.get_publisher_count()
 
-    def _close_streams(self) -> None:
+    def close(self) -> None:
+        """End all of them."""
         for destroy, part in reversed(self._parts):
             destroy(part)
         self._parts.clear()
+        self._doubtful.clear()
+        self.health.troubles.clear()

@@ -75,9 +75,13 @@ class Ear:
         return True
 
 
+def by_hand(_: Any) -> None:
+    """In the place of a callback: messages are taken, never called back, and no executor serves them."""
+
+
 def subscribe(node: Any, topic: str, kind: str, profile: Any) -> Any:
-    """A subscription that no executor serves: messages are taken, never called back."""
+    """A subscription whose messages are taken by hand."""
     quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
     return node.create_subscription(
-        message_class(kind), topic, lambda _: None, profile, raw=True, event_callbacks=quiet
+        message_class(kind), topic, by_hand, profile, raw=True, event_callbacks=quiet
     )

@@ -26,6 +26,8 @@ class Processes:
         self.ros_arguments = ros_arguments
         self.folder = tempfile.TemporaryDirectory(prefix="trunk_ros_")
         self.running: dict[str, subprocess.Popen[bytes]] = {}
+        self.code = 1
+        """What to exit with where a process ended by itself: 2 where it said so of itself."""
 
     def start(self, part: str, parameters: dict[str, Any]) -> None:
         """Start a node with parameters, handed over in a file of its own."""
@@ -41,6 +43,7 @@ class Processes:
         for part, process in self.running.items():
             code = process.poll()
             if code is not None:
+                self.code = 2 if code == 2 else 1
                 return (
                     f"{part} ended with exit code {code}"
                     if code >= 0

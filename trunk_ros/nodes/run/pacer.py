@@ -7,12 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from trunk_ros.nodes.graph.base import PROGRESS_TOPIC, steady_clock
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.health import WARN
+from trunk_ros.nodes.graph.loop import steady_clock
 from trunk_ros.nodes.graph.messages import nanoseconds, time_message, trajectory_message
 from trunk_ros.nodes.graph.progress import Ledger, Progress
-from trunk_ros.nodes.graph.qos import LATCHED
+from trunk_ros.nodes.graph.qos import DEPTH, LATCHED
+from trunk_ros.nodes.graph.reader import if_readable
+from trunk_ros.nodes.graph.report import PROGRESS_TOPIC
 from trunk_ros.nodes.graph.ros import (
     Clock,
     DiagnosticArray,
@@ -20,9 +22,7 @@ from trunk_ros.nodes.graph.ros import (
     JointTrajectory,
     Node,
     String,
-    deserialize_message,
 )
-from trunk_ros.nodes.graph.streams import DEPTH
 from trunk_ros.trajectory import Trajectory
 
 BEGIN = 1_750_000_000 * SECOND  # ns, where simulated time begins, so that equal runs have equal stamps
@@ -60,7 +60,7 @@ class Pacer(Node):
         self.settled = 0
         self.complete = self.begun
         self.told: set[str] = set()
-        self.create_subscription(DiagnosticArray, "diagnostics", self.pass_on, DEPTH)
+        self.hear(DiagnosticArray, "diagnostics", self.pass_on)
         if pace.simulated:
             self.clock = self.create_publisher(Clock, "/clock", DEPTH)
             self.progress.sent["/clock"] = 0
@@ -70,9 +70,7 @@ class Pacer(Node):
             self.progress.sent[self.send.topic_name] = 0
         if pace.description:
             self.create_publisher(String, "robot_description", LATCHED).publish(String(data=pace.description))
-        self.create_subscription(
-            String, PROGRESS_TOPIC, lambda m: self.note(Progress.from_json(m.data)), DEPTH
-        )
+        self.hear(String, PROGRESS_TOPIC, self.note_words)
         self.watched = [self.watch_foreign(topic) for topic in pace.foreign]
         self.create_timer(0.05, self.look, clock=steady_clock())
         ledger.note(self.progress)
@@ -81,11 +79,23 @@ class Pacer(Node):
         """Keep an eye on a topic that no node of ours publishes."""
         name = self.resolve_topic_name(topic)
 
-        def seen(raw: bytes) -> None:
-            self.note(Progress(name, stamp=nanoseconds(deserialize_message(raw, JointState).header.stamp)))
+        def seen(message: Any) -> None:
+            self.note(Progress(name, stamp=nanoseconds(message.header.stamp)))
 
-        self.create_subscription(JointState, topic, seen, DEPTH, raw=True)
+        self.hear(JointState, topic, seen)
         return name
+
+    def hear(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> None:
+        """Subscribe to the messages of a topic that can be read."""
+        self.create_subscription(kind, topic, if_readable(kind, callback), DEPTH, raw=True)
+
+    def note_words(self, message: Any) -> None:
+        """A node in a process of its own says how far it is; what is no such message is not heard."""
+        try:
+            progress = Progress.from_json(message.data)
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            return
+        self.note(progress)
 
     def note(self, progress: Progress) -> None:
         """A node says how far it is."""

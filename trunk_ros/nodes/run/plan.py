@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from trunk_ros import __version__
+from trunk_ros.commands.arguments import Parser
 from trunk_ros.errors import ArgumentError
 from trunk_ros.model import Model, load_model
 from trunk_ros.motion import NAMES, named_trajectory
 from trunk_ros.nodes.control.follower import check_rest, limits_of
-from trunk_ros.recording.arguments import Parser
 from trunk_ros.recording.output import BAG_FILES, prepare_output
 from trunk_ros.trajectory import Trajectory, TrajectoryError, load_trajectory
 

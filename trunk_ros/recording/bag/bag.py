@@ -4,10 +4,12 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import zstandard
 
+from trunk_ros.recording.allowance import Allowance, is_lifted
 from trunk_ros.recording.bag import metadata
 from trunk_ros.recording.bag import ros1 as ros1_file
 from trunk_ros.recording.bag import sqlite as sqlite_file
@@ -24,6 +26,7 @@ from trunk_ros.recording.messages.block import (
     unzstd,
 )
 
+_LARGE = 256 << 20
 _ZSTD = b"\x28\xb5\x2f\xfd"
 _STORAGES: dict[bytes, Storage] = {
     mcap_records.MAGIC: read_mcap,
@@ -49,6 +52,17 @@ def read_blocks(
         for block in _read_file(file, len(files) > 1, wanted, contents, part):
             yield _unpacked(block, contents) if message_compression else block
     progress(1.0)
+
+
+def check_size(path: Path) -> None:
+    """Unpack a recording to nowhere, for readers that know no bounds. RecordingError where it grows too much.
+
+    DamageError where it cannot be read. A large one is not looked at: what is small on disk is what is sent.
+    """
+    files = [file for file in path.iterdir() if file.is_file()] if path.is_dir() else [path]
+    if not is_lifted() and sum(file.stat().st_size for file in files) < _LARGE:
+        for _ in read_blocks(path, lambda _: True, Contents(Allowance(path)), lambda _: None):
+            pass
 
 
 def _files(path: Path, contents: Contents) -> tuple[list[Path], bool]:
@@ -107,7 +121,7 @@ def _read_file(
     """Blocks of one file. One of several that cannot be read is a loss; a single one is an error."""
     begun = len(contents.damage)
     try:
-        with _plain(file) as plain:
+        with _plain(file, contents.allowance) as plain:
             yield from _storage(plain)(plain, wanted, contents, progress)
     except DamageError as error:
         if not several:
@@ -130,7 +144,7 @@ def _storage(file: Path) -> Storage:
 
 
 @contextmanager
-def _plain(file: Path) -> Iterator[Path]:
+def _plain(file: Path, allowance: Allowance) -> Iterator[Path]:
     """The file, or a temporary copy that is decompressed; a cut one as far as it is whole."""
     with file.open("rb") as stream:
         if stream.read(4) != _ZSTD:
@@ -140,11 +154,18 @@ def _plain(file: Path) -> Iterator[Path]:
         with tempfile.TemporaryDirectory() as folder:
             plain = Path(folder) / file.stem
             with plain.open("wb") as out:
-                try:
-                    zstandard.ZstdDecompressor().copy_stream(stream, out)
-                except zstandard.ZstdError as error:
-                    raise DamageError(f"holds zstd data that cannot be read ({error})") from None
+                _decompress(stream, out, allowance)
             yield plain
+
+
+def _decompress(stream: BinaryIO, out: BinaryIO, allowance: Allowance) -> None:
+    with zstandard.ZstdDecompressor().stream_reader(stream, read_across_frames=True) as plain:
+        try:
+            while piece := plain.read(1 << 20):
+                allowance.take(len(piece))
+                out.write(piece)
+        except zstandard.ZstdError as error:
+            raise DamageError(f"holds zstd data that cannot be read ({error})") from None
 
 
 def _unpacked(block: Block, contents: Contents) -> Block:
@@ -152,7 +173,7 @@ def _unpacked(block: Block, contents: Contents) -> Block:
     payloads, log_ns = [], []
     for start, size, log in zip(block.start, block.size, block.log_ns, strict=True):
         try:
-            payloads.append(unzstd(_slice(block.data, start, size)))
+            payloads.append(unzstd(_slice(block.data, start, size), contents.allowance))
             log_ns.append(int(log))
         except DamageError as error:
             contents.damage.append(f"{block.topic} {error}")

@@ -11,6 +11,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from trunk_ros.errors import RecordingError, one_line
+from trunk_ros.recording.bag.bag import check_size
 from trunk_ros.recording.mcap.repair import is_whole
 from trunk_ros.recording.messages.block import Whole
 from trunk_ros.recording.recording import Floats
@@ -50,6 +51,7 @@ def read_columns(path: Path, columns: tuple[str, ...]) -> dict[str, Columns]:
     """The columns by topic. RecordingError names what is missing, and what is there."""
     try:
         places = [place_of(column) for column in columns]
+        check_size(path)
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
             return _read(bag, places)
     except RecordingError:

@@ -53,7 +53,7 @@ def read_metadata(folder: Path) -> BagMetadata:
     content = _load(folder / FILE)
     try:
         return _parse(content[_KEY])
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         missing = f" (no {error})" if isinstance(error, KeyError) else ""
         raise DamageError(f"has a damaged {FILE}{missing}: `recover` writes it anew") from None
 

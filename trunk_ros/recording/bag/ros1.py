@@ -9,16 +9,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import lz4.frame
-
+from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.messages.block import (
-    LARGEST_CHUNK,
     Block,
     Contents,
     DamageError,
     Progress,
     block_of,
     mapped,
+    unlz4,
 )
 
 MAGIC = b"#ROSBAG V2.0\n"
@@ -122,7 +121,7 @@ def read_ros1(
 def _chunk(scan: _Scan, record: _Record, data: memoryview, cut: bool) -> None:
     """Messages of a chunk; what is damaged in it is noted, and left out."""
     try:
-        content = memoryview(_decompress(bytes(data), record))
+        content = memoryview(_decompress(bytes(data), record, scan.contents.allowance))
         for inner in _records(content):
             if inner.end <= len(content):
                 scan.add(content, inner)
@@ -131,16 +130,22 @@ def _chunk(scan: _Scan, record: _Record, data: memoryview, cut: bool) -> None:
             scan.contents.damage.append(f"it {error}; that part is left out")
 
 
-def _decompress(data: bytes, record: _Record) -> bytes:
+def _decompress(data: bytes, record: _Record, allowance: Allowance) -> bytes:
     method = record.head.get(b"compression", b"none")
-    size = min(record.number(b"size", "<I")[0], LARGEST_CHUNK)
-    try:
-        if method == b"bz2":
-            return bz2.BZ2Decompressor().decompress(data, max_length=size)
-        if method == b"lz4":
-            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size))
-    except (OSError, RuntimeError, EOFError, ValueError) as error:
-        raise DamageError(f"holds {method.decode()} data that cannot be read ({error})") from None
+    (size,) = record.number(b"size", "<I")
+    if method == b"bz2":
+        return _unbz2(data, allowance, size)
+    if method == b"lz4":
+        return unlz4(data, allowance, size)
     if method != b"none":
         raise DamageError(f"has chunks compressed with {method[:20]!r}: bz2, lz4 or none can be read")
     return data
+
+
+def _unbz2(data: bytes, allowance: Allowance, size: int) -> bytes:
+    try:
+        plain = bz2.BZ2Decompressor().decompress(data, max_length=min(size, allowance.most))
+    except (OSError, EOFError, ValueError) as error:
+        raise DamageError(f"holds bz2 data that cannot be read ({error})") from None
+    allowance.take(len(plain))
+    return plain

@@ -10,10 +10,12 @@ from itertools import islice
 from pathlib import Path
 from urllib.parse import quote
 
+from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.messages.block import Block, Contents, DamageError, Progress, block_of
 
 MAGIC = b"SQLite format 3\0"
 _BATCH = 8192
+_LONGEST = 2**31 - 1  # bytes of a value that sqlite can be told
 _TABLES = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')"
 _TOPICS = "SELECT id, name, type, serialization_format FROM topics"
 _MESSAGES = "SELECT timestamp, data FROM messages WHERE topic_id = ? ORDER BY id"
@@ -25,6 +27,7 @@ def read_sqlite(
     """Blocks of a sqlite3 file, topic by topic; DamageError if it holds no recording."""
     log = path.with_name(path.name + "-wal")
     missing = _claimed_size(path) - path.stat().st_size
+    contents.allowance.check(_claimed_size(path))
     if missing > 0:
         contents.damage.append(f"it breaks off: {missing} bytes are missing")
     logged = log.exists() and log.stat().st_size > 0
@@ -57,7 +60,8 @@ def _read(
     mode: str = "mode=ro&immutable=1",
 ) -> Iterator[Block]:
     with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?{mode}", uri=True)) as database:
-        topics = _topics(database)
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(contents.allowance.most, _LONGEST))
+        topics = _topics(database, contents.allowance)
         contents.topics.update({name: kind for _, name, kind, _ in topics})
         for done, (number, name, kind, encoding) in enumerate(topics):
             if wanted(name):
@@ -65,14 +69,18 @@ def _read(
                 yield from _messages(database, number, (name, kind, encoding), contents)
 
 
-def _topics(database: sqlite3.Connection) -> list[tuple[int, str, str, str]]:
+def _topics(database: sqlite3.Connection, allowance: Allowance) -> list[tuple[int, str, str, str]]:
     database.text_factory = lambda text: text.decode(errors="replace")
     try:
         if database.execute(_TABLES).fetchone()[0] != 2:
             raise DamageError("is a database without the tables of a recording")
-        rows = database.execute(_TOPICS).fetchall()
-        return [(int(number), str(name), str(kind), str(encoding)) for number, name, kind, encoding in rows]
-    except (sqlite3.Error, TypeError, ValueError) as error:
+        topics = []
+        for number, *words in database.execute(_TOPICS):
+            name, kind, encoding = map(str, words)
+            allowance.take(len(name) + len(kind) + len(encoding))
+            topics.append((int(number), name, kind, encoding))
+        return topics
+    except (sqlite3.Error, TypeError, ValueError, OverflowError) as error:
         raise DamageError(f"is a damaged database ({error})") from None
 
 
@@ -91,6 +99,9 @@ def _rows(
     try:
         for log_ns, data in database.execute(_MESSAGES, (number,)):
             if isinstance(log_ns, int) and isinstance(data, bytes):
+                contents.allowance.take(len(data))
                 yield log_ns, data
     except sqlite3.Error as error:
+        if "too big" in str(error):
+            contents.allowance.check(_LONGEST)
         contents.damage.append(f"it is damaged ({error}): {topic} is read up to there")

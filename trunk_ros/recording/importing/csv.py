@@ -1,25 +1,17 @@
-"""`import`: a table, or a bag with other topics, that others recorded becomes a bag of ours."""
+"""A table that others recorded, as a recording of an arm, by a mapping."""
 
-import argparse
 from pathlib import Path
 
 import numpy as np
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.arguments import Parser
-from trunk_ros.recording.bag.bag import is_recording
-from trunk_ros.recording.check import checked
-from trunk_ros.recording.importing.bag import read_bag
+from trunk_ros.recording.check import checked, is_reading
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.importing.table import read_table
 from trunk_ros.recording.importing.units import UNITS
 from trunk_ros.recording.messages.block import Whole
-from trunk_ros.recording.output import BAG_FILES, prepare_output
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
-from trunk_ros.recording.topics import TOPICS
-from trunk_ros.recording.write import write_recording
-from trunk_ros.share import config_names
 
 _LATEST_NS = (2**31) * 10**9
 
@@ -54,16 +46,19 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
     if mapping.time is None:
         seconds = np.arange(count) / mapping.rate_hz
     else:
-        seconds = mapping.time[0].evaluate(table) * mapping.time[1]
+        with np.errstate(over="ignore"):
+            seconds = mapping.time[0].evaluate(table) * mapping.time[1]
     known = np.flatnonzero(np.isfinite(seconds))
     if not len(known):
         raise RecordingError(f"{path}: the time has no finite value")
     remarks = [f"{count - len(known)} rows have no time and are left out"] if len(known) < count else []
     seconds = seconds[known]
+    if seconds.min() <= -_LATEST_NS / 1e9:
+        raise RecordingError(f"{path}: the time begins at {seconds.min():.3g} s: is its unit right?")
     if seconds.min() < 0:
         remarks.append(f"time begins at {seconds.min():g} s: moved to begin at 0")
         seconds = seconds - seconds.min()
-    if seconds.max() * 1e9 >= _LATEST_NS:
+    if not seconds.max() < _LATEST_NS / 1e9:
         raise RecordingError(f"{path}: the time reaches {seconds.max():.3g} s: is its unit right?")
     every = np.rint(seconds * 1e9).astype(np.int64)
     stamp_ns, first = np.unique(every, return_index=True)
@@ -77,9 +72,9 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
 def _values(quantity: Quantity, table: dict[str, Floats]) -> Floats:
     """(rows, joints) in SI."""
     values = np.column_stack([each.evaluate(table) for each in quantity.columns])
-    values[~np.isfinite(values)] = np.nan
-    scaled: Floats = values * np.array([UNITS[unit][1] for unit in quantity.units])
-    return scaled
+    with np.errstate(over="ignore"):
+        scaled: Floats = values * np.array([UNITS[unit][1] for unit in quantity.units])
+    return np.where(is_reading(scaled), scaled, np.nan)
 
 
 def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats]) -> JointSeries:
@@ -89,30 +84,3 @@ def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats]) -
 def _not_finite(series: JointSeries) -> int:
     values = [each for each in (series.position, series.velocity, series.effort) if each is not None]
     return sum(int(np.isnan(each).sum()) for each in values)
-
-
-def parser() -> argparse.ArgumentParser:
-    """Arguments of `import`."""
-    names = ", ".join(name.removeprefix("import/") for name in config_names("import"))
-    made = Parser(prog="import", description="Turn a foreign recording into a rosbag2 folder.")
-    made.add_argument("csv", metavar="CSV|BAG", type=Path, help="a table, or a bag whose topics are others")
-    made.add_argument("--mapping", metavar="MAP", required=True, help=f"MAP.yaml, or one of {names}")
-    made.add_argument("--output", metavar="BAG", required=True, type=Path, help="the folder to write")
-    made.add_argument("--overwrite", action="store_true", help="replace BAG if it exists")
-    return made
-
-
-def main(argv: list[str]) -> int:
-    """`import CSV|BAG --mapping MAP.yaml --output BAG [--overwrite]`; says what was odd."""
-    asked = parser().parse_args(argv)
-    prepare_output(asked.output, asked.overwrite, BAG_FILES)
-    if not asked.csv.exists():
-        raise RecordingError(f"{asked.csv}: does not exist")
-    read = read_bag if is_recording(asked.csv) else read_csv
-    recording = read(asked.csv, asked.mapping)
-    write_recording(asked.output, recording, asked.overwrite)
-    for note in recording.notes:
-        print(f"{asked.csv}: {note}")
-    topics = ", ".join(f"/{TOPICS[key]} ({len(each.stamp)})" for key, each in recording.series.items())
-    print(f"{asked.output}: {recording.duration:.6g} s, {topics}")
-    return 0

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from trunk_ros.errors import RecordingError
+from trunk_ros.errors import RecordingError, printable
 from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.importing import expression
 from trunk_ros.recording.importing.expression import Expression
@@ -105,7 +105,7 @@ def _names(value: Any) -> tuple[str, ...]:
     good = isinstance(value, list) and value and all(isinstance(each, str) and each for each in value)
     if not good or len(set(value)) < len(value):
         raise ValueError("joints: must be a list of different names")
-    return tuple(value)
+    return tuple(printable(each) for each in value)
 
 
 def _positive(value: Any) -> float:

@@ -55,6 +55,8 @@ def _values(
         if len(row) < width:
             short = line
             continue
+        if any(field.strip() for field in row[width:]):
+            raise RecordingError(f"{path}: line {line} has {len(row)} fields, the header {width}")
         for value, place in zip(values, places, strict=True):
             value.append(_number(path, line, row[place]))
     remarks = [f"the last line ({short}) is cut and left out"] if short else []

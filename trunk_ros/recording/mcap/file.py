@@ -6,9 +6,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from mcap.records import Channel, Metadata, Schema
 
 from trunk_ros.recording.mcap import records as mcap
-from trunk_ros.recording.messages.block import Block, Bytes, Contents, DamageError, Progress, Whole, mapped
+from trunk_ros.recording.messages.block import (
+    Block,
+    Bytes,
+    Contents,
+    DamageError,
+    Progress,
+    Whole,
+    integers,
+    mapped,
+)
 
 _BATCH = 65536
 _HEAD = 22
@@ -21,7 +31,7 @@ class _Scan:
     contents: Contents
     wanted: Callable[[str], bool]
     schemas: dict[int, str] = field(default_factory=dict)
-    channels: dict[int, mcap.Channel] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
     skipped: dict[str, int] = field(default_factory=lambda: defaultdict(int))
 
     def note(self, buffer: mcap.Buffer, record: mcap.Record) -> None:
@@ -33,16 +43,16 @@ class _Scan:
 
     def _note(self, buffer: mcap.Buffer, record: mcap.Record) -> None:
         if record.kind == mcap.SCHEMA:
-            schema = mcap.schema(buffer, record)
+            schema = mcap.parsed(buffer, record, Schema)
             self.schemas[schema.id] = schema.name
         elif record.kind == mcap.CHANNEL:
-            channel = mcap.channel(buffer, record)
+            channel = mcap.parsed(buffer, record, Channel)
             self.channels[channel.id] = channel
-            self.contents.topics[channel.topic] = self.schemas.get(channel.schema, "of no stated type")
+            self.contents.topics[channel.topic] = self.schemas.get(channel.schema_id, "of no stated type")
         elif record.kind == mcap.METADATA:
-            name, entries = mcap.metadata(buffer, record)
-            if name == "trunk_ros":
-                self.contents.custom.update(entries)
+            noted = mcap.parsed(buffer, record, Metadata)
+            if noted.name == "trunk_ros":
+                self.contents.custom.update(noted.metadata)
 
     def blocks(self, buffer: mcap.Buffer, starts: list[int], end: int) -> Iterator[Block]:
         """Blocks of the messages that begin at `starts` of the buffer, one after the other up to `end`."""
@@ -52,7 +62,7 @@ class _Scan:
         span = np.array([*starts, end], dtype=np.int64)
         span = np.column_stack([span[:-1] + mcap.FRAME, span[1:]])
         span = span[span[:, 1] - span[:, 0] >= _HEAD]
-        number = _integers(data, span[:, 0], "<u2")
+        number = integers(data, span[:, 0], "<u2")
         for each in np.unique(number):
             channel = self.channels.get(int(each))
             if channel is None:
@@ -60,16 +70,16 @@ class _Scan:
             elif self.wanted(channel.topic):
                 yield self._block(data, span[number == each], channel)
 
-    def _block(self, data: Bytes, span: Whole, channel: mcap.Channel) -> Block:
+    def _block(self, data: Bytes, span: Whole, channel: Channel) -> Block:
         start = span[:, 0] + _HEAD
-        log_ns = _integers(data, span[:, 0] + 6, "<i8")
+        log_ns = integers(data, span[:, 0] + 6, "<i8")
         kind = self.contents.topics[channel.topic]
-        return Block(channel.topic, kind, channel.encoding, data, start, span[:, 1] - start, log_ns)
+        return Block(channel.topic, kind, channel.message_encoding, data, start, span[:, 1] - start, log_ns)
 
     def chunk(self, data: mcap.Buffer, record: mcap.Record) -> Iterator[Block]:
         """Blocks of a chunk, of one that is cut as far as it is whole; a damaged one is left out."""
         try:
-            content = mcap.open_chunk(data, record, len(data)).data
+            content = mcap.open_chunk(data, record, len(data), self.contents.allowance).data
         except DamageError as error:
             if record.end <= len(data):
                 self.skipped[str(error)] += 1
@@ -77,19 +87,15 @@ class _Scan:
         inner: mcap.Record | None
         at = 0
         while True:
-            starts, at = mcap.messages(content, at, len(content), len(content))
+            starts, at = mcap.messages(content, at, len(content), _BATCH)
             yield from self.blocks(content, starts, at)
             inner = mcap.record_at(content, at, len(content))
             if inner is None or inner.end > len(content):
                 return
+            if inner.kind == mcap.MESSAGE:
+                continue
             self.note(content, inner)
             at = inner.end
-
-
-def _integers(data: Bytes, start: Whole, kind: str) -> Whole:
-    width = np.dtype(kind).itemsize
-    rows = np.lib.stride_tricks.sliding_window_view(data, width)[start]
-    return np.ascontiguousarray(rows).view(kind)[:, 0].astype(np.int64)
 
 
 def read_mcap(

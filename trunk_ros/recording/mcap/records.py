@@ -3,18 +3,29 @@
 import struct
 import zlib
 from collections.abc import Iterator
-from typing import NamedTuple, TypeAlias
+from io import BytesIO
+from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
 
-import lz4.frame
+from mcap import records as kinds
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 
-from trunk_ros.recording.messages.block import LARGEST_CHUNK, DamageError, unzstd
+from trunk_ros.recording.allowance import Allowance
+from trunk_ros.recording.messages.block import DamageError, unlz4, unzstd
 
 MAGIC = b"\x89MCAP0\r\n"
 FRAME = 9  # bytes of kind and length before each record
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06
-METADATA, DATA_END = 0x0C, 0x0F
+MESSAGE_INDEX, CHUNK_INDEX, METADATA, DATA_END = 0x07, 0x08, 0x0C, 0x0F
+PARSED: dict[int, type[Any]] = {
+    HEADER: kinds.Header,
+    SCHEMA: kinds.Schema,
+    CHANNEL: kinds.Channel,
+    METADATA: kinds.Metadata,
+}
 
 Buffer: TypeAlias = bytes | memoryview
+Parsed = TypeVar("Parsed")
 _FRAME = struct.Struct("<BQ")
 _CHUNK = struct.Struct("<QQQI")
 
@@ -25,25 +36,6 @@ class Record(NamedTuple):
     kind: int
     start: int
     end: int
-
-
-class Schema(NamedTuple):
-    """A message type and its definition."""
-
-    id: int
-    name: str
-    encoding: str
-    content: bytes
-
-
-class Channel(NamedTuple):
-    """A topic of an MCAP file with the number of its schema and what its writer noted."""
-
-    id: int
-    schema: int
-    topic: str
-    encoding: str
-    noted: dict[str, str]
 
 
 class Chunk(NamedTuple):
@@ -101,44 +93,13 @@ def repeated(buffer: Buffer) -> Iterator[Record]:
             yield record
 
 
-def text(buffer: Buffer, start: int, end: int) -> tuple[str, int]:
-    """A length-prefixed string and where it ends; DamageError if it does not fit before `end`."""
-    if start + 4 > end:
-        raise DamageError("has a record that ends too early")
-    stop = start + 4 + int(struct.unpack_from("<I", buffer, start)[0])
-    if stop > end:
-        raise DamageError("has a record that ends too early")
-    return bytes(buffer[start + 4 : stop]).decode("utf-8", "replace"), stop
-
-
-def schema(buffer: Buffer, record: Record) -> Schema:
-    """A schema record."""
-    name, at = text(buffer, record.start + 2, record.end)
-    encoding, at = text(buffer, at, record.end)
-    (number,) = struct.unpack_from("<H", buffer, record.start)
-    return Schema(number, name, encoding, bytes(buffer[at + 4 : record.end]))
-
-
-def channel(buffer: Buffer, record: Record) -> Channel:
-    """A channel record."""
-    topic, at = text(buffer, record.start + 4, record.end)
-    encoding, at = text(buffer, at, record.end)
-    number, of_schema = struct.unpack_from("<HH", buffer, record.start)
-    return Channel(number, of_schema, topic, encoding, _entries(buffer, at, record.end))
-
-
-def metadata(buffer: Buffer, record: Record) -> tuple[str, dict[str, str]]:
-    """Name and entries of a metadata record."""
-    name, at = text(buffer, record.start, record.end)
-    return name, _entries(buffer, at, record.end)
-
-
-def _entries(buffer: Buffer, at: int, end: int) -> dict[str, str]:
-    entries, at = {}, at + 4
-    while at < end:
-        key, at = text(buffer, at, end)
-        entries[key], at = text(buffer, at, end)
-    return entries
+def parsed(buffer: Buffer, record: Record, kind: type[Parsed]) -> Parsed:
+    """A record as the mcap package reads it; DamageError where it cannot."""
+    content = bytes(buffer[record.start : record.end])
+    try:
+        return cast(Parsed, kind.read(ReadDataStream(BytesIO(content))))  # type: ignore[attr-defined]
+    except (McapError, struct.error, ValueError):
+        raise DamageError("has a record that cannot be read") from None
 
 
 def chunk_span(buffer: Buffer, record: Record, end: int) -> tuple[int, int, int]:
@@ -149,31 +110,41 @@ def chunk_span(buffer: Buffer, record: Record, end: int) -> tuple[int, int, int]
     return first, last, size
 
 
-def open_chunk(buffer: Buffer, record: Record, end: int) -> Chunk:
-    """Decompress and check a chunk of which the bytes up to `end` are there; DamageError if that fails."""
+def open_chunk(buffer: Buffer, record: Record, end: int, allowance: Allowance) -> Chunk:
+    """Decompress and check a chunk of which the bytes up to `end` are there; DamageError if that fails.
+
+    RecordingError where it becomes larger than the allowance.
+    """
     end = min(record.end, end)
     if record.start + _CHUNK.size > end:
         raise DamageError("has a chunk that ends too early")
     *_, size, crc = _CHUNK.unpack_from(buffer, record.start)
-    method, start = text(buffer, record.start + _CHUNK.size, end)
-    if size > LARGEST_CHUNK:
-        raise DamageError(f"has a chunk that claims {size} bytes")
-    data = _decompress(buffer[start + 8 : end], method, size)
+    method, start = _method(buffer, record.start + _CHUNK.size, end)
+    data = _decompress(buffer[start:end], method, size, allowance)
     if record.end > end:
         return Chunk(data, False)
-    if len(data) != size or (crc and zlib.crc32(data) != crc):
+    if len(data) != size or _size(buffer, start - 8) != end - start or (crc and zlib.crc32(data) != crc):
         raise DamageError("has a chunk with a wrong checksum")
     return Chunk(data, True)
 
 
-def _decompress(data: Buffer, method: str, size: int) -> bytes:
+def _method(buffer: Buffer, at: int, end: int) -> tuple[str, int]:
+    """Name of the compression of a chunk, and where its data begin."""
+    if at + 4 > end:
+        raise DamageError("has a chunk that ends too early")
+    stop = at + 4 + int(struct.unpack_from("<I", buffer, at)[0])
+    return bytes(buffer[at + 4 : min(stop, end)]).decode(errors="replace"), stop + 8
+
+
+def _size(buffer: Buffer, at: int) -> int:
+    return int(struct.unpack_from("<Q", buffer, at)[0])
+
+
+def _decompress(data: Buffer, method: str, size: int, allowance: Allowance) -> bytes:
     if method == "zstd":
-        return unzstd(data, size)
+        return unzstd(data, allowance, size)
     if method == "lz4":
-        try:
-            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(bytes(data), max_length=size))
-        except (RuntimeError, EOFError) as error:
-            raise DamageError(f"holds lz4 data that cannot be read ({error})") from None
+        return unlz4(bytes(data), allowance, size)
     if method:
         raise DamageError(f"has chunks compressed with {method[:20]!r}: zstd, lz4 or none can be read")
     return bytes(data)

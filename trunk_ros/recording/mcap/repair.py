@@ -5,8 +5,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mcap.reader import make_reader
+from mcap.records import Attachment, Channel, Metadata, Schema
 from mcap.writer import Writer
 
+from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.mcap import records as mcap
 from trunk_ros.recording.messages.block import DamageError, mapped
 
@@ -23,12 +25,15 @@ class Loss:
     lost_s: float = 0.0
     lost_bytes: int = 0
     skipped: int = 0
+    ended: bool = False
+    """Whether the file had an end, so that only its index may have been damaged."""
 
     def sentence(self) -> str:
         """What was kept and lost."""
         kept = f"{self.messages} messages kept"
         if not self.lost_bytes and not self.skipped:
-            return f"{kept}, all that the file held; what its recorder still had in memory is lost"
+            more = "its index is made anew" if self.ended else "what its recorder still had in memory is lost"
+            return f"{kept}, all that the file held; {more}"
         parts = [f"{self.lost_bytes} bytes broke off"] if self.lost_bytes else []
         parts += [f"{self.skipped} damaged chunks left out"] if self.skipped else []
         return f"{kept}; lost: about {self.lost} messages, {self.lost_s:.3g} s ({', '.join(parts)})"
@@ -53,13 +58,13 @@ def repair(source: Path, target: Path) -> Loss:
     with target.open("wb") as stream:
         writer = Writer(stream)
         writer.start(profile="ros2", library="trunk_ros")
-        copy = _Copy(writer)
+        copy = _Copy(writer, Allowance(source))
         for record in mcap.repeated(data):
             copy.record(data, record)
         position = 8
         for record in mcap.records(data, 8, len(data)):
             if record.kind in (mcap.FOOTER, mcap.DATA_END):
-                position = len(data)
+                position, copy.loss.ended = len(data), True
                 break
             copy.record(data, record)
             position = min(record.end, len(data)) if record.end <= len(data) else record.start - 9
@@ -73,6 +78,7 @@ class _Copy:
     """Copies records; numbers of schemas and channels change, times and sequences stay."""
 
     writer: Writer
+    allowance: Allowance
     loss: Loss = field(default_factory=Loss)
     schemas: dict[int, int] = field(default_factory=dict)
     channels: dict[int, int] = field(default_factory=dict)
@@ -90,7 +96,7 @@ class _Copy:
     def _chunk(self, data: mcap.Buffer, record: mcap.Record) -> None:
         first, last, size = mcap.chunk_span(data, record, len(data))
         try:
-            content = mcap.open_chunk(data, record, len(data)).data
+            content = mcap.open_chunk(data, record, len(data), self.allowance).data
         except DamageError:
             self.loss.skipped += record.end <= len(data)
             content = b""
@@ -113,37 +119,35 @@ class _Copy:
         """Copy a record that is whole; the log time of a message, else 0."""
         try:
             if record.kind == mcap.SCHEMA:
-                self._schema(mcap.schema(data, record))
+                self._schema(mcap.parsed(data, record, Schema))
             elif record.kind == mcap.CHANNEL:
-                self._channel(mcap.channel(data, record))
+                self._channel(mcap.parsed(data, record, Channel))
             elif record.kind == mcap.MESSAGE:
                 return self._message(data, record)
             elif record.kind == mcap.METADATA:
-                name, entries = mcap.metadata(data, record)
-                if name != "rosbag2":  # counts of a file that was longer
-                    self.writer.add_metadata(name, entries)
+                noted = mcap.parsed(data, record, Metadata)
+                if noted.name != "rosbag2":  # counts of a file that was longer
+                    self.writer.add_metadata(noted.name, noted.metadata)
             elif record.kind == _ATTACHMENT:
-                self._attachment(data, record)
+                held = mcap.parsed(data, record, Attachment)
+                self.writer.add_attachment(
+                    held.create_time, held.log_time, held.name, held.media_type, held.data
+                )
         except DamageError:
             self.loss.skipped += 1
         return 0
 
-    def _schema(self, schema: mcap.Schema) -> None:
+    def _schema(self, schema: Schema) -> None:
         if schema.id not in self.schemas:
-            made = self.writer.register_schema(schema.name, schema.encoding, schema.content)
+            made = self.writer.register_schema(schema.name, schema.encoding, schema.data)
             self.schemas[schema.id] = int(made)
 
-    def _channel(self, channel: mcap.Channel) -> None:
+    def _channel(self, channel: Channel) -> None:
         if channel.id not in self.channels:
-            schema = self.schemas.get(channel.schema, 0)
-            made = self.writer.register_channel(channel.topic, channel.encoding, schema, channel.noted)
+            schema = self.schemas.get(channel.schema_id, 0)
+            described = channel.topic, channel.message_encoding, schema, channel.metadata
+            made = self.writer.register_channel(*described)
             self.channels[channel.id] = int(made)
-
-    def _attachment(self, data: mcap.Buffer, record: mcap.Record) -> None:
-        name, at = mcap.text(data, record.start + 16, record.end)
-        kind, at = mcap.text(data, at, record.end)
-        log_ns, create_ns = struct.unpack_from("<QQ", data, record.start)
-        self.writer.add_attachment(create_ns, log_ns, name, kind, bytes(data[at + 8 : record.end - 4]))
 
     def _message(self, data: mcap.Buffer, record: mcap.Record) -> int:
         if record.end - record.start < _HEAD.size:

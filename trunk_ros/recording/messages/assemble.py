@@ -5,18 +5,21 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from trunk_ros.recording.check import is_reading
 from trunk_ros.recording.messages.block import DamageError, Whole
 from trunk_ros.recording.messages.decode import Piece
+from trunk_ros.recording.messages.layout import MOST_JOINTS
 from trunk_ros.recording.recording import Counts, Floats, JointSeries
 
 Bools: TypeAlias = npt.NDArray[np.bool_]
 
-_MOST_JOINTS = 1000  # damaged names are new joints, and each is a column
+_LAST_NS = 2**62  # 2116: what a damaged file has beyond would overflow in differences
 _SANE_NS = 10**17  # 1973: stamps beyond are wall clock, and a zero among them was never set
 
 
 def sample_times(stamp_ns: Whole, log_ns: Whole) -> tuple[Whole, str]:
     """(n,) ns at which the samples were taken, and what had to be done about stamps that were never set."""
+    log_ns = np.clip(log_ns, 0, _LAST_NS)
     unset = stamp_ns == 0
     if len(unset) > 1 and unset.all():
         return log_ns, "no message has a stamp: the time of recording is taken instead"
@@ -26,9 +29,32 @@ def sample_times(stamp_ns: Whole, log_ns: Whole) -> tuple[Whole, str]:
     return stamp_ns, ""
 
 
+def all_times(pieces: list[Piece]) -> Whole:
+    """(n,) ns since the epoch of all samples, in the order of the pieces."""
+    return sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))[0]
+
+
 def first_stamp(pieces: list[Piece]) -> int:
     """The earliest sample, ns since the epoch."""
-    return int(sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))[0].min())
+    return int(all_times(pieces).min())
+
+
+def within(pieces: list[Piece], first_ns: int, end_ns: int) -> list[Piece]:
+    """The samples with first_ns <= time < end_ns."""
+    times, begin, kept = all_times(pieces), 0, []
+    for piece in pieces:
+        part = times[begin : begin + len(piece.place)]
+        begin += len(part)
+        rows = (part >= first_ns) & (part < end_ns)
+        if rows.any():
+            kept.append(piece if rows.all() else piece.rows(rows))
+    return kept
+
+
+def table_bytes(pieces: list[Piece]) -> int:
+    """Bytes of one quantity of all pieces: each message is a row, each joint of any message a column."""
+    joints = {joint for piece in pieces for joint in piece.joints}
+    return 8 * len(joints) * sum(len(piece.place) for piece in pieces)
 
 
 def joint_series(pieces: list[Piece], start_ns: int) -> tuple[JointSeries, Counts, str]:
@@ -37,7 +63,7 @@ def joint_series(pieces: list[Piece], start_ns: int) -> tuple[JointSeries, Count
     A message that repeats a stamp counts only for joints that no earlier message of that stamp has given.
     """
     joints = tuple(dict.fromkeys(joint for piece in pieces for joint in piece.joints))
-    if len(joints) > _MOST_JOINTS:
+    if len(joints) > MOST_JOINTS:
         raise DamageError(f"names {len(joints)} different joints in one topic")
     stamp_ns, remark = sample_times(_joined(pieces, "stamp_ns"), _joined(pieces, "log_ns"))
     place = _joined(pieces, "place")
@@ -96,11 +122,11 @@ def _values(
             whole[begin:end, [joints.index(joint) for joint in piece.joints]] = values
         begin = end
     whole = whole[order]
-    whole[~np.isfinite(whole)] = np.nan
+    whole[~is_reading(whole)] = np.nan
     picked: Floats = np.take_along_axis(whole, np.maximum(source, 0), axis=0)
     return np.where(source < 0, np.nan, picked)
 
 
 def _not_finite(piece: Piece) -> int:
     values = [each for each in (piece.position, piece.velocity, piece.effort) if each is not None]
-    return sum(int(each.size - np.isfinite(each).sum()) for each in values)
+    return sum(int(each.size - is_reading(each).sum()) for each in values)

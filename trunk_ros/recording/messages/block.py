@@ -7,15 +7,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeAlias
 
+import lz4.frame
 import numpy as np
 import numpy.typing as npt
 import zstandard
 
+from trunk_ros.recording.allowance import Allowance
+
 Bytes: TypeAlias = npt.NDArray[np.uint8]
 Whole: TypeAlias = npt.NDArray[np.int64]
 Progress: TypeAlias = Callable[[float], None]
-
-LARGEST_CHUNK = 1 << 30
 
 
 class DamageError(Exception):
@@ -37,8 +38,9 @@ class Block:
 
 @dataclass
 class Contents:
-    """What became known of a file while its blocks were read."""
+    """What became known of a file while its blocks were read, and how much it may still be unpacked to."""
 
+    allowance: Allowance
     topics: dict[str, str] = field(default_factory=dict)
     damage: list[str] = field(default_factory=list)
     custom: dict[str, str] = field(default_factory=dict)
@@ -61,6 +63,12 @@ def mapped(path: Path) -> memoryview:
         return memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
 
 
+def integers(data: Bytes, start: Whole, kind: str) -> Whole:
+    """(n,) the whole numbers of a numpy kind such as "<u2" that lie in `data` from each start on."""
+    rows = np.lib.stride_tricks.sliding_window_view(data, np.dtype(kind).itemsize)[start]
+    return np.ascontiguousarray(rows).view(kind)[:, 0].astype(np.int64)
+
+
 def block_of(topic: str, kind: str, encoding: str, payloads: list[bytes], log_ns: list[int]) -> Block:
     """A block of messages that come one by one."""
     size = np.array([len(each) for each in payloads], dtype=np.int64)
@@ -69,9 +77,12 @@ def block_of(topic: str, kind: str, encoding: str, payloads: list[bytes], log_ns
     return Block(topic, kind, encoding, data, start, size, np.array(log_ns, dtype=np.int64))
 
 
-def unzstd(data: bytes | memoryview | Bytes, size: int | None = None) -> bytes:
-    """Decompress zstd, at most `size` bytes; a cut stream gives what is whole of it; else DamageError."""
-    limit = LARGEST_CHUNK if size is None else min(size, LARGEST_CHUNK)
+def unzstd(data: bytes | memoryview | Bytes, allowance: Allowance, size: int | None = None) -> bytes:
+    """Decompress zstd, at most `size` bytes; a cut stream gives what is whole of it; else DamageError.
+
+    RecordingError where that is more than the allowance.
+    """
+    limit = allowance.most if size is None else min(size, allowance.most)
     out = io.BytesIO()
     with zstandard.ZstdDecompressor().stream_reader(bytes(data)) as stream:
         try:
@@ -79,4 +90,15 @@ def unzstd(data: bytes | memoryview | Bytes, size: int | None = None) -> bytes:
                 out.write(piece)
         except zstandard.ZstdError as error:
             raise DamageError(f"holds zstd data that cannot be read ({error})") from None
+    allowance.take(out.tell())
     return out.getvalue()
+
+
+def unlz4(data: bytes, allowance: Allowance, size: int) -> bytes:
+    """The same for lz4."""
+    try:
+        plain = lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=min(size, allowance.most))
+    except (RuntimeError, EOFError) as error:
+        raise DamageError(f"holds lz4 data that cannot be read ({error})") from None
+    allowance.take(len(plain))
+    return bytes(plain)

@@ -10,7 +10,9 @@ from trunk_ros.recording.messages.block import Block, Bytes, Whole
 from trunk_ros.recording.messages.layout import Field, Layout
 from trunk_ros.recording.recording import Floats
 
-_MOST_LAYOUTS = 64
+_MOST_LAYOUTS = 64  # that are kept to be tried
+_MOST_KINDS = 10_000  # of messages in a topic: with more, what is in it was never written by a publisher
+_SHORTEST = 28  # bytes of a message with a header and a joint
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,14 @@ class Piece:
     velocity: Floats | None
     effort: Floats | None
 
+    def rows(self, keep: npt.NDArray[np.bool_]) -> "Piece":
+        """The messages chosen by `keep` (n,)."""
+        position, velocity, effort = (
+            None if values is None else values[keep] for values in (self.position, self.velocity, self.effort)
+        )
+        times = self.stamp_ns[keep], self.log_ns[keep], self.place[keep]
+        return Piece(self.joints, *times, position, velocity, effort)
+
 
 @dataclass
 class Decoder:
@@ -35,12 +45,14 @@ class Decoder:
     pieces: list[Piece] = field(default_factory=list)
     messages: int = 0
     unreadable: int = 0
+    kinds: int = 0
 
     def add(self, block: Block) -> None:
         """Decode a block; messages that are of another type are counted and left out."""
         place = self.messages + np.arange(len(block.start), dtype=np.int64)
         self.messages += len(place)
-        left = np.ones(len(place), dtype=bool)
+        left = np.asarray(block.size >= _SHORTEST)
+        self.unreadable += int((~left).sum())
         for tried, layout in enumerate(self._layouts(block, left)):
             rows = np.flatnonzero(left & (block.size >= layout.end))
             if tried > 2 * _MOST_LAYOUTS:  # no two messages are alike: stop comparing each with all
@@ -58,6 +70,9 @@ class Decoder:
         """The known layouts, then new ones for as long as there are messages that none fits."""
         yield from list(self.layouts)
         while left.any():
+            if self.kinds >= _MOST_KINDS:
+                self.unreadable += int(left.sum())
+                return
             first = int(left.argmax())
             begin = int(block.start[first])
             try:
@@ -68,6 +83,7 @@ class Decoder:
                 left[first] = False
                 self.unreadable += 1
                 continue
+            self.kinds += 1
             self.layouts = [*self.layouts[-_MOST_LAYOUTS:], layout]
             yield layout
 

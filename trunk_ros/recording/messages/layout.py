@@ -10,7 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from trunk_ros.errors import printable
 from trunk_ros.recording.messages.block import Bytes
+
+MOST_JOINTS = 1000  # damaged names are new joints, and each is a column
+_LONGEST_NAME = 1000  # bytes
 
 
 @dataclass(frozen=True)
@@ -73,15 +77,19 @@ class _Cursor:
     def name(self) -> str:
         size = self.count()
         start = self.take(size)
+        if size > _LONGEST_NAME:
+            raise ValueError("a name without end")
         self.fixed.append((start, self.at))
-        return self.data[start : self.at].rstrip(b"\0").decode()
+        return printable(self.data[start : self.at].rstrip(b"\0").decode())
 
     def header(self) -> tuple[int, str]:
         """Where the stamp is, and the frame; of the frame only the length has to be the same."""
         stamp = self.take(8) if self.cdr else self.take(12) + 4
         size = self.count()
         start = self.take(size)
-        return stamp, self.data[start : self.at].rstrip(b"\0").decode(errors="replace")
+        return stamp, self.data[start : min(self.at, start + _LONGEST_NAME)].rstrip(b"\0").decode(
+            errors="replace"
+        )
 
     def constant(self) -> tuple[npt.NDArray[np.intp], Bytes]:
         """Positions and values of the bytes that give the layout."""
@@ -100,8 +108,8 @@ def joint_layout(data: bytes, encoding: str) -> Layout:
     cursor = _Cursor(data, encoding)
     stamp, frame = cursor.header()
     count = cursor.count()
-    if 4 * count > len(data):
-        raise ValueError("more names than bytes")
+    if count > MOST_JOINTS:
+        raise ValueError("more joints than an arm has")
     joints = tuple(cursor.name() for _ in range(count))
     position, velocity, effort = (cursor.numbers() for _ in range(3))
     if not joints or "" in joints or len(set(joints)) < len(joints):

@@ -9,7 +9,18 @@ from trunk_ros.recording.recording import Floats, JointSeries
 from trunk_ros.recording.signal.fill import fill
 
 GAP = 1.5  # usual times between samples
+LONGEST = 600.0  # s that are filled at most, whoever asks: a grid never spans a hole
+REGULAR = 0.7  # share of the samples that come in time where others may have been lost one by one
 STEADY = 0.9  # share of the samples that come in time where a topic is published at a rate
+
+
+def usual(stamp: Floats) -> float:
+    """Longest time [s] between two samples that shows no loss; infinite where samples come as they like."""
+    between = np.diff(stamp)
+    if len(between) < 3:
+        return np.inf
+    longest = GAP * float(np.median(between))
+    return longest if float(np.mean(between <= longest)) >= REGULAR else np.inf
 
 
 def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
@@ -25,6 +36,7 @@ def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
 def missing(stamp: Floats, longest: float = np.inf, end: float = -np.inf) -> Floats:
     """(m,) s: when the samples missing in a stream's gaps, and from its last one to ``end`` s, had come."""
     usual = float(np.median(np.diff(stamp))) if len(stamp) > 1 else 1.0
+    longest = min(longest, LONGEST)
     if GAP * usual < end - stamp[-1] <= longest:
         stamp = np.append(stamp, end + usual)
     parts = [

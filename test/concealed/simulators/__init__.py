@@ -1,0 +1,1 @@
+"""Users' simulators: an arm as its user has it in MuJoCo, and what it really is."""

@@ -1,0 +1,113 @@
+"""Another simulator is known by its own recording; findings are what it lacks, or has too much of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import setpoints_of
+from trunk_ros.chain import Chain
+from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis.report.page import render
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+JOINTS = ("shoulder", "elbow", "wrist")
+RATIO, DEAD_BAND, DELAY = 1.03, 4e-3, 0.03
+TRUTH = {
+    "ratio_error": {"relative": np.array([RATIO - 1, 0.0, 0.0])},
+    "backlash": {"half_width": np.array([0.0, DEAD_BAND, 2e-3])},
+    "sensor_delay": {"delay": DELAY},
+}
+
+
+def run(effects: dict[str, Any], noise: float, seed: int = 0) -> Recording:
+    """A minute of an arm whose joints have names of their own, motor side and joint side."""
+    direct = load_model("direct").for_joints(JOINTS)
+    phi = setpoints_of(40.0, len(JOINTS))
+    stamp = np.arange(len(phi)) / 100
+    theta, _ = Chain(Model(direct.arm, effects), "wire").run(phi, stamp)
+    theta = theta + noise * np.random.default_rng(seed).standard_normal(theta.shape)
+    series = {
+        "gearbox_states": JointSeries(stamp, JOINTS, phi),
+        "joint_states": JointSeries(stamp, JOINTS, theta),
+    }
+    return Recording("run", 1_750_000_000_000_000_000, float(stamp[-1]), series)
+
+
+def found(simulated: dict[str, Any]) -> Diagnosis:
+    """The arm against a simulator with some effects, without a word on either."""
+    return diagnose([run(TRUTH, 1e-4)], against=run(simulated, 0.0))
+
+
+def total(result: Diagnosis) -> dict[str, np.ndarray]:
+    """What the model says of the arm, whatever the simulator has."""
+    effects, arm = result.model.effects, result.model.arm
+    relative = effects.get("ratio_error", {}).get("relative", np.zeros(3))
+    return {
+        "ratio": arm.ratio * (1 + relative),
+        "dead_band": arm.dead_band + effects["backlash"]["half_width"],
+        "delay": np.array(effects["sensor_delay"]["delay"]),
+    }
+
+
+SIMULATORS: dict[str, dict[str, Any]] = {
+    "nothing": {},
+    "some": {"backlash": {"half_width": np.array([0.0, 2e-3, 0.0])}},
+    "all": TRUTH,
+    "too much": {
+        "ratio_error": {"relative": np.full(3, 0.05)},
+        "backlash": {"half_width": np.array([3e-3, 7e-3, 0.0])},
+        "sensor_delay": {"delay": 0.05},
+    },
+}
+
+
+@pytest.mark.parametrize("name", ["nothing", "some"])
+def test_the_same_arm_comes_out_whatever_the_simulator_has(name: str) -> None:
+    result = found(SIMULATORS[name])
+    said = total(result)
+    assert said["ratio"] == pytest.approx([RATIO, 1.0, 1.0], abs=1e-3)
+    assert said["dead_band"] == pytest.approx([0.0, DEAD_BAND, 2e-3], abs=1e-4)
+    assert said["delay"] == pytest.approx(DELAY, abs=5e-4)
+    assert {f.effect for f in result.findings} <= {"ratio_error", "backlash", "sensor_delay"}
+
+
+def test_what_the_simulator_has_itself_is_no_finding() -> None:
+    result = found(TRUTH)
+    assert (result.verdict, result.findings) == ("no_mismatch", [])
+    assert len(result.simulation["has"]) == 3
+
+
+def test_too_much_of_an_effect_has_a_negative_size_and_says_so(tmp_path: Path) -> None:
+    result = found(SIMULATORS["too much"])
+    (backlash,) = (f for f in result.findings if f.effect == "backlash")
+    (delay,) = (f for f in result.findings if f.effect == "sensor_delay")
+    missing = {joint: values["half_width"]["value"] for joint, values in backlash.parameters.items()}
+    assert missing == pytest.approx({"shoulder": -3e-3, "elbow": -3e-3, "wrist": 2e-3}, abs=1e-4)
+    assert delay.parameters["arm"]["delay"]["value"] == pytest.approx(-0.02, abs=5e-4)
+    assert (
+        "elbow: your simulation has 7 mrad, the recording shows 4 mrad (3 mrad too much)"
+        in backlash.statement
+    )
+    assert "shoulder: your simulation has 3 mrad, the recording shows none" in backlash.statement
+    page = render(result)
+    assert "Your simulation has:" in page
+    assert "less sensor delay" in page
+    result.save(tmp_path)
+    own = load_model(tmp_path / "simulation.yaml")
+    assert own.arm.ratio == pytest.approx([1.05] * 3, abs=1e-3)
+    assert own.effects["backlash"]["half_width"] == pytest.approx([3e-3, 7e-3, 0.0], abs=1e-4)
+    (tmp_path / "report.html").write_text(page)
+
+
+def test_a_simulator_without_the_arms_joints_is_refused() -> None:
+    other = run({}, 0.0)
+    renamed = {key: replace(each, joints=("a", "b", "c")) for key, each in other.series.items()}
+    with pytest.raises(RecordingError, match="no joint_states of shoulder, elbow, wrist"):
+        diagnose([run(TRUTH, 1e-4)], against=replace(other, series=renamed))

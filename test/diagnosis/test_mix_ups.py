@@ -1,0 +1,144 @@
+"""Data that are mixed up are reported as such, each in its own words; physics is not taken for a mix-up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded, reshaped
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.data.mix_ups import mix_ups, without_mix_ups
+from trunk_ros.diagnosis.report import write
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import Recording
+
+PER_RADIAN = 180 / np.pi
+TRUNK, DIRECT = load_model("trunk"), load_model("direct")
+
+
+@pytest.fixture(scope="module")
+def good() -> Recording:
+    return recorded({"backlash": {"half_width": on(2, 8e-4)}}, 30.0)
+
+
+def scaled(recording: Recording, key: str, factor: float) -> Recording:
+    return reshaped(recording, key, position=recording.series[key].position * factor, velocity=None)
+
+
+def only(recording: Recording, model: Model = TRUNK, stage: str = "wire") -> tuple[str, tuple[str, ...], str]:
+    found = [one for one in mix_ups(recording, model) if one.stage == stage]
+    assert len(found) == 1
+    return found[0].kind, found[0].joints, found[0].statement
+
+
+@pytest.mark.parametrize("model", [TRUNK, DIRECT])
+def test_a_good_recording_has_none(good: Recording, model: Model) -> None:
+    assert mix_ups(good, model) == []
+
+
+def test_joint_readings_in_degrees_are_named(good: Recording) -> None:
+    kind, joints, said = only(scaled(good, "joint_states", PER_RADIAN))
+    assert (kind, joints) == ("unit", good.joints)
+    assert said.startswith("joint_states looks like degrees: ")
+
+
+def test_gearbox_readings_in_degrees_are_named_for_wire_and_servo(good: Recording) -> None:
+    mixed = scaled(good, "gearbox_states", PER_RADIAN)
+    assert only(mixed)[2].startswith("trunk/gearbox_states looks like degrees: ")
+    assert only(mixed, stage="servo")[2].startswith("trunk/gearbox_states looks like degrees: ")
+
+
+def test_both_in_degrees_are_told_by_the_limits(good: Recording) -> None:
+    mixed = scaled(scaled(good, "joint_states", PER_RADIAN), "gearbox_states", PER_RADIAN)
+    kind, _, said = only(mixed)
+    assert kind == "unit"
+    assert said.startswith("trunk/gearbox_states and joint_states of")
+
+
+def test_without_a_known_ratio_degrees_are_told_where_all_joints_show_them(good: Recording) -> None:
+    straight = scaled(good, "gearbox_states", float(TRUNK.arm.ratio[0]))
+    assert only(scaled(straight, "joint_states", PER_RADIAN), DIRECT)[0] == "unit"
+    position = straight.series["joint_states"].position * np.array([PER_RADIAN, 1, 1, 1, 1])
+    assert mix_ups(reshaped(straight, "joint_states", position=position), DIRECT) == []  # a gear
+
+
+def test_counts_are_told_by_whole_numbers(good: Recording) -> None:
+    counts = np.rint(good.series["joint_states"].position * 8192 / (2 * np.pi))
+    kind, _, said = only(reshaped(good, "joint_states", position=counts))
+    assert kind == "counts"
+    assert "whole numbers from" in said
+
+
+def test_swapped_joints_are_named_and_the_others_are_not(good: Recording) -> None:
+    swapped = good.series["joint_states"].position[:, [0, 3, 2, 1, 4]]
+    kind, joints, said = only(reshaped(good, "joint_states", position=swapped))
+    assert (kind, joints) == ("order", ("joint_2", "joint_4"))
+    assert "joint_2 follows that of joint_4" in said
+
+
+def test_a_turned_sign_is_named_and_only_remarked_where_no_ratio_is_known(good: Recording) -> None:
+    turned = good.series["joint_states"].position * np.array([1, 1, -1, 1, 1])
+    mixed = reshaped(good, "joint_states", position=turned)
+    assert only(mixed)[:2] == ("sign", ("joint_3",))
+    assert [one.certain for one in mix_ups(mixed, DIRECT)] == [False]
+
+
+@pytest.mark.parametrize("off", [3.0, -4.5, 3600.0])
+def test_clocks_that_are_apart_are_told_with_their_distance(good: Recording, off: float) -> None:
+    stamp = good.series["joint_states"].stamp + off
+    kind, joints, said = only(reshaped(good, "joint_states", stamp=stamp))
+    assert (kind, joints) == ("clock", good.joints)
+    told = float(said.split(" s apart")[0].split()[-1])
+    assert told == pytest.approx(abs(off), abs=0.1)
+    assert ("late" if off > 0 else "early") in said
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        {"sensor_delay": {"delay": 0.45}},
+        {"ratio_error": {"relative": np.full(5, 0.3)}},
+        {"backlash": {"half_width": np.full(5, 0.05)}},
+        {"joint_coupling": {"gain": on(3, 0.4), "source": ["", "", "joint_2", "", ""]}},
+        {"viscous_lag": {"time_constant": np.full(5, 0.3)}},
+    ],
+    ids=lambda effects: next(iter(effects)),
+)
+def test_strong_physics_is_no_mix_up(effects: dict[str, dict[str, object]]) -> None:
+    assert mix_ups(recorded(effects, 30.0), TRUNK) == []
+
+
+def test_all_joints_moving_alike_are_not_swapped(good: Recording) -> None:
+    alike = replace(
+        good, series={k: replace(s, position=s.position[:, [0] * 5]) for k, s in good.series.items()}
+    )
+    assert mix_ups(alike, TRUNK) == []
+
+
+def test_what_is_mixed_up_is_left_out_and_the_rest_stays(good: Recording) -> None:
+    swapped = good.series["joint_states"].position[:, [0, 3, 2, 1, 4]]
+    mixed = reshaped(good, "joint_states", position=swapped)
+    left = without_mix_ups(mixed, mix_ups(mixed, TRUNK)).series["joint_states"].position
+    assert np.isnan(left[:, [1, 3]]).all()
+    np.testing.assert_array_equal(left[:, [0, 2, 4]], swapped[:, [0, 2, 4]])
+
+
+def test_mixed_up_joints_are_not_diagnosed_and_the_verdict_says_why(good: Recording) -> None:
+    swapped = good.series["joint_states"].position[:, [0, 3, 2, 1, 4]]
+    told = diagnose([reshaped(good, "joint_states", position=swapped)])
+    assert told.verdict != "explained"
+    assert not any({"joint_2", "joint_4"} & set(finding.joints) for finding in told.findings)
+    assert "look swapped" in told.unexplained[0].statement
+    assert [one["kind"] for one in told.quality["made"]["mix_ups"]] == ["order"]
+    assert told.stages["wire"]["silent"] == []
+
+
+def test_degrees_end_in_no_finding_and_in_a_report_that_says_so(good: Recording, tmp_path: Path) -> None:
+    told = diagnose([scaled(good, "joint_states", PER_RADIAN)])
+    assert told.verdict == "unexplained"
+    assert [f for f in told.findings if f.stage == "wire"] == []
+    write(told, tmp_path / "report.html")
+    assert "looks like degrees" in (tmp_path / "report.html").read_text()

@@ -1,0 +1,63 @@
+"""Recordings of one arm are taken together; those that contradict each other are refused, with what does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.evidence.one_arm import contradiction
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import Recording
+
+BACKLASH = {"backlash": {"half_width": on(2, 8e-4)}}
+TRUNK = load_model("trunk")
+
+
+def context(*recordings: Recording) -> Context:
+    return Context.of(WireStage([wire_span(recording, TRUNK) for recording in recordings], TRUNK))
+
+
+def made(effects: dict, seed: int, name: str, size: float = 1.0) -> Recording:
+    return recorded(effects, 20.0, seed, name=name, size=size)
+
+
+def test_the_nominal_simulation_beside_a_real_run_is_named_for_what_it_is() -> None:
+    with pytest.raises(RecordingError) as refused:
+        diagnose([made({}, 1, "decisive"), made(BACKLASH, 0, "run1")])
+    said = str(refused.value)
+    assert said.startswith("run1 and decisive are not of one arm: decisive is the nominal simulation")
+    assert "What run1 shows on joint_2 (backlash)" in said
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (BACKLASH, {"backlash": {"half_width": on(4, 8e-4)}}),
+        (BACKLASH, {"backlash": {"half_width": on(2, 1e-4)}}),
+        ({"zero_offset": {"offset": on(3, 2e-3)}}, {"zero_offset": {"offset": on(3, -2e-3)}}),
+    ],
+)
+def test_two_arms_contradict_each_other(one: dict, other: dict) -> None:
+    assert contradiction(context(made(one, 0, "a"), made(other, 1, "b")), lambda _: None) is not None
+
+
+@pytest.mark.parametrize(
+    ("effects", "size"),
+    [
+        (BACKLASH, 1.0),
+        (BACKLASH, 0.4),
+        ({"load_elasticity": {"compliance": np.full(5, 0.02)}}, 1.0),
+        ({"friction_wear": {"rate": on(2, 3e-5)}}, 1.0),
+        ({"sensor_delay": {"delay": 0.012}}, 0.5),
+        ({}, 1.0),
+    ],
+)
+def test_other_motions_of_one_arm_do_not(effects: dict, size: float) -> None:
+    both = context(made(effects, 0, "a"), made(effects, 3, "b", size))
+    assert contradiction(both, lambda _: None) is None

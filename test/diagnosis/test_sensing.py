@@ -1,0 +1,243 @@
+"""Claims about clocks and sensors: what they do is told from physics, put right, and said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.concealed.awkward import Awkward, acting, spoiled
+from test.concealed.everyday import draw_motion
+from test.concealed.masses import run_masses
+from test.concealed.masses_arm import Arm, having, soft
+from test.concealed.nominal import COMPLIANCE, JOINTS, RATIO
+from test.concealed.sensing import Run, Sensing, record
+from trunk_ros.diagnosis.data.repeated_readings import asked, new_readings
+from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
+from trunk_ros.diagnosis.data.sensing.skew import Skew, one_clock, skew, without_skew
+from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
+from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
+from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+EVERY = tuple(range(5))
+WORN = soft(
+    Arm(), EVERY, COMPLIANCE, 1.0
+)  # sags before the stick, and is coupled and of another ratio besides
+WORN = having(WORN, (0, 2), wheel=1.01, drag=2.0)
+
+
+def _run(
+    arm: Arm, kind: str = "mixed", wandering: bool = False, seconds: float = 40.0, phase: int = 2
+) -> Run:
+    rng = np.random.default_rng(7)
+    reference = draw_motion(rng, kind, np.arange(round(seconds * 100), dtype=np.float64) * 0.01)
+    setpoint = reference / RATIO
+    motion = run_masses([(0.0, arm)], acting(rng, setpoint, wandering))
+    return record(rng, kind, reference, setpoint, motion, Sensing(phase=phase))
+
+
+def _recording(run: Run) -> Recording:
+    begin = min(int(topic["stamp"][0]) for topic in run.topics.values())
+    series = {
+        key: JointSeries((topic["stamp"] - begin) * 1e-9, JOINTS, topic["position"])
+        for key, topic in run.topics.items()
+    }
+    return Recording("made", begin, max(float(s.stamp[-1]) for s in series.values()), series)
+
+
+def _spoiled(run: Run, kind: str, size: float = 1.0) -> Recording:
+    return _recording(spoiled(np.random.default_rng(3), run, Awkward(kind, size)))
+
+
+def _right(recording: Recording, model: Model) -> tuple[Recording, list[str]]:
+    out = clocks_put_right(readings_put_right(recording, model), model)
+    return out, [one.kind for one in out.observed]
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """The nominal one."""
+    return load_model("trunk")
+
+
+@pytest.fixture(scope="module")
+def clean() -> Run:
+    """A clean arm's recording, its joints read between the gearbox's readings."""
+    return _run(Arm())
+
+
+@pytest.fixture(scope="module")
+def worn() -> Run:
+    """That of an arm with a lot of physics."""
+    return _run(WORN)
+
+
+def test_nothing_is_seen_where_nothing_is_wrong_with_clocks_and_sensors(
+    clean: Run, worn: Run, model: Model
+) -> None:
+    for run in (clean, worn):
+        before = _recording(run)
+        after, kinds = _right(before, model)
+        assert kinds == []
+        assert after.series == before.series
+
+
+@pytest.mark.parametrize("ppm", [-500.0, 100.0])
+def test_skew_is_measured_on_a_clean_arm_and_on_one_with_physics(
+    clean: Run, worn: Run, model: Model, ppm: float
+) -> None:
+    for run in (clean, worn):
+        right, kinds = _right(_spoiled(run, "skew", ppm), model)
+        assert kinds == ["skew"]
+        (seen,) = right.observed
+        assert seen.corrected
+        assert seen.value == pytest.approx(ppm, abs=0.05 * abs(ppm) + 3)
+        off = right.series["joint_states"].stamp - _recording(run).series["joint_states"].stamp
+        assert np.abs(off).max() < 0.1 * abs(ppm) * 1e-6 * 40.0 + 1.5e-4
+
+
+def test_friction_that_grows_is_no_skew(model: Model) -> None:
+    arm = soft(replace(Arm(), balanced=True), EVERY, COMPLIANCE, 1.0)
+    grown = [
+        (float(t), replace(arm, joint=arm.joint * (1 + 3 * t / 40.0))) for t in np.arange(0.0, 40.0, 0.5)
+    ]
+    rng = np.random.default_rng(7)
+    reference = draw_motion(rng, "mixed", np.arange(4000, dtype=np.float64) * 0.01)
+    motion = run_masses(grown, np.repeat(reference / RATIO, 5, axis=0))
+    run = record(rng, "mixed", reference, reference / RATIO, motion, Sensing(phase=2))
+    assert _right(_recording(run), model)[1] == []
+
+
+def test_stamps_of_one_clock_have_no_skew(model: Model) -> None:
+    stamp = np.arange(1000.0) * 0.01
+    assert one_clock(stamp, stamp[::4])
+    assert not one_clock(stamp, stamp * (1 + 1e-4) + 1e-4)
+    angles = np.sin(stamp)[:, None] * np.ones(5)
+    one = JointSeries(stamp, JOINTS, angles)
+    late = JointSeries(stamp, JOINTS, np.sin(stamp * (1 - 1e-3))[:, None] * np.ones(5) * RATIO)
+    assert skew(one, late, model.arm) is None
+    np.testing.assert_allclose(without_skew(late, Skew(1e-3, 0.0)).stamp, stamp / 1.001)
+
+
+def test_thinned_setpoints_are_filled_in_and_others_are_not(clean: Run, model: Model) -> None:
+    right, kinds = _right(_spoiled(clean, "thinned"), model)
+    assert kinds == ["thinned"]
+    whole, seen = _recording(clean).series["setpoints"], right.series["setpoints"]
+    assert right.observed[0].value == 4
+    both = np.isin(np.round(whole.stamp, 6), np.round(seen.stamp, 6))
+    there = np.isin(np.round(seen.stamp, 6), np.round(whole.stamp, 6))
+    np.testing.assert_allclose(seen.position[there], whole.position[both], atol=1e-4)
+    assert there.sum() > 0.98 * len(whole.stamp)
+
+
+def test_without_a_reference_the_rate_is_that_of_the_gearbox(clean: Run, model: Model) -> None:
+    series = _spoiled(clean, "thinned").series
+    found = thinned(series["setpoints"], series["gearbox_states"], model)
+    assert found is not None
+    assert found.times in (3, 4)
+
+
+def test_setpoints_that_did_come_so_rarely_are_left_alone(model: Model) -> None:
+    rng = np.random.default_rng(7)
+    reference = draw_motion(rng, "mixed", np.arange(3000, dtype=np.float64) * 0.01)
+    held = np.repeat(reference[::4], 4, axis=0)[: len(reference)] / RATIO
+    motion = run_masses([(0.0, Arm())], np.repeat(held, 5, axis=0))
+    run = record(rng, "mixed", reference, held, motion, Sensing())
+    series = _recording(run).series
+    kept = series["setpoints"].rows(np.arange(len(held)) % 4 == 0)
+    assert thinned(kept, series["gearbox_states"], model) is None
+
+
+@pytest.mark.parametrize("kind", ["mixed", "pick_and_place"])
+def test_a_latency_that_slides_is_taken_out_but_for_its_mean(model: Model, kind: str) -> None:
+    recording = _recording(_run(WORN, kind, wandering=True))
+    right, kinds = _right(recording, model)
+    assert kinds == ["wandering_latency"]
+    assert right.observed[0].value == pytest.approx(0.01)
+    assert np.ptp(right.series["setpoints"].stamp - recording.series["setpoints"].stamp[:1]) > 0
+    assert (np.diff(right.series["setpoints"].stamp) > 0).all()
+
+
+def test_a_slow_servo_does_not_slide(model: Model) -> None:
+    series = _recording(_run(replace(Arm(), gain=0.8))).series
+    assert sliding(series["setpoints"], series["gearbox_states"], model) is None
+
+
+def test_waits_are_a_saw_about_their_mean() -> None:
+    stamp = np.arange(500.0) * 0.01
+    found = Sliding(1.7, 0.3, 0.01)
+    waits = found.waits(stamp)
+    assert waits.min() >= 0.0
+    assert waits.max() < 0.01
+    moved = waited(JointSeries(stamp, ("a",), stamp[:, None]), found)
+    off = moved.stamp - moved.position[:, 0]
+    assert abs(off.mean()) < 1e-3
+    assert np.abs(off).max() <= 0.005 + 1e-12
+
+
+@pytest.mark.parametrize("period", [0.021, 0.0335, 0.0477])
+def test_latched_readings_get_the_time_at_which_they_were_read(model: Model, period: float) -> None:
+    run = _run(Arm(), phase=0)
+    right, kinds = _right(_spoiled(run, "latched", period), model)
+    assert kinds == ["repeats"]
+    apart = np.diff(right.series["joint_states"].stamp)
+    assert np.median(apart) == pytest.approx(period, rel=1e-4)
+    assert np.mean(np.abs(apart - period) < 1e-4) > 0.97
+    said = right.series["joint_states"]
+    t = np.arange(len(run.theta_clean)) * 0.01
+    lags = np.arange(0.0, 0.03, 5e-4)
+    off = [
+        np.abs(said.position[:, 0] - np.interp(said.stamp - lag, t, run.theta_clean[:, 0])).mean()
+        for lag in lags
+    ]
+    assert min(off) < 2e-4  # a constant age is all that is left, beside noise of 1e-4
+
+
+def test_even_stamps_and_uneven_sensors_stay_as_they_are() -> None:
+    even = np.arange(200.0) * 0.03
+    np.testing.assert_array_equal(asked(even, 0.03, 0.01), even)
+    uneven = np.cumsum(np.random.default_rng(1).uniform(0.02, 0.06, 200))
+    np.testing.assert_array_equal(asked(uneven, 0.04, 0.01), uneven)
+
+
+def test_turns_are_counted_on_and_fast_joints_are_left_alone(model: Model) -> None:
+    angle = np.linspace(0.0, 12.0, 500)
+    out, times = unwrapped((angle + np.pi) % TURN - np.pi)
+    np.testing.assert_allclose(out, angle)
+    assert times == 2
+    assert unwrapped(np.cumsum(np.full(50, 2.5)) % TURN)[1] == 0  # nobody can count those
+    gap = (angle + np.pi) % TURN - np.pi
+    gap[100:110] = np.nan
+    np.testing.assert_allclose(unwrapped(gap)[0][110:], angle[110:])
+    assert whole_turns(np.full(9, TURN + 0.1)) == TURN
+    assert whole_turns(np.full(9, 2.0)) == 0.0
+
+
+def test_a_wrapped_joint_is_that_of_an_encoder_without_end(model: Model) -> None:
+    run = _run(Arm(), "turning", phase=0)
+    right, kinds = _right(_spoiled(run, "wrapped"), model)
+    assert kinds == ["wrap"]
+    np.testing.assert_allclose(right.series["joint_states"].position, run.theta_clean, atol=1e-3)
+
+
+def test_coarse_encoders_on_resting_joints_are_named(model: Model) -> None:
+    run = _run(Arm(), "resting", seconds=60.0)
+    step = 2 * np.pi / 2**12
+    recording = _spoiled(run, "coarse", step)
+    right, kinds = _right(recording, model)
+    assert kinds == ["steps"]
+    assert right.observed[0].value == pytest.approx(step)
+    assert not right.observed[0].corrected
+    series = _recording(run).series
+    assert coarse_steps(series["gearbox_states"], series["joint_states"], model.arm) == {}
+
+
+def test_repeats_are_left_out_of_all_joints_alike(model: Model) -> None:
+    held = _spoiled(_run(Arm(), phase=0), "latched", 0.04).series["joint_states"]
+    new, period = new_readings(held)
+    assert period == pytest.approx(0.04, abs=1e-6)
+    assert len(new.stamp) == pytest.approx(len(held.stamp) / 4, rel=0.02)

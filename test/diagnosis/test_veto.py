@@ -1,0 +1,41 @@
+"""What does not help on blocks that a fit has not seen goes; what does stays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from test.diagnosis.search.looks import context, fitted
+from trunk_ros.diagnosis.evidence.veto import harmless, unseen
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import costed
+
+BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
+RIPPLE = Term(
+    "transmission_ripple", "two_harmonics",
+    own={4: {"amplitude": 1e-6, "cycles_per_rev": 40.0, "phase": 0.3, "harmonic": 0.1, "harmonic_phase": 0}},
+)  # fmt: skip
+
+
+def test_what_is_at_work_helps_on_blocks_that_were_not_seen() -> None:
+    now = fitted("backlash", BACKLASH)
+    assert harmless(now).hypothesis["backlash"].columns == [2]
+    with_it, without = (unseen(now.context, h, [2]) for h in (now.hypothesis, Hypothesis()))
+    assert without > 2.0 * with_it
+
+
+def test_what_chance_suggests_goes_joint_by_joint() -> None:
+    now = fitted("backlash", BACKLASH, RIPPLE)
+    kept = harmless(now).hypothesis
+    assert list(kept) == ["backlash"]
+
+
+def test_what_the_model_knows_is_not_questioned() -> None:
+    known = context("clean")
+    wrong = Hypothesis(ratio_error=Term("ratio_error", own={1: {"relative": 1e-7}}))
+    believed = costed(known, wrong)
+    believed.context.stage.known["ratio_error"] = wrong["ratio_error"]
+    try:
+        assert list(harmless(believed).hypothesis) == ["ratio_error"]
+    finally:
+        del believed.context.stage.known["ratio_error"]
+    assert np.isfinite(believed.total)

@@ -1,0 +1,150 @@
+"""evaluate: models and simulators on recordings."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import NOISE, on, recorded
+from trunk_ros.__main__ import main
+from trunk_ros.evaluate import of_model, of_simulator, score
+from trunk_ros.model import Model, load_model, save_model
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.write import write_recording
+from trunk_ros.simulate import simulate
+
+TRUTH = {"backlash": {"half_width": on(2, 3e-3)}, "zero_offset": {"offset": on(4, 1e-3)}}
+COLUMNS = ["recording", "model", "stage", "joint", "unit", "rms_before", "rms_after", "worst_before",
+           "worst_after", "noise"]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An arm's bag, its model, and the bags of two simulators: one that is nominal, one that is right."""
+    out = tmp_path_factory.mktemp("evaluate")
+    arm, truth = recorded(TRUTH), Model(load_model("trunk").arm, TRUTH)
+    write_recording(out / "run", arm)
+    save_model(truth, out / "model.yaml")
+    for name, model in (("nominal", load_model("trunk")), ("right", truth)):
+        said = simulate(arm, model)
+        write_recording(out / name, replace(said, start_ns=said.start_ns + 10**12))
+    return out
+
+
+def rows_of(capsys: pytest.CaptureFixture[str], *words: str | Path) -> list[dict[str, object]]:
+    """What ``evaluate --json`` prints."""
+    assert main(["evaluate", *map(str, words), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["schema"] == "trunk_ros/evaluate/1"
+    return list(told["rows"])
+
+
+def test_a_model_is_scored_against_its_arm_without_effects(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = rows_of(capsys, folder / "run", "--model", folder / "model.yaml")
+    assert list(rows[0]) == COLUMNS
+    assert {(r["recording"], r["model"]) for r in rows} == {("run", str(folder / "model.yaml"))}
+    wire = {r["joint"]: r for r in rows if r["stage"] == "wire"}
+    assert wire["joint_2"]["rms_before"] == pytest.approx(3e-3, rel=0.1)
+    assert wire["joint_2"]["rms_after"] == pytest.approx(NOISE, rel=0.05)
+    assert wire["joint_2"]["noise"] == pytest.approx(NOISE, rel=0.1)
+    assert wire["joint_2"]["worst_before"] > wire["joint_2"]["rms_before"]  # type: ignore[operator]
+    assert wire["joint_1"]["rms_before"] == pytest.approx(wire["joint_1"]["rms_after"], rel=0.02)
+    assert {r["stage"] for r in rows} == {"servo", "wire"}
+
+
+def test_simulators_are_scored_against_the_first_of_them(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = rows_of(capsys, folder / "run", "--against", folder / "nominal", folder / "right")
+    by = {(Path(str(r["model"])).name, r["joint"]): r for r in rows}
+    assert by["right", "joint_4"]["rms_before"] == pytest.approx(1e-3, rel=0.05)
+    assert by["right", "joint_4"]["rms_after"] == pytest.approx(NOISE, rel=0.05)
+    assert by["nominal", "joint_4"]["rms_after"] == by["right", "joint_4"]["rms_before"]
+
+
+def test_too_large_an_error_ends_with_3(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run, model = str(folder / "run"), str(folder / "model.yaml")
+    assert main(["evaluate", run, "--model", model, "--fail-above", "1.2"]) == 0
+    capsys.readouterr()
+    assert main(["evaluate", run, "--model", "trunk", "--fail-above", "1.2"]) == 3
+    said = capsys.readouterr().err
+    assert "2 of 10 signals err by more than 1.2 times the noise, most of all wire joint_2 of run" in said
+
+
+def test_rows_as_csv(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = tmp_path / "rows.csv"
+    words = [
+        "evaluate",
+        str(folder / "run"),
+        "--model",
+        "trunk",
+        str(folder / "model.yaml"),
+        "--csv",
+        str(table),
+    ]
+    assert main(words) == 0
+    with table.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert list(rows[0]) == COLUMNS
+    assert len(rows) == 20
+    assert "median" in capsys.readouterr().out
+    assert main(words) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["run"], "nothing to score"),
+        (["run", "run", "--against", "right"], "2 recordings and 1 of --against"),
+        (["run", "--model", "nope"], "no model 'nope'"),
+        (["run", "--model", "trunk", "--fail-above", "nan"], "is not a number"),
+    ],
+)
+def test_what_cannot_be_scored_is_refused_in_one_line(
+    folder: Path,
+    words: list[str],
+    said: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(folder)
+    assert main(["evaluate", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_what_a_simulator_did_not_record_does_not_count() -> None:
+    """A simulation that ends early is judged on what it has; one of other joints is refused."""
+    arm = recorded(TRUTH)
+    said = simulate(arm, Model(load_model("trunk").arm, TRUTH))
+    half = Recording(said.name, said.start_ns, said.duration, said.part(0.0, 20.0).series)
+    rows = score("run", [of_simulator(arm, "half", half, half)])
+    assert all(row.rms_after == pytest.approx(NOISE, rel=0.1) for row in rows)
+    series = {"joint_states": replace(said.series["joint_states"], joints=tuple("abcde"))}
+    other = replace(said, series=series)
+    with pytest.raises(Exception, match="joints are matched by name"):
+        of_simulator(arm, "other", other, other)
+
+
+def test_the_tip_is_scored_where_it_was_recorded() -> None:
+    from trunk_ros.recording.recording import PoseSeries
+
+    arm, model = recorded({}), load_model("trunk")
+    joints = arm.series["joint_states"]
+    tip = model.arm.forward_kinematics(joints.position)
+    place = np.column_stack([0.0 * tip[:, 0], tip[:, 0] + 2e-3, tip[:, 1]])
+    turn = np.zeros((len(tip), 4))
+    turn[:, 0], turn[:, 3] = np.sin(tip[:, 2] / 2), np.cos(tip[:, 2] / 2)
+    seen = replace(arm, tip=PoseSeries(joints.stamp, place, turn))
+    rows = {row.joint: row for row in score("run", [of_model(seen, "trunk", model)]) if row.stage == "arm"}
+    assert rows["y"].rms_after == pytest.approx(2e-3, rel=1e-3)
+    assert (rows["y"].unit, rows["roll"].unit) == ("m", "rad")
+    assert rows["z"].rms_after < 1e-6

@@ -1,0 +1,151 @@
+"""The reality layer around a simulator that follows its commands is the model itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.effects.example import WIRE, everything, model_of, motion, stamps
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.effects import effect
+from trunk_ros.errors import ModelError
+from trunk_ros.export.missing import missing
+from trunk_ros.export.reality import RealityLayer
+from trunk_ros.model import Model, load_model
+
+RATE = 200.0
+STAMP = stamps(16.0, RATE)
+HELD = [(name, form) for name, form in WIRE if name != "distributed_wire"]
+
+
+def around_ideal(layer: RealityLayer, commands: Array, lag: float = 0.0) -> tuple[Array, Array]:
+    """Joint angles after each step and what is shown (n, environments, joints), around a simulator that is
+    ``lag`` s behind its commands.
+    """
+    ratio = layer.model.arm.ratio
+    state = commands[0] * ratio
+    left = np.exp(-1.0 / RATE / lag) if lag else 0.0
+    true, shown = [], []
+    for command in commands:
+        sent, seen = layer.step(command, state, 1.0 / RATE)
+        shown.append(seen)
+        state = left * state + (1.0 - left) * sent * ratio
+        true.append(state)
+    return np.array(true), np.array(shown)
+
+
+def commands_of(environments: int, joints: int = 5) -> Array:
+    """(n, environments, joints): each environment moves at another pace."""
+    paces = np.linspace(1.0, 0.6, environments)
+    return np.stack([motion(STAMP, joints, 0.25, pace) / 0.625 for pace in paces], axis=1)
+
+
+def errors(model: Model, environments: int) -> tuple[float, float]:
+    """Largest error of the layer against the chain, and how much the model does, rad."""
+    commands = commands_of(environments)
+    _, shown = around_ideal(RealityLayer(model, environments), commands)
+    off, size = 0.0, 0.0
+    for k in range(environments):
+        chain = Chain(model, "wire", hold_time=True)
+        reading = chain.run(commands[:, k], STAMP)[0]
+        off = max(off, float(np.abs(shown[1:, k] - reading[:-1])[20:].max()))
+        size = max(size, float(np.abs(reading - commands[:, k] * model.arm.ratio).max()))
+    return off, size
+
+
+@pytest.mark.parametrize(("name", "form"), HELD)
+def test_every_effect_of_the_wire_comes_out_as_in_simulate(name: str, form: str) -> None:
+    """Other joints are seen a step late, so that it is not the same to the last digit."""
+    off, size = errors(model_of(name, form), 1)
+    assert off < max(0.02 * size, 1e-6)
+
+
+@pytest.mark.parametrize(("name", "form"), HELD)
+def test_many_environments_are_as_many_layers(name: str, form: str) -> None:
+    commands, model = commands_of(3), model_of(name, form)
+    together = around_ideal(RealityLayer(model, 3), commands)
+    for k in range(3):
+        alone = around_ideal(RealityLayer(model), commands[:, k])
+        for a, b in zip(together, alone, strict=True):
+            np.testing.assert_allclose(a[:, k], b, atol=1e-12)
+
+
+def test_all_effects_at_once() -> None:
+    off, size = errors(everything(), 2)
+    assert off < 0.03 * size
+
+
+def test_environments_begin_anew_one_by_one() -> None:
+    model, commands = everything(), commands_of(2)
+    layer = RealityLayer(model, 2)
+    around_ideal(layer, commands[:900])
+    layer.reset([False, True])
+    fresh = RealityLayer(model)
+    ratio = layer.model.arm.ratio
+    state, alone = commands[0] * ratio, commands[0, 1] * ratio
+    for command in commands[:300]:
+        (sent, seen), (own, shown) = (
+            layer.step(command, state, 1 / RATE),
+            fresh.step(command[1], alone, 1 / RATE),
+        )
+        np.testing.assert_allclose(sent[1], own, atol=1e-12)
+        np.testing.assert_allclose(seen[1], shown, atol=1e-12)
+        state, alone = sent * ratio, own * ratio
+
+
+def test_a_simulator_that_lags_still_moves_as_the_arm() -> None:
+    """Motors that lag and then a dead band: the layer has both in this order before the simulator's lag."""
+    model, commands, lag = model_of("backlash", "", dead_band=4e-3), commands_of(1)[:, 0], 0.05
+    left, motor = np.exp(-1.0 / RATE / lag), np.empty_like(commands)
+    before = commands[0]
+    for k, command in enumerate(commands):
+        motor[k] = before = left * before + (1.0 - left) * command
+    arm = Chain(model, "wire").run(motor, STAMP)[0]
+    true, _ = around_ideal(RealityLayer(model, lag=lag), commands, lag)
+    naive, _ = around_ideal(RealityLayer(model), commands, lag)
+    assert np.abs(true - arm)[20:].max() < 1e-5
+    assert np.abs(naive - arm)[20:].max() > 1e-4
+
+
+def test_servo_effects_come_before_the_simulators_own_loop() -> None:
+    arm = load_model("trunk").arm
+    bare = Model(arm)
+    late = Model(arm, {"servo_delay": {"delay": 0.05}, "servo_bandwidth": {"relative": -0.4}})
+    commands = commands_of(1)[:, 0]
+    sent = np.array(_sent(late, bare, commands))
+    own = Chain(bare, "servo").run(sent, STAMP)[0]
+    wanted = Chain(late, "servo").run(commands, STAMP)[0]
+    nominal = Chain(bare, "servo").run(commands, STAMP)[0]
+    assert np.abs(own - wanted)[40:].max() < 0.05 * np.abs(nominal - wanted).max()
+
+
+def _sent(model: Model, simulation: Model, commands: Array) -> list[Array]:
+    layer = RealityLayer(model, simulation=simulation)
+    return [layer.step(command, command * model.arm.ratio, 1 / RATE)[0] for command in commands]
+
+
+def test_what_the_simulator_has_is_not_added_again() -> None:
+    arm = load_model("direct").for_joints(("a", "b")).arm
+    simulation = Model(
+        arm, {"backlash": {"half_width": np.array([1e-3, 5e-3])}, "sensor_delay": {"delay": 0.01}}
+    )
+    model = Model(arm, {"backlash": {"half_width": np.array([4e-3, 2e-3])}, "sensor_delay": {"delay": 0.03}})
+    lacking = missing(model, simulation)
+    assert lacking.model.effects["backlash"]["half_width"] == pytest.approx([3e-3, 0.0])
+    assert lacking.model.effects["sensor_delay"]["delay"] == pytest.approx(0.02)
+    assert "backlash" in lacking.remarks[0]
+    assert "b 0.003 rad" in lacking.remarks[0]
+
+
+def test_a_wrong_shape_is_refused_in_one_line() -> None:
+    layer = RealityLayer(load_model("trunk"), 2)
+    with pytest.raises(ModelError, match=r"command has the shape \(5,\): it must be for 2 environments"):
+        layer.step(np.zeros(5), np.zeros((2, 5)), 0.01)
+    with pytest.raises(ModelError, match="wants a model with joints"):
+        RealityLayer("direct")
+
+
+def test_all_effects_of_the_wire_but_the_one_by_hand_are_covered() -> None:
+    assert {name for name, _ in HELD} | {"distributed_wire"} == {name for name, _ in WIRE}
+    assert not effect("distributed_wire").tried

@@ -1,0 +1,154 @@
+"""The command, from bags to the page."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pq = pytest.importorskip("pyarrow.parquet")
+pytest.importorskip("distributed")
+pytest.importorskip("ruptures")
+
+from test.diagnosis.arms import on, recorded  # noqa: E402
+from trunk_ros.__main__ import main  # noqa: E402
+from trunk_ros.fleet.inputs.listing import listed  # noqa: E402
+from trunk_ros.fleet.report.page import render  # noqa: E402
+from trunk_ros.fleet.run.follow import follow  # noqa: E402
+from trunk_ros.fleet.together.series import DAY  # noqa: E402
+from trunk_ros.model import load_model  # noqa: E402
+from trunk_ros.recording.write import write_recording  # noqa: E402
+
+pytestmark = pytest.mark.timeout(600)
+
+
+def written(folder, effects, seed, day=0, seconds=15.0):
+    recording = recorded(effects, seconds=seconds, seed=seed)
+    write_recording(folder, replace(recording, start_ns=recording.start_ns + int(day * DAY) * 10**9))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def bags(tmp_path_factory):
+    """One arm whose dead band grows over five days, and a bag that is none."""
+    folder = tmp_path_factory.mktemp("bags") / "<arm>"
+    for k in range(5):
+        width = on(2, 4e-4 + 4e-4 * k)
+        written(folder / f"day_{k}", {"backlash": {"half_width": width}}, seed=k, day=k)
+    (folder / "broken").mkdir()
+    (folder / "broken" / "metadata.yaml").write_text("no: [yaml")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def output(bags, tmp_path_factory):
+    """What the command makes of them."""
+    there = tmp_path_factory.mktemp("out") / "fleet"
+    assert main(["fleet", str(bags), "--output", str(there), "--workers", "1"]) == 0
+    return there
+
+
+def test_a_growing_dead_band_is_a_trend_and_a_broken_bag_a_reason(output):
+    told = json.loads((output / "fleet.json").read_text())
+    assert told["schema"] == "trunk_ros/fleet/1"
+    arm = told["arms"]["<arm>"]
+    days = [t for t in arm["trends"] if t["per"] == "day"]
+    assert [(t["effect"], t["joint"], t["parameter"]) for t in days] == [
+        ("backlash", "joint_2", "half_width")
+    ]
+    assert days[0]["interval"][0] < 4e-4 < days[0]["interval"][1]
+    assert [t["per"] for t in arm["trends"]] == ["day", "m"]
+    [unread] = told["unread"]
+    assert "damaged metadata.yaml" in unread["reason"]
+
+
+def test_the_tables_have_the_columns_that_others_rely_on(output):
+    findings = pq.read_table(output / "findings.parquet")
+    errors = pq.read_table(output / "errors.parquet")
+    assert findings.column_names == (
+        [
+            "arm",
+            "time",
+            "recording",
+            "path",
+            "stage",
+            "joint",
+            "effect",
+            "parameter",
+            "value",
+            "std",
+            "unit",
+            "confidence",
+        ]
+    )
+    assert errors.column_names == (
+        [
+            "arm",
+            "time",
+            "recording",
+            "path",
+            "stage",
+            "joint",
+            "unit",
+            "rmse_before",
+            "rmse_after",
+            "noise_floor",
+            "verdict",
+        ]
+    )
+    assert set(findings["recording"].to_pylist()) == {f"day_{k}" for k in range(5)}
+
+
+def test_the_page_needs_no_other_file_and_shows_what_names_are_not_markup(output):
+    page = (output / "fleet.html").read_text()
+    assert "&lt;arm&gt;" in page
+    assert "<arm>" not in page
+    assert "http" not in page.replace("http://www.w3.org", "")
+    links = [part.split('"')[0] for part in page.split('href="')[1:]]
+    assert links
+    assert all((output / link).exists() for link in links)
+
+
+def test_a_second_run_diagnoses_nothing_again(output, bags, monkeypatch):
+    before = (output / "fleet.json").read_text()
+    cpu = pq.read_table(output / "recordings.parquet")["cpu"].to_pylist()
+    assert main(["fleet", str(bags), "--output", str(output), "--workers", "1"]) == 0
+    assert pq.read_table(output / "recordings.parquet")["cpu"].to_pylist() == cpu
+    assert (output / "fleet.json").read_text() == before
+
+
+def test_an_effect_is_followed_to_where_it_is_too_small_to_be_found(tmp_path):
+    bag = written(tmp_path / "bag", {}, seed=3)
+    model = load_model("trunk")
+    row, _ = follow(str(bag), model, {"backlash": {"half_width": {"joint_2": 5e-4}}})
+    assert row["reason"] == ""
+    [value] = row["findings"]
+    assert (value["effect"], value["joint"]) == ("backlash", "joint_2")
+    assert abs(value["value"]) < 5 * value["std"] < 1e-4
+
+
+def test_a_folder_of_other_things_and_a_wrong_limit_are_refused(tmp_path, bags, capsys):
+    (tmp_path / "thesis.tex").write_text("")
+    assert main(["fleet", str(bags), "--output", str(tmp_path)]) == 2
+    assert "holds other things too (thesis.tex)" in capsys.readouterr().err
+    assert main(["fleet", str(bags), "--output", str(tmp_path / "x"), "--limit", "backlash.width=3"]) == 2
+    assert "backlash has no parameter 'width'" in capsys.readouterr().err
+
+
+def test_a_fleet_of_which_nothing_can_be_read_says_so(tmp_path, capsys):
+    (tmp_path / "list.csv").write_text("arm,time,path\na,0,missing\n")
+    assert main(["fleet", str(tmp_path / "list.csv"), "--output", str(tmp_path / "o"), "--workers", "1"]) == 2
+    assert "none of 1 recordings" in capsys.readouterr().err
+    assert "does not exist" in (tmp_path / "o" / "fleet.json").read_text()
+
+
+def test_an_empty_fleet_has_a_page(tmp_path):
+    from trunk_ros.fleet.together.summary import Fleet
+
+    page = render(Fleet({"a": 0}, [], [], [], [], []), {}, "model")
+    assert "No effect was found" in page
+    assert np.all([word in page for word in ("Nothing grows", "No jump")])
+
+
+def test_bags_are_listed_by_arm(bags):
+    assert {job.arm for job in listed([str(bags.parent)])} == {"<arm>"}

@@ -1,0 +1,1 @@
+"""Every reader against inputs that are mutated towards code that no input has reached yet."""

@@ -1,0 +1,88 @@
+"""watch over DDS: a change is said, recorded with the minutes around it, and diagnosed."""
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded
+from test.nodes.graph import JOINTS, Received, needs_ros, running
+from trunk_ros.recording.read import read_recording
+
+pytestmark = [needs_ros, pytest.mark.timeout(600)]
+
+TOPICS = {
+    "setpoints": "trunk/setpoints",
+    "gearbox_states": "trunk/gearbox_states",
+    "joint_states": "joint_states",
+}
+BATCH = 10  # samples that may be on their way
+
+
+def publish_all(peer, publishers, clock, recording, start):
+    """Publish a recording from ``start`` ns of simulated time on, no faster than the node takes it."""
+    from rosgraph_msgs.msg import Clock
+
+    from trunk_ros.nodes.graph.messages import joint_state, time_message
+
+    stamps = start + np.rint(recording.series["joint_states"].stamp * 1e9).astype(int)
+    for k, ns in enumerate(stamps.tolist()):
+        clock.publish(Clock(clock=time_message(ns)))
+        for key, publisher in publishers.items():
+            publisher.publish(joint_state(ns, JOINTS, recording.series[key].position[k]))
+        if k % BATCH == BATCH - 1:
+            yield k + 1
+
+
+def test_a_wider_dead_band_is_said_recorded_and_diagnosed(domain, peer, tmp_path):
+    from rosgraph_msgs.msg import Clock
+
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState
+
+    publishers = {key: peer.publisher(JointState, topic) for key, topic in TOPICS.items()}
+    clock = peer.publisher(Clock, "clock")
+    changes = peer.listen(DiagnosticArray, "trunk/changes")
+    received = Received(peer)
+    options = {
+        "use_sim_time": "true",
+        "supervised": "true",
+        "after": "20.0",
+        "output": str(tmp_path / "seen"),
+    }
+    arguments = [f"{name}:={value}" for name, value in options.items()]
+    arguments = [part for argument in arguments for part in ("-p", argument)]
+    with running("watch", "--ros-args", *arguments, domain=domain):
+        peer.meets(*publishers.values(), clock, node="watch")
+        sent, begun = 0, 1_750_000_000 * 10**9
+        wider = {"backlash": {"half_width": on(2, 1e-3)}}
+        for recording, at in ((recorded({}, 60.0, 1), 0), (recorded(wider, 45.0, 2), 60)):
+            for count in publish_all(peer, publishers, clock, recording, begun + at * 10**9):
+                peer.until(lambda count=sent + count: received("/joint_states") >= count)
+            sent += len(recording.series["joint_states"].stamp)
+        peer.until(lambda: len(changes) >= 1)
+        first = changes[0].status[0]
+        values = {item.key: item.value for item in first.values}
+        assert first.name == "wire/joint_2"
+        assert values["kind"] == "change"
+        assert 0 <= float(values["since"]) - begun / 1e9 - 60 < 10
+
+        def kinds():
+            return [{item.key: item.value for item in each.status[0].values} for each in changes]
+
+        seconds = iter(range(105, 10_000))
+
+        def tick():
+            clock.publish(clock_at(begun + next(seconds) * 10**9))
+
+        peer.answered(tick, lambda: any(each["kind"] == "finding" for each in kinds()))
+    found = next(each for each in kinds() if each["kind"] == "finding")
+    assert (found["effect"], found["joints"]) == ("backlash", "joint_2")
+    bag = read_recording(found["bag"])
+    assert bag.duration > 60.0
+    assert {"setpoints", "gearbox_states", "joint_states"} <= set(bag.series)
+
+
+def clock_at(ns):
+    from rosgraph_msgs.msg import Clock
+
+    from trunk_ros.nodes.graph.messages import time_message
+
+    return Clock(clock=time_message(ns))

@@ -1,0 +1,154 @@
+"""``check``: whether a model file, a mapping or a trajectory is right, and how it is understood."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.console import columns, say
+
+if TYPE_CHECKING:
+    from trunk_ros.model import Model
+    from trunk_ros.recording.importing.mapping import Mapping, Quantity
+    from trunk_ros.trajectory import Trajectory
+
+
+def parser() -> Parser:
+    """Arguments of ``check``."""
+    made = Parser(
+        "check",
+        "Say whether a model file, a mapping or a trajectory is right, and how it is understood.",
+        ["my-arm.yaml", "my-map.yaml", "trunk"],
+    )
+    made.add_argument("file", metavar="MODEL|MAP", help="a file, or the name of a model or of a mapping")
+    return made
+
+
+def main(argv: list[str]) -> int:
+    """The command; raises TrunkError for a file that is wrong."""
+    name = parser().parse_args(argv).file
+    kind = kind_of(name)
+    if kind == "mapping":
+        from trunk_ros.recording.importing.mapping import load_mapping
+
+        said = of_mapping(load_mapping(name))
+    elif kind == "trajectory":
+        from trunk_ros.trajectory import load_trajectory
+
+        said = of_trajectory(load_trajectory(name))
+    else:
+        from trunk_ros.model import load_model
+
+        said = of_model(load_model(name))
+    say(f"{name}: a {kind}, and right", *(f"  {line}" for line in said))
+    return 0
+
+
+def kind_of(name: str) -> str:
+    """Model, mapping or trajectory, by what the file holds; a name is a model's, if it is not a mapping's.
+
+    Raises ArgumentError where it is none of them.
+    """
+    from trunk_ros.errors import ArgumentError
+    from trunk_ros.recording import plain_yaml
+    from trunk_ros.share import config_names
+
+    path = Path(name)
+    if not path.is_file():
+        return "mapping" if f"import/{name}" in config_names("import") else "model"
+    try:
+        content = plain_yaml.load(path.read_bytes(), references=False)
+    except (OSError, ValueError) as error:
+        raise ArgumentError(f"{path} {error}") from None
+    keys = set(content) if isinstance(content, dict) else set()
+    if "points" in keys:
+        return "trajectory"
+    if any(isinstance(each, dict) and "ros__parameters" in each for each in _values(content)):
+        return "model"
+    if "joints" in keys or any(str(key).endswith("_states") for key in keys):
+        return "mapping"
+    raise ArgumentError(
+        f"{path} is neither a model ('/**: ros__parameters:'), nor a mapping ('joints:'), nor a trajectory "
+        f"('points:'); it holds {', '.join(map(str, keys)) or 'no entries'}"
+    )
+
+
+def _values(content: Any) -> list[Any]:
+    return list(content.values()) if isinstance(content, dict) else []
+
+
+def of_model(model: Model) -> list[str]:
+    """An arm joint by joint, what is known of it besides, and the effects that it has."""
+    from trunk_ros.description import ANY_ANGLE
+
+    arm = model.arm
+    rows = [("joint", "ratio", "dead band", "limits")]
+    for j, joint in enumerate(arm.joints):
+        low, high = float(arm.lower[j]), float(arm.upper[j])
+        limits = f"{low:+.3f} … {high:+.3f} rad" if max(-low, high) < ANY_ANGLE else "none"
+        name = "any joint" if model.any_joints else joint
+        rows.append((name, f"{arm.ratio[j]:.6g}", f"{1e3 * arm.dead_band[j]:.3g} mrad", limits))
+    load = f"known, from {arm.load_from}" if arm.has_load else "not known: no effect of load is looked for"
+    tip = f"links of {', '.join(f'{1e3 * x:g}' for x in arm.link_length)} mm" if len(arm.link_length) else ""
+    effects = [f"effect {name}: {_said(values)}" for name, values in model.in_order()]
+    return [
+        *columns(rows),
+        f"load: {load}",
+        f"tip: {tip or 'not known: no link lengths, so no arm stage'}",
+        f"servo: kp {arm.kp:g} 1/s, tau_v {arm.tau_v:g} s, v_max {arm.v_max:g} rad/s",
+        *(effects or ["effects: none"]),
+    ]
+
+
+def _said(values: dict[str, Any]) -> str:
+    def plain(value: Any) -> str:
+        if isinstance(value, str):
+            return value
+        if isinstance(value, float):
+            return f"{value:.4g}"
+        return "[" + ", ".join(v if isinstance(v, str) else f"{v:.4g}" for v in value) + "]"
+
+    return ", ".join(f"{key} {plain(value)}" for key, value in values.items())
+
+
+def of_mapping(mapping: Mapping) -> list[str]:
+    """Joints, times, and the columns of each topic with their units."""
+    if mapping.of_bag:
+        time = "that of the bag's messages"
+    elif mapping.time is not None:
+        time = f"column {', '.join(mapping.time[0].columns)}, {mapping.time[1]:g} s per unit"
+    else:
+        time = f"{mapping.rate_hz:g} rows a second"
+    rows = [
+        (topic, quantity, ", ".join(sorted(set(each.units))), ", ".join(_columns(each)))
+        for topic, quantities in mapping.topics.items()
+        for quantity, each in quantities.items()
+    ]
+    return [
+        f"joints: {', '.join(mapping.joints)}",
+        f"time: {time}",
+        *columns([("topic", "quantity", "unit", "columns"), *rows]),
+        *_lacking(mapping),
+    ]
+
+
+def _columns(quantity: Quantity) -> list[str]:
+    return [name for each in quantity.columns for name in each.columns]
+
+
+def _lacking(mapping: Mapping) -> list[str]:
+    """What the wire needs and the mapping does not give."""
+    wanted = ("gearbox_states", "joint_states")
+    return [f"no {key}: nothing can be said of the wire" for key in wanted if key not in mapping.topics]
+
+
+def of_trajectory(trajectory: Trajectory) -> list[str]:
+    """Joints, duration and range."""
+    rows = [
+        (joint, f"{low:+.3f} … {high:+.3f} rad")
+        for joint, low, high in zip(
+            trajectory.joints, trajectory.position.min(axis=0), trajectory.position.max(axis=0), strict=True
+        )
+    ]
+    return [f"{trajectory.duration:.4g} s, {len(trajectory.time)} points", *columns(rows)]

@@ -1,0 +1,134 @@
+"""``diagnose``: find what a simulation leaves out of recordings, model it, and show the fit."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trunk_ros import __version__
+from trunk_ros.commands.arguments import Parser, add_settle
+from trunk_ros.commands.console import say
+from trunk_ros.commands.progress import progress
+from trunk_ros.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+
+FILES = ("diagnosis.json", "model.yaml", "report.html", "simulation.yaml", "*.yaml", "*.png")
+TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".npy", ".npz")
+# Shares of the time that had passed at the beginning of each stage, median over the bench's recordings.
+SHARES = {"reading": 0.0, "wire": 0.05, "wire: experiment": 0.6, "servo": 0.8, "arm": 0.9, "report": 0.93}
+
+
+def parser() -> Parser:
+    """Arguments of ``diagnose``."""
+    out = Parser(
+        "diagnose",
+        "Find what a simulation leaves out of recordings of one arm, model it, and show the fit.",
+        ["run1 -o verdict", "run1 run2 -m my-arm.yaml -o verdict", "run1 -m direct --until 70% -o verdict"],
+    )
+    out.add_argument(
+        "bag", nargs="+", metavar="BAG", help="recordings of one arm: bag folders, .mcap, .db3, .bag"
+    )
+    out.add_argument(
+        "--output", required=True, metavar="DIR", help="folder for diagnosis.json, model.yaml and report.html"
+    )
+    out.add_argument(
+        "--model",
+        metavar="MODEL.yaml",
+        help="the nominal arm: a file, or trunk (default) or direct; with --against what is known of both",
+    )
+    out.add_argument("--against", metavar="SIM_BAG", help="another simulator's recording of the same motion")
+    out.add_argument("--from-time", metavar="T", help="begin there: in s, or in %% of the recording")
+    out.add_argument("--until", metavar="T", help="end there: in s, or in %% of the recording")
+    out.add_argument("--namespace", metavar="NS", help="of the arm, such as /left, where bags hold several")
+    add_settle(out)
+    out.add_argument("--overwrite", action="store_true", help="replace DIR if it holds an earlier diagnosis")
+    return out
+
+
+def main(argv: list[str]) -> int:
+    """Parse, diagnose, write, say."""
+    asked = parser().parse_args(argv)
+    refuse_tables([*asked.bag, *([asked.against] if asked.against else [])])
+    from trunk_ros.diagnosis.diagnose import diagnose
+    from trunk_ros.model import load_model
+    from trunk_ros.recording.output import new_folder, prepare_output
+
+    prepare_output(asked.output, asked.overwrite, FILES)
+    model = None if asked.model is None else load_model(asked.model)
+    with progress(SHARES) as step:
+        step("reading")
+        result = diagnose(
+            asked.bag,
+            model,
+            asked.against,
+            asked.from_time,
+            asked.until,
+            step,
+            asked.namespace,
+            asked.settle,
+        )
+        result.provenance = {
+            "command": shlex.join(["trunk_ros", "diagnose", *argv]),
+            "trunk_ros": __version__,
+            "python": sys.version.split()[0],
+            "model": str(asked.model or "trunk"),
+            "model_hash": (model or load_model("trunk")).hash(),
+            "bags": [str(bag) for bag in asked.bag],
+            **{key: at for key in ("from_time", "until") if (at := getattr(asked, key))},
+        }
+        step("report")
+        with new_folder(asked.output, asked.overwrite, FILES) as folder:
+            result.save(folder)
+            write_report(result, folder)
+    say(*spoken(result), f"{asked.output}: {', '.join([*FILES[:3], *result.trajectories])}")
+    return 0
+
+
+def refuse_tables(paths: Sequence[str]) -> None:
+    """Raise ArgumentError for a table, saying how it becomes a bag."""
+    for path in map(Path, paths):
+        if path.suffix.lower() in TABLES:
+            bag = path.with_suffix("")
+            raise ArgumentError(
+                f"{path} is a table, not a bag: `trunk_ros import {path} --mapping MAP.yaml -o {bag}` "
+                f"makes one (docs/own-arm.md shows a MAP.yaml)"
+            )
+
+
+def write_report(result: Diagnosis, folder: Path) -> None:
+    """The page."""
+    from trunk_ros.diagnosis.report import write
+
+    write(result, folder / "report.html")
+
+
+def spoken(result: Diagnosis) -> list[str]:
+    """The verdict in a few lines, what is wrong with the data first."""
+    lines = []
+    if result.simulator is not None:
+        lines.append(
+            f"your simulation has: {'; '.join(result.simulation['has']) or 'what the model says, no more'}"
+        )
+    lines.append(f"verdict: {result.verdict.replace('_', ' ')}")
+    lines += [f"  {named(finding)}: {finding.statement}" for finding in result.findings]
+    for stage, compared in result.stages.items():
+        if compared.get("silent"):
+            silent = ", ".join(compared["silent"])
+            lines.append(f"  {stage}: nothing can be said of {silent}, which hardly moves")
+    for name, told in result.quality.items():
+        lines += [f"  {name}: {note}" for note in told["notes"]]
+    lines += [f"  unexplained: {rest.statement}" for rest in result.unexplained]
+    return lines + [f"  experiment: {proposed['statement']}" for proposed in result.experiments]
+
+
+def named(finding: Finding) -> str:
+    """An effect with what it cannot be told from, and how sure that is."""
+    sure = f"{finding.confidence:.0%}"
+    if len(finding.candidates) == 1:
+        return f"{finding.effect} ({sure})"
+    return f"{' or '.join(finding.candidates)} ({sure} that it is one of these, the data do not tell which)"

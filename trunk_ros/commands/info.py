@@ -1,0 +1,174 @@
+"""``info``: what a recording holds, what can be diagnosed from it, and what is missing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.console import columns, say
+
+if TYPE_CHECKING:
+    from trunk_ros.diagnosis.prospects import Prospect
+    from trunk_ros.model import Model
+    from trunk_ros.recording.recording import Recording
+
+TABLES = (".csv", ".tsv", ".txt")
+
+
+def parser() -> Parser:
+    """Arguments of ``info``."""
+    made = Parser(
+        "info",
+        "Say what a recording holds, what can be diagnosed from it, and what is missing.",
+        ["run1", "run1 -m my-arm.yaml", "run1 --json", "run1.csv"],
+    )
+    made.add_argument("bag", metavar="BAG", type=Path, help="bag folder, .mcap, .db3, .bag, or a table (CSV)")
+    made.add_argument(
+        "--model",
+        metavar="MODEL.yaml",
+        help="a file, or trunk or direct; by default the one that fits",
+    )
+    made.add_argument("--json", action="store_true", help="the same for programs")
+    return made
+
+
+def main(argv: list[str]) -> int:
+    """The command."""
+    asked = parser().parse_args(argv)
+    if asked.bag.suffix.lower() in TABLES:
+        say(*table(asked.bag))
+        return 0
+    from trunk_ros.errors import RecordingError
+    from trunk_ros.recording.read import read_recording
+
+    try:
+        recording = read_recording(asked.bag)
+    except RecordingError as error:
+        topics = foreign_topics(asked.bag)
+        if not topics or "no readable message of an arm" not in str(error):
+            raise
+        say(f"{asked.bag}: no topic of an arm. It holds:", *columns(sorted(topics.items())), HOW)
+        return 0
+    found = gathered(recording, model_for(recording, asked.model))
+    say(*([json.dumps(found, indent=1)] if asked.json else spoken(found)))
+    return 0
+
+
+HOW = (
+    "A mapping says which of them are trunk/gearbox_states and joint_states; `trunk_ros import` then makes "
+    "a bag that can be diagnosed (docs/own-arm.md)."
+)
+
+
+def foreign_topics(path: Path) -> dict[str, str]:
+    """All topics of a bag with their types; empty where it cannot be read."""
+    from trunk_ros.recording.allowance import Allowance
+    from trunk_ros.recording.bag.bag import read_blocks
+    from trunk_ros.recording.messages.block import Contents, DamageError
+
+    contents = Contents(Allowance(path))
+    try:
+        for _ in read_blocks(path, lambda topic: False, contents, lambda _: None):
+            pass
+    except (DamageError, OSError):
+        return {}
+    return contents.topics
+
+
+def model_for(recording: Recording, name: str | None) -> Model:
+    """The model asked for; else the nominal arm where the joints are its, or ``direct``."""
+    from trunk_ros.model import load_model
+
+    trunk = load_model(name or "trunk")
+    return trunk if name or set(trunk.arm.joints) & set(recording.joints) else load_model("direct")
+
+
+def gathered(recording: Recording, model: Model) -> dict[str, Any]:
+    """All that is said, as JSON has it."""
+    from dataclasses import asdict
+
+    from trunk_ros.diagnosis.data.mix_ups import mix_ups
+    from trunk_ros.diagnosis.prospects import motion_of, prospects
+    from trunk_ros.recording.quality import quality
+    from trunk_ros.recording.topics import TOPICS
+
+    topics = {
+        TOPICS[key]: {"rate_hz": q.rate, "samples": q.samples, "lost": q.lost, "longest_gap": q.longest_gap}
+        for key, q in quality(recording).items()
+    }
+    mixed = [one.statement for one in mix_ups(recording, model)]
+    return {
+        "recording": recording.name,
+        "duration": recording.duration,
+        "topics": topics,
+        "joints": {j: {**m, "unit": recording.unit(j)} for j, m in motion_of(recording).items()},
+        "stages": {one.stage: _as_json(one, asdict(one)) for one in prospects(recording, model)},
+        "absent": [topic for key, topic in TOPICS.items() if topic not in topics and key != "reference"],
+        "mixed_up": mixed,
+        "note": list(recording.notes),
+    }
+
+
+def _as_json(one: Prospect, content: dict[str, Any]) -> dict[str, Any]:
+    noise = {joint: value if value == value else None for joint, value in one.joints.items()}
+    return {"possible": not one.missing, **content, "joints": noise}
+
+
+def spoken(found: dict[str, Any]) -> list[str]:
+    """The same in lines."""
+    lines = [f"{found['recording']}: {found['duration']:.4g} s", ""]
+    rows: list[tuple[str, ...]] = [("topic", "rate", "samples", "lost", "longest gap")]
+    for topic, q in found["topics"].items():
+        lost = "uneven" if q["lost"] is None else str(q["lost"])
+        rows.append((topic, f"{q['rate_hz']:.4g} Hz", str(q["samples"]), lost, f"{q['longest_gap']:.3g} s"))
+    lines += [*columns(rows), ""]
+    rows = [("joint", "range", "top speed", "turns")]
+    for joint, m in found["joints"].items():
+        span = f"{m['low']:+.3f} … {m['high']:+.3f} {m['unit']}"
+        rows.append((joint, span, f"{m['speed']:.2g} {m['unit']}/s", str(m["turns"])))
+    lines += [*columns(rows), "", "what can be diagnosed"]
+    for stage, told in found["stages"].items():
+        lines += _stage(stage, told)
+    odd = [f"{name}: {one}" for name in ("mixed up", "note") for one in found[name.replace(" ", "_")]]
+    return [*lines, "", *odd] if odd else lines
+
+
+def _stage(stage: str, told: dict[str, Any]) -> list[str]:
+    if not told["possible"]:
+        return [f"  {stage:6}no: {told['missing']}"]
+    noise = [value for value in told["joints"].values() if value]
+    sensed = f"; noise {1e3 * min(noise):.2g} … {1e3 * max(noise):.2g} mrad" if noise else ""
+    lines = [f"  {stage:6}yes: {', '.join(told['joints'])}{sensed}"]
+    if told["silent"]:
+        lines.append(f"        hardly moves: {', '.join(told['silent'])}")
+    lines.append(f"        looked for: {', '.join(told['effects'])}")
+    return lines + [f"        not {', '.join(names)}: {reason}" for reason, names in told["unseen"].items()]
+
+
+def table(path: Path) -> list[str]:
+    """The columns of a table with what they hold, and the mapping to begin with."""
+    from trunk_ros.errors import RecordingError
+
+    try:
+        with path.open(encoding="utf-8-sig") as stream:
+            head, *rows = [line.rstrip("\n") for line in stream]
+    except (OSError, ValueError) as error:
+        raise RecordingError(f"{path}: cannot be read as a table ({error})") from None
+    delimiter = max(",;\t", key=head.count)
+    names = [name.strip().strip('"') for name in head.split(delimiter)]
+    first = rows[0].split(delimiter) if rows else []
+    shown = [(name, value.strip()) for name, value in zip(names, [*first, *[""] * len(names)], strict=False)]
+    return [
+        f"{path}: a table of {len(rows)} rows",
+        *columns([("column", "first value"), *shown]),
+        "",
+        "A mapping says which columns are which; put the right ones in and save it as MAP.yaml:",
+        f"  time: {{column: {names[0]}, unit: s}}",
+        "  joints: [joint_1]",
+        "  gearbox_states: {position: {columns: [MOTOR_SIDE_ANGLE], unit: rad}}",
+        "  joint_states: {position: {columns: [JOINT_ANGLE], unit: rad}}",
+        *([f'  delimiter: "{delimiter}"'] if delimiter != "," else []),
+        f"then: trunk_ros import {path} --mapping MAP.yaml -o {path.with_suffix('')}",
+    ]

@@ -1,0 +1,8 @@
+"""Mix-ups that no physics explains: degrees for radians, encoder counts, swapped joints, turned signs, clocks
+that are seconds apart. They are reported, never repaired: what is mixed up is not diagnosed.
+"""
+
+from trunk_ros.diagnosis.data.mix_ups.find import mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.mix_ups.pair import MixUp
+
+__all__ = ["MixUp", "mix_ups", "without_mix_ups"]

@@ -1,0 +1,61 @@
+"""How far the clocks of two topics are apart, where that is more than any sensor is late."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.mix_ups.pair import FEWEST, correlation
+from trunk_ros.recording.signal.fill import fill
+
+LEAST = 0.6  # s: less is a delay
+COARSE = 0.05  # s: as exactly as it is needed
+SAMPLES = 1 << 16  # of the longer topic at most
+ALIKE, UNLIKE = 0.97, 0.9  # correlation of the angles with the clocks set right, and as they are
+COMMON = 0.3  # of the shorter topic: less of it is no comparison
+
+
+def clock_offset(first: Array, source: Array, second: Array, target: Array) -> float:
+    """Seconds by which ``target`` (m, joints) at stamps ``second`` (m,) is later than ``source`` (n, joints)
+    at ``first`` (n,); 0 where it fits as it is, or where no shift makes it fit.
+    """
+    if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > UNLIKE:
+        return 0.0
+    usual = max(float(np.median(np.diff(stamp))) for stamp in (first, second))
+    step = max(COARSE, usual, np.ptp(first) / SAMPLES, np.ptp(second) / SAMPLES)
+    lag = _lag(_changes(first, source, step), _changes(second, target, step))
+    off = float(second[0] - first[0]) + step * lag
+    return off if abs(off) > LEAST and _alike(first + off, source, second, target) > ALIKE else 0.0
+
+
+def _changes(stamp: Array, values: Array, step: float) -> Array:
+    """(k, joints) from one even step to the next, each joint's of the same power."""
+    grid = np.arange(stamp[0], stamp[-1] + step / 2, step)
+    moved = np.column_stack([np.interp(grid, stamp, column) for column in fill(values).T])
+    changes = np.diff(moved, axis=0)
+    size = np.sqrt(np.mean(changes**2, axis=0))
+    return np.asarray(changes / np.where(size > 0.0, size, np.inf))
+
+
+def _lag(source: Array, target: Array) -> int:
+    """Steps by which the target is later than the source, counted from the beginning of each."""
+    length = next_fast_len(len(source) + len(target))
+    spectrum = np.conj(rfft(source, length, axis=0)) * rfft(target, length, axis=0)
+    alike = np.abs(irfft(spectrum, length, axis=0)).sum(axis=1)
+    lags = np.arange(length)
+    lags = np.where(lags < len(target), lags, lags - length)
+    overlap = np.minimum(len(source), len(target) - lags) - np.maximum(0, -lags)
+    enough = overlap >= COMMON * min(len(source), len(target))
+    return int(lags[np.argmax(np.where(enough, alike, 0.0))])
+
+
+def _alike(first: Array, source: Array, second: Array, target: Array) -> float:
+    """Median |correlation| of the joints that move while both were recorded; 0 where that is too short."""
+    both = (second >= first[0]) & (second <= first[-1])
+    if both.sum() < COMMON * len(second):
+        return 0.0
+    drives = [np.interp(second[both], first, column) for column in fill(source).T]
+    pairs = list(zip(drives, fill(target)[both].T, strict=True))
+    found = [abs(correlation(a, b)) for a, b in pairs if np.ptp(a) > 0.0 and np.ptp(b) > 0.0]
+    return float(np.median(found)) if found else 1.0

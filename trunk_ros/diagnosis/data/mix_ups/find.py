@@ -1,0 +1,77 @@
+"""All mix-ups of a recording, and the recording without what they concern."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
+from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
+from trunk_ros.diagnosis.data.mix_ups.pair import PAIRS, MixUp, pair_of
+from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import TOPICS
+
+IN_ORDER = (counts, swapped, degrees, turned_signs)
+
+
+def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
+    """What is mixed up between the topics of each stage; nothing where the joints are not the model's."""
+    out: list[MixUp] = []
+    for stage, keys in PAIRS.items():
+        if all(key in recording.series for key in keys):
+            out += _of_stage(recording, model, stage)
+    return out
+
+
+def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
+    """The recording without what is mixed up for certain: joint readings become NaN, and setpoints and tip
+    are left out.
+    """
+    series, tip = dict(recording.series), recording.tip
+    for one in (one for one in found if one.certain):
+        if one.stage == "servo":
+            series.pop("setpoints", None)
+            continue
+        shown, tip = series["joint_states"], None
+        position = shown.position.copy()
+        position[:, [shown.joints.index(joint) for joint in one.joints]] = np.nan
+        series["joint_states"] = replace(shown, position=position)
+    return replace(recording, series=series, tip=tip)
+
+
+def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
+    source, target = (recording.series[key] for key in PAIRS[stage])
+    try:
+        joints = common_joints(recording, model, source, target)
+    except RecordingError:  # is said where it matters
+        return []
+    source, target = source.select(joints), target.select(joints)
+    off = clock_offset(source.stamp, source.position, target.stamp, target.position)
+    if off:
+        return [_clock(stage, joints, off)]
+    if getattr(model.arm, "coupling", None) is not None:  # each joint follows several motors
+        return []
+    pair = pair_of(recording, model, stage, source, target)
+    found: list[MixUp] = []
+    if pair is None:
+        return found
+    for look in IN_ORDER:
+        known = {joint for one in found for joint in one.joints}
+        found += [one for one in look(pair) if not known & set(one.joints)]
+    return found
+
+
+def _clock(stage: str, joints: tuple[str, ...], off: float) -> MixUp:
+    source, target = (TOPICS[key] for key in PAIRS[stage])
+    way = "late" if off > 0 else "early"
+    said = (
+        f"the clocks of {source} and {target} are {abs(off):.3g} s apart: {target} is {way} by "
+        "that, and fits when it is moved. Synchronise the clocks (chrony, PTP) or correct the stamps, and "
+        "diagnose again."
+    )
+    return MixUp("clock", stage, joints, said)

@@ -1,0 +1,30 @@
+"""Topics of a recording side by side, and a recording in which one of them was looked at."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import Model
+from trunk_ros.recording.observed import Observed
+from trunk_ros.recording.recording import JointSeries, Recording
+
+
+def pair(
+    recording: Recording, model: Model, first: str, second: str
+) -> tuple[JointSeries, JointSeries] | None:
+    """Two topics with the joints that both and the model have; None where there is no such pair."""
+    if not {first, second} <= set(recording.series):
+        return None
+    a, b = recording.series[first], recording.series[second]
+    try:
+        joints = common_joints(recording, model, a, b)
+    except RecordingError:  # is said where it matters
+        return None
+    return a.select(joints), b.select(joints)
+
+
+def seen(recording: Recording, observed: Observed, **series: JointSeries) -> Recording:
+    """The recording with what was observed, and the topics that were put right."""
+    return replace(recording, series={**recording.series, **series}, observed=(*recording.observed, observed))

@@ -1,0 +1,83 @@
+"""What physics may do to a joint, roughly: all that a clock must not be taken for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array, compiled
+
+CREEPS = (2.0, 8.0)  # s
+PLAY = 1e-3  # rad, where the model has none
+SLOWLY = 0.05  # rad/s, at which friction may have fallen
+MOVES = 0.02  # rad
+
+
+@dataclass(frozen=True)
+class Motion:
+    """(n,) s, and (n, joints): where the gearbox would have the joints, their speed, what they show."""
+
+    stamp: Array
+    asked: Array
+    speed: Array
+    shown: Array
+    arm: Arm
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names."""
+        return self.arm.joints
+
+    @cached_property
+    def moving(self) -> list[int]:
+        """Joints that move enough to tell anything."""
+        return [int(j) for j in np.flatnonzero(np.ptp(self.asked, axis=0) > MOVES)]
+
+    @cached_property
+    def off(self) -> Array:
+        """(n, joints) of what they show from where the gearbox would have them."""
+        return self.shown - self.asked
+
+    @cached_property
+    def load(self) -> Array:
+        """(n, joints) N m, zero where the arm has none."""
+        return self.arm.load(self.asked) if self.arm.has_load else np.zeros_like(self.asked)
+
+    @cached_property
+    def time(self) -> Array:
+        """(n,) from 0 to 1."""
+        return np.asarray((self.stamp - self.stamp[0]) / max(float(np.ptp(self.stamp)), 1e-9))
+
+
+def basis(motion: Motion, joint: int, wear: bool) -> Array:
+    """(n, features): posture, load, friction (``wear``: that grows), coupling, creep, drift and inertia."""
+    own, speed, load = motion.asked[:, joint], motion.speed[:, joint], motion.load[:, joint]
+    way, t = _way(own, max(float(motion.arm.dead_band[joint]), PLAY)), motion.time
+    rubs = [way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY), *([way * t] if wear else [])]
+    bends = [load, load * np.abs(load), load * t, own**2, own**3, own * t]
+    moves = [np.gradient(speed, motion.stamp), speed**2]
+    creeps = [_lowpass(motion.stamp, own, late) for late in CREEPS]
+    headings = np.sin(motion.asked.cumsum(axis=1))
+    return np.column_stack([np.ones_like(t), t, t**2, *rubs, *bends, *moves, *creeps, headings, motion.asked])
+
+
+@compiled
+def _way(own: Array, wide: float) -> Array:
+    """(n,) from -1 to 1: where in a play of this half-width a joint is that follows (n,) rad."""
+    out, last = np.empty_like(own), own[0]
+    for k in range(len(own)):
+        last = min(max(last, own[k] - wide), own[k] + wide)
+        out[k] = (own[k] - last) / wide
+    return out
+
+
+@compiled
+def _lowpass(stamp: Array, own: Array, late: float) -> Array:
+    out, last = np.empty_like(own), own[0]
+    for k in range(len(own)):
+        last += (1.0 - np.exp(-(stamp[k] - stamp[max(k - 1, 0)]) / late)) * (own[k] - last)
+        out[k] = last
+    return out

@@ -1,0 +1,106 @@
+"""Readings put right: turns counted on, repeats left out; and how coarse they are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.data.sensing.pairs import pair, seen
+from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
+from trunk_ros.diagnosis.data.sensing.wraps import series_unwrapped, whole_turns
+from trunk_ros.model import Model
+from trunk_ros.recording.observed import Observed
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import TOPICS
+
+ANGLES = ("gearbox_states", "joint_states", "setpoints", "reference")
+SHOWN = TOPICS["joint_states"]
+
+
+def readings_put_right(recording: Recording, model: Model) -> Recording:
+    """Without jumps of whole turns, within a topic and between two; before anything else is looked at."""
+    for key in ANGLES:
+        if key in recording.series:
+            recording = _unwrapped(recording, key)
+    return _of_one_turn(recording, model)
+
+
+def _unwrapped(recording: Recording, key: str) -> Recording:
+    series, topic = recording.series[key], TOPICS[key]
+    angles = np.array([recording.unit(joint) == "rad" for joint in series.joints])
+    whole, found = series_unwrapped(series, angles)
+    if not found:
+        return recording
+    times, joints = sum(found.values()), tuple(found)
+    said = (
+        f"{topic} of {', '.join(joints)} jumps by a whole turn {times} times, as a sensor does at the end of "
+        "its range: turns were counted on. It would have looked like wire_slip or unknown jumps"
+    )
+    looks = ("wire_slip", "unknown")
+    return seen(
+        recording, Observed("wrap", topic, joints, times, None, "1", True, looks, said), **{key: whole}
+    )
+
+
+def _of_one_turn(recording: Recording, model: Model) -> Recording:
+    """Joint readings that count their turns from where the gearbox's do."""
+    both = pair(recording, model, "gearbox_states", "joint_states")
+    if both is None:
+        return recording
+    (gearbox, own), shown = both, recording.series["joint_states"]
+    ratio = model.for_joints(own.joints).arm.only(own.joints).ratio
+    position, turned = shown.position.copy(), []
+    for j, joint in enumerate(own.joints):
+        known = np.isfinite(gearbox.position[:, j])
+        if recording.unit(joint) == "rad" and known.any():
+            asked = np.interp(own.stamp, gearbox.stamp[known], gearbox.position[known, j]) * ratio[j]
+            turns = whole_turns(own.position[:, j] - asked)
+            position[:, shown.joints.index(joint)] -= turns
+            turned += [joint] if turns else []
+    if not turned:
+        return recording
+    said = f"{SHOWN} of {', '.join(turned)} is whole turns off the gearbox: they were taken off"
+    many, looks = float(len(turned)), ("zero_offset",)
+    observed = Observed("whole_turns", SHOWN, tuple(turned), many, None, "1", True, looks, said)
+    return seen(recording, observed, joint_states=replace(shown, position=position))
+
+
+def read_when(recording: Recording, model: Model) -> Recording:
+    """Readings that are repeated until the next ones come, at the times at which they were read."""
+    shown = recording.series.get("joint_states")
+    if shown is None or len(shown.stamp) < 2:
+        return recording
+    new, held = new_readings(shown)
+    if not held:
+        return recording
+    period = float(np.median(np.diff(new.stamp)))
+    said = (
+        f"{SHOWN} repeats each reading until the next one comes, every {1e3 * period:.1f} ms: repeats are "
+        "left out, and each reading has the time of its first message, less what it waited for that. The "
+        "repeats would have looked like link_resonance or unknown over speed; how old a reading is when it "
+        "comes shows as sensor_delay"
+    )
+    looks = ("sensor_delay", "link_resonance", "unknown")
+    observed = Observed("repeats", SHOWN, new.joints, period, None, "s", True, looks, said)
+    return seen(recording, observed, joint_states=new)
+
+
+def how_coarse(recording: Recording, model: Model) -> Recording:
+    """Says how coarse joint readings are where their steps are what one sees of the wire."""
+    both = pair(recording, model, "gearbox_states", "joint_states")
+    if both is None:
+        return recording
+    gearbox, shown = both
+    found = coarse_steps(gearbox, shown, model.for_joints(shown.joints).arm.only(shown.joints))
+    if not found:
+        return recording
+    step = max(found.values())
+    said = (
+        f"{SHOWN} of {', '.join(found)} comes in steps of {1e3 * step:.2f} mrad ({2 * np.pi / step:.0f} a "
+        "turn) on a joint that mostly rests: a rest anywhere within a step reads the same. It may look like "
+        "transmission_ripple, backlash or zero_offset; what is smaller than a step cannot be told"
+    )
+    looks = ("transmission_ripple", "backlash", "zero_offset")
+    return seen(recording, Observed("steps", SHOWN, tuple(found), step, None, "rad", False, looks, said))

@@ -1,0 +1,145 @@
+"""Two clocks that do not run alike: the joints' lag behind the gearbox grows or shrinks with time.
+
+What physics does to a joint depends on that joint; what a clock does to a topic comes on all joints alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.sensing.physics import Motion, basis
+from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.resample import SAME, SLOW, resample
+
+SURE = 8.0  # standard deviations
+EVENLY = 0.8  # of what grows in any way
+LARGEST = 5e-3  # s/s: no clock is worse
+TELLS = 0.25  # of the skew: the std of a joint that says something
+AGREES = 4.0  # standard deviations from what all joints say, or as much of the skew as below
+ALIKE, ALIKER = 0.25, 0.1
+DIFFER = 1.3  # times the speed of the slowest: joints of one speed are late alike for other reasons
+FEWEST = 200  # samples
+ROWS = 6000  # samples that are enough
+BLOCK = 50  # of them may depend on each other
+WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
+
+
+@dataclass(frozen=True)
+class Skew:
+    """By how much the joints' stamps run ahead, s per s, with std."""
+
+    rate: float
+    std: float
+
+
+def one_clock(first: Array, second: Array) -> bool:
+    """Whether stamps (n,) and (m,) are of one clock: most of the second are among the first."""
+    place = np.clip(np.searchsorted(first, second), 1, len(first) - 1)
+    apart = np.minimum(np.abs(first[place] - second), np.abs(first[place - 1] - second))
+    return bool(np.mean(apart < SAME) > 0.5)
+
+
+def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
+    """The skew of the joints' clock against the gearbox's, of series with the same joints; None where none is
+    certain.
+
+    Certain is a lag that all joints share and that grows evenly with time, beyond what load, posture, creep,
+    friction (and its wear), coupling and inertia do to a joint. Where joints go at one speed each, wear and
+    skew look alike on one of them; then three joints of different speeds have to say the same.
+    """
+    if min(len(gearbox.stamp), len(shown.stamp)) < FEWEST or one_clock(gearbox.stamp, shown.stamp):
+        return None
+    if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
+        return None
+    shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
+    phi, velocity = resample(gearbox, shown.stamp)
+    motion = Motion(shown.stamp, phi * arm.ratio, velocity * arm.ratio, fill(shown.position), arm)
+    return _said(motion)
+
+
+def without_skew(shown: JointSeries, found: Skew, begin: float = 0.0) -> JointSeries:
+    """The series with stamps of the gearbox's clock, which agreed with its own at ``begin`` s."""
+    return replace(shown, stamp=begin + (shown.stamp - begin) / (1.0 + found.rate))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What the moving joints say: growth of their lag, evenly and in two other ways, (joints, 3) s/s, and the
+    std (joints,) of the even one. ``wear``: each may have friction that grows as well.
+    """
+
+    grown: Array
+    std: Array
+    wear: bool
+
+    @property
+    def together(self) -> Array:
+        """(3,) s/s of all joints."""
+        return np.asarray(self.std**-2.0 @ self.grown / np.sum(self.std**-2.0))
+
+    @property
+    def able(self) -> np.ndarray:
+        """(joints,) that can tell."""
+        return np.asarray(self.std < TELLS * abs(self.together[0]))
+
+    @property
+    def off(self) -> Array:
+        """(joints,) s/s from what all say."""
+        return np.asarray(np.abs(self.grown[:, 0] - self.together[0]))
+
+    @property
+    def skew(self) -> Skew:
+        """What all say, with a std that is larger where they differ."""
+        differ = np.sqrt(np.mean((self.off / self.std)[self.able] ** 2)) if self.able.any() else 1.0
+        return Skew(float(self.together[0]), float(np.sum(self.std**-2.0) ** -0.5 * max(differ, 1.0)))
+
+    @property
+    def agree(self) -> bool:
+        """Whether those that can tell say the same, and it is a clock's way to grow."""
+        alike = (ALIKE if self.wear else ALIKER) * abs(self.together[0])
+        near = (self.off < np.maximum(AGREES * self.std, alike))[self.able]
+        share = self.together**2 * WINDING
+        sure = SURE * self.skew.std < abs(self.together[0]) < LARGEST
+        return bool(near.all() and sure and share[0] > EVENLY * share.sum())
+
+
+def _said(motion: Motion) -> Skew | None:
+    if not motion.moving:
+        return None
+    whole, bare = _told(motion, True), _told(motion, False)
+    if whole.agree and whole.able.sum() >= min(2, len(motion.joints)):
+        return whole.skew
+    both = AGREES * np.hypot(whole.skew.std, bare.skew.std) + ALIKE * abs(bare.skew.rate)
+    if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
+        return None
+    speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
+    return bare.skew if np.ptp(np.log(speeds)) > np.log(DIFFER) else None
+
+
+def _told(motion: Motion, wear: bool) -> _Told:
+    each = [_of_joint(motion, joint, wear) for joint in motion.moving]
+    return _Told(np.array([one[0] for one in each]), np.array([one[1][0] for one in each]), wear)
+
+
+def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
+    """Lag of a joint that grows with time, s/s, evenly and in two other ways, (3,), and its std; the std is
+    from blocks of samples, so that what is smooth counts once.
+    """
+    late, length = -motion.speed[:, joint], float(np.ptp(motion.stamp)) / 2
+    x = (motion.stamp - motion.stamp[0]) / length - 1.0
+    ways = np.column_stack([x, x**2 - 1 / 3, x**3 - 0.6 * x]) * length
+    features = np.column_stack([ways * late[:, None], late, basis(motion, joint, wear)])
+    off = motion.off[:, joint]
+    size = np.sqrt(np.mean(features**2, axis=0))
+    features = features / np.where(size > 0.0, size, 1.0)
+    inverse = np.linalg.pinv(features.T @ features, rcond=1e-10, hermitian=True)
+    values = inverse @ (features.T @ off)
+    left = features * (off - features @ values)[:, None]
+    blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)
+    spread = np.sqrt(np.diag(inverse @ (blocks.T @ blocks) @ inverse))
+    return values[:3] / size[:3], np.maximum(spread[:3] / size[:3], 1e-12)

@@ -1,0 +1,33 @@
+"""Joint encoders so coarse that their steps are seen, on joints that rest more than they move."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.encoder import count
+from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.resample import resample
+
+RESTS = 0.5  # of the time in which a joint moves by less than a step
+WITHIN = 0.2  # s
+WIDE = 2.0  # dead bands, that a step has to be to hide them
+
+
+def coarse_steps(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> dict[str, float]:
+    """Step [rad] of the encoder of each joint that mostly rests and whose dead band is hidden in its steps;
+    the series have the same joints.
+    """
+    phi, _ = resample(gearbox, np.clip(shown.stamp, gearbox.stamp[0], gearbox.stamp[-1]))
+    u, readings = phi * arm.ratio, fill(shown.position)
+    if len(shown.stamp) < 2:
+        return {}
+    apart = max(round(WITHIN / float(np.median(np.diff(shown.stamp)))), 1)
+    out = {}
+    for j, joint in enumerate(shown.joints):
+        step = count(readings[:, j])
+        moved = np.abs(u[apart:, j] - u[:-apart, j])
+        if step > WIDE * arm.dead_band[j] > 0.0 and float(np.mean(moved < step)) > RESTS:
+            out[joint] = step
+    return out

@@ -1,0 +1,107 @@
+"""Setpoints of which a logger kept some: between two of them the servo got others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.ndimage import uniform_filter1d
+
+from trunk_ros.compiled import Array
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.fill import fill
+from trunk_ros.servo_course import servo_course
+
+TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
+EVEN = 0.2  # of the usual time between setpoints
+STEPS = 3.0  # times as much of the stairs that the kept ones alone would make
+BETTER = 1.5  # times as near: from here on one number of setpoints is better than another
+FEWEST = 100
+SETTLED = 0.5  # s
+
+
+@dataclass(frozen=True)
+class Thinned:
+    """How many setpoints there were for each that was kept, and all of them as they have to have been."""
+
+    times: int
+    setpoints: JointSeries
+    stairs: float
+    """Rms [rad] of the stairs at the shaft that the kept setpoints alone would have made."""
+
+
+def thinned(
+    setpoints: JointSeries, gearbox: JointSeries, model: Model, guide: JointSeries | None = None
+) -> Thinned | None:
+    """All setpoints where the recorded ones would have made stairs that the gearbox does not show.
+
+    The series have the same joints. guide: the reference, on the gearbox's side, shows what lies between.
+    """
+    period = _period(setpoints.stamp)
+    if period == 0.0 or len(gearbox.stamp) < FEWEST or 2.0 * _usual(gearbox.stamp) > period:
+        return None
+    kept = _stairs(setpoints, gearbox, model, period)
+    tried = [
+        (_stairs(each, gearbox, model, period), times, each) for times, each in _fuller(setpoints, guide)
+    ]
+    least = min(stairs for stairs, _, _ in tried)
+    if kept < STEPS * least:
+        return None
+    shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
+    _, times, whole = min(tried, key=lambda one: (one[0] > BETTER * least, one[1] != shown, one[0]))
+    return Thinned(times, whole, kept)
+
+
+def _usual(stamp: Array) -> float:
+    return float(np.median(np.diff(stamp)))
+
+
+def _period(stamp: Array) -> float:
+    """Time between setpoints [s], 0 where they come unevenly or are few."""
+    if len(stamp) < FEWEST:
+        return 0.0
+    usual = _usual(stamp)
+    return usual if float(np.mean(np.abs(np.diff(stamp) - usual) < EVEN * usual)) > 1.0 - EVEN else 0.0
+
+
+def _fuller(setpoints: JointSeries, guide: JointSeries | None) -> list[tuple[int, JointSeries]]:
+    """The setpoints with more and more between them; where a guide tells how many there were, with those."""
+    counts: tuple[int, ...] = TIMES
+    if guide is not None and len(guide.stamp) >= FEWEST:
+        there = round(_usual(setpoints.stamp) / _usual(guide.stamp))
+        counts = (there,) if there > 1 else TIMES
+    return [(times, _filled(setpoints, times, guide)) for times in counts]
+
+
+def _filled(setpoints: JointSeries, times: int, guide: JointSeries | None) -> JointSeries:
+    """As many setpoints between the kept ones, evenly; they move as the guide does, or smoothly."""
+    first = setpoints.stamp
+    share = np.arange(times) / times
+    stamp = np.append((first[:-1, None] + np.diff(first)[:, None] * share).ravel(), first[-1])
+    known = fill(setpoints.position)
+    if guide is None:
+        position = PchipInterpolator(first, known)(stamp)
+    else:
+        position = _led(stamp, guide) + _between(stamp, first, known - _led(first, guide))
+    return JointSeries(stamp, setpoints.joints, np.asarray(position))
+
+
+def _led(stamp: Array, guide: JointSeries) -> Array:
+    return _between(stamp, guide.stamp, fill(guide.position))
+
+
+def _between(stamp: Array, first: Array, known: Array) -> Array:
+    return np.column_stack([np.interp(stamp, first, column) for column in known.T])
+
+
+def _stairs(setpoints: JointSeries, gearbox: JointSeries, model: Model, period: float) -> float:
+    """Rms [rad] of what is faster than the setpoints in how far the gearbox is from the servos' course."""
+    course = servo_course(setpoints, gearbox.stamp, model)
+    at = np.searchsorted(gearbox.stamp, course.stamp)
+    off = course.position - fill(gearbox.position)[at]
+    size = max(round(period / _usual(gearbox.stamp)), 2)
+    fast = off - uniform_filter1d(off, size, axis=0)
+    settled = course.stamp > course.stamp[0] + SETTLED
+    return float(np.sqrt(np.mean(fast[settled] ** 2)))

@@ -1,0 +1,112 @@
+"""Whether several recordings are of one arm: what one of them shows must hold in the others, too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trunk_ros.diagnosis.context import Context, Work
+from trunk_ros.diagnosis.data.excerpt import excerpt
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.descent import Desk
+from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.search.greedy import search
+from trunk_ros.effects import effect
+
+TELLS = 4.0  # times the power of noise: less on a joint contradicts nothing
+EXPLAINED = 0.25  # of a residual's power may be left where an effect holds
+NOTHING = 1.5  # times the power of noise: there is nothing to explain
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """What ``first`` shows on a joint, and what that leaves in ``other``: rms residuals [rad]."""
+
+    first: str
+    other: str
+    joint: str
+    effects: tuple[str, ...]
+    nominal: float
+    left: float
+    is_nominal: bool
+    """The other one is the nominal arm down to the noise."""
+
+    def statement(self) -> str:
+        """One line, with what to do."""
+        made = (
+            f": {self.other} is the nominal simulation down to the noise, as `bringup` by itself records it"
+            if self.is_nominal
+            else ", or it has changed in between"
+        )
+        shows = f"What {self.first} shows on {self.joint} ({', '.join(self.effects)})"
+        sizes = f"{1e3 * self.left:.3g} mrad rms in {self.other}, the nominal arm {1e3 * self.nominal:.3g}"
+        return (
+            f"{self.first} and {self.other} are not of one arm{made}. "
+            f"{shows} leaves {sizes}: diagnose each by itself"
+        )
+
+
+def contradiction(context: Context, say: Callable[[str], None]) -> Contradiction | None:
+    """The recording with most to explain is explained by itself, then held against the others; None where
+    they agree, and where there is one only.
+    """
+    if len(context.views) < 2 or not context.columns:
+        return None
+    alone = [context.over([excerpt(view.span)]) for view in context.views]
+    parts = [replace(part, work=Work(context.work.most)) for part in alone]
+    base = max(parts, key=lambda part: sum(_power(part, part.known, c) for c in context.columns))
+    say("the recording with most to explain")
+    found = _lasting(search(base, Desk(lambda text: say(f"one recording: {text}"))).hypothesis)
+    for part in parts:
+        if part is not base and (column := _contradicts(base, part, found)) is not None:
+            return _told(base, part, found, column)
+    return None
+
+
+def _contradicts(base: Context, other: Context, found: Hypothesis) -> int | None:
+    """The column on which an explanation of one recording is furthest from holding in another."""
+    worst: dict[int, float] = {}
+    refitted: dict[int, float] | None = None
+    for c in (c for c in base.columns if found.on(c) and other.count(c)):
+        nominal, left = _power(base, base.known, c), _power(base, found, c)
+        if nominal < TELLS or left > EXPLAINED * nominal:
+            continue  # it was not explained where it was found
+        before, after = _power(other, other.known, c), _power(other, found, c)
+        if after < TELLS or after < EXPLAINED * before:
+            continue  # it holds
+        if refitted is None:
+            there = refit(other, found).hypothesis
+            refitted = {k: _power(other, there, k) for k in base.columns if other.count(k)}
+        if after > before or refitted[c] < EXPLAINED * after:
+            worst[c] = after
+    return max(worst, key=lambda c: worst[c]) if worst else None
+
+
+def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    """Mean square of the residuals as unit noise."""
+    white = context.seen_with(hypothesis).whitened(hypothesis, column)
+    return float(np.mean(white**2)) if len(white) else 0.0
+
+
+def _lasting(hypothesis: Hypothesis) -> Hypothesis:
+    """Without effects of time and load: each recording begins anew, and may have a payload of its own."""
+    for name in list(hypothesis):
+        if effect(name).regime == "time" or {"load", "weight"} & set(effect(name).needs):
+            hypothesis = hypothesis.without(name)
+    return hypothesis
+
+
+def _told(base: Context, other: Context, found: Hypothesis, column: int) -> Contradiction:
+    first, second = (part.views[0].span for part in (base, other))
+    nominal, left = _rms(other, other.known, column), _rms(other, found, column)
+    names = tuple(term.effect for term in found.on(column))
+    is_nominal = all(_power(other, other.known, c) < NOTHING for c in other.columns)
+    return Contradiction(first.name, second.name, other.joints[column], names, nominal, left, is_nominal)
+
+
+def _rms(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    kept = context.views[0].span.valid[:, column]
+    residual = context.seen_with(hypothesis).residual(0, hypothesis, column)
+    return float(np.sqrt(np.mean(residual[kept] ** 2)))

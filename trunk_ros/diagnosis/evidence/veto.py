@@ -1,0 +1,65 @@
+"""What does not help on samples that the fit did not see is no finding, and is in no model."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+import numpy as np
+
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.discrepancy.curves import redrawn
+from trunk_ros.diagnosis.evidence.cross_validation import fold_of
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
+from trunk_ros.effects import effect
+
+
+def harmless(state: Fit) -> Fit:
+    """Without the effects, joint by joint, that blocks which a fit has not seen are better off without.
+
+    One at a time, the worst first. What the model has already stays.
+    """
+    while (worst := _worst(state)) is not None:
+        state = refit(state.context, state.hypothesis.without(*worst))
+    return state
+
+
+def _worst(state: Fit) -> tuple[str, int | None] | None:
+    harm = {which: _harm(state, *which) for which in _removable(state)}
+    worst = max(harm, key=harm.__getitem__, default=None)
+    return worst if worst is not None and harm[worst] > 0.0 else None
+
+
+def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
+    for name, term in state.hypothesis.items():
+        if name not in state.context.known:
+            seen = [c for c in term.columns if c in state.context.columns]
+            yield from ((name, c) for c in ([None] if effect(name).everywhere and seen else seen))
+
+
+def _harm(state: Fit, name: str, column: int | None) -> float:
+    """By how much squared unit-noise residuals that a fit has not seen are larger with an effect."""
+    columns = state.hypothesis[name].columns if column is None else [column]
+    columns = [c for c in columns if c in state.context.columns]
+    with_it = unseen(state.context, state.hypothesis, columns)
+    return with_it - unseen(state.context, state.hypothesis.without(name, column), columns)
+
+
+def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -> float:
+    """Squared unit-noise residuals on some columns, each block of time judged by a fit to the others."""
+    total = 0.0
+    for fold in (0, 1):
+        rows = [fold_of(len(view.span.rows)) == fold for view in context.views]
+        half, judged = context.only([~r for r in rows]), context.only(rows)
+        fitted = _fitted(half, hypothesis, columns)
+        total += sum(float(np.sum(judged.whitened(fitted, c) ** 2)) for c in columns)
+    return total
+
+
+def _fitted(half: Context, hypothesis: Hypothesis, columns: Collection[int]) -> Hypothesis:
+    for group in groups(half, hypothesis):
+        if set(group) & set(columns):
+            hypothesis = fit(half, hypothesis, group).hypothesis
+    for column in hypothesis.curved & set(columns):
+        hypothesis = redrawn(half, hypothesis, column)
+    return hypothesis

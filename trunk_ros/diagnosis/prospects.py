@@ -1,0 +1,154 @@
+"""What can be diagnosed from a recording, before anything is fitted: stages, joints, and effects that its
+motion can show.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
+from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.verdict.result import STAGES
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects import Effect, registry
+from trunk_ros.errors import TrunkError
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import TIP, TOPICS
+
+WANTS = {
+    "servo": ("setpoints", "gearbox_states"),
+    "wire": ("gearbox_states", "joint_states"),
+    "arm": ("joint_states", TIP),
+}
+LACKS = {
+    "load": "the load is not known: give masses in the model, or record effort",
+    "weight": "the model has no masses",
+    "dead_band": "the model has no dead band to compare with",
+    "several": "there is one joint only",
+}
+RARE = "the recording stops and measures, or always moves alike: nothing is seen of speed and holds"
+MOMENTS = 2000  # of a recording between which a speed is a speed
+ONE_WAY = "no joint turns back: nothing is seen of reversals"
+
+
+@dataclass
+class Prospect:
+    """Of one stage. ``missing``: why it cannot be diagnosed, "" where it can.
+
+    ``joints``: those that can be judged, with the noise [rad] of their readings; ``silent``: those that
+    hardly move. ``unseen``: effects that are not looked for, by the reason.
+    """
+
+    stage: str
+    missing: str = ""
+    joints: dict[str, float] = field(default_factory=dict)
+    silent: list[str] = field(default_factory=list)
+    effects: list[str] = field(default_factory=list)
+    unseen: dict[str, list[str]] = field(default_factory=dict)
+
+
+def prospects(recording: Recording, model: Model) -> list[Prospect]:
+    """For each stage in the order of the signal."""
+    return [_prospect(recording, model, stage) for stage in STAGES]
+
+
+def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
+    there = {*recording.series, *([TIP] if recording.tip is not None else [])}
+    lacking = [TOPICS[key] for key in WANTS[stage] if key not in there]
+    if lacking:
+        return Prospect(stage, f"no {' and no '.join(lacking)} in the recording")
+    if stage == "arm":
+        return _arm(recording, model)
+    try:
+        span = (servo_span if stage == "servo" else wire_span)(recording, model)
+        made = (ServoStage if stage == "servo" else WireStage)([span], model, recording.units)
+        context = Context.of(made)
+    except TrunkError as error:
+        return Prospect(stage, str(error))
+    judged = {context.joints[c]: context.noise[c].std for c in context.columns}
+    silent = [joint for joint in context.joints if joint not in judged]
+    if not judged:
+        return Prospect(stage, "no joint moves enough", silent=silent)
+    seen = [kind.id for kind in usable(context) if not _one_way(context, kind)]
+    return Prospect(stage, "", judged, silent, seen, _unseen(context, seen))
+
+
+def _unseen(context: Context, seen: list[str]) -> dict[str, list[str]]:
+    """The stage's other effects, by the reason why they are not looked for."""
+    out: dict[str, list[str]] = {}
+    for name, kind in registry().items():
+        if kind.stage == context.stage.name and kind.named and kind.tried and name not in seen:
+            out.setdefault(_reason(context, kind), []).append(name)
+    return out
+
+
+def _reason(context: Context, kind: type[Effect]) -> str:
+    if _one_way(context, kind):
+        return ONE_WAY
+    if kind.regime in DYNAMIC and not context.speed_tells:
+        return RARE
+    has = {
+        "load": context.stage.has_load,
+        "weight": context.arm.has_load,
+        "several": len(context.arm.joints) > 1,
+    }
+    return next(LACKS[need] for need in kind.needs if not has.get(need, False))
+
+
+def _one_way(context: Context, kind: type[Effect]) -> bool:
+    return kind.regime == "reversal" and set(context.columns) <= context.stage.one_way
+
+
+def _arm(recording: Recording, model: Model) -> Prospect:
+    arm = model.for_joints(recording.joints).arm if model.any_joints else model.arm
+    if not len(arm.link_length):
+        return Prospect("arm", "the model has no link lengths")
+    if missing := [joint for joint in arm.joints if joint not in recording.joints]:
+        return Prospect("arm", f"joint_states lacks {', '.join(missing)} of the model")
+    effects = [name for name, kind in registry().items() if kind.stage == "arm" and kind.named]
+    return Prospect("arm", "", dict.fromkeys(arm.joints, float("nan")), [], effects)
+
+
+def motion_of(recording: Recording) -> dict[str, dict[str, float]]:
+    """Least and largest angle [rad], top speed [rad/s] and turns of each joint, by joint."""
+    keys = [key for key in ("joint_states", "gearbox_states") if key in recording.series]
+    series = recording.series[keys[0]] if keys else None
+    if series is None:
+        return {}
+    out = {}
+    for joint, column in zip(series.joints, series.position.T, strict=True):
+        known = np.isfinite(column)
+        if known.any():
+            out[joint] = _motion(series.stamp[known], column[known])
+    return out
+
+
+def _motion(stamp: np.ndarray, angle: np.ndarray) -> dict[str, float]:
+    """Of one joint, (n,) each."""
+    every = max(len(stamp) // MOMENTS, 1)  # between neighbours, the speed of noisy readings is noise
+    speed = np.abs(np.diff(angle[::every])) / np.diff(stamp[::every])
+    return {
+        "low": float(angle.min()),
+        "high": float(angle.max()),
+        "speed": float(np.quantile(speed, 0.999)) if len(speed) else 0.0,
+        "turns": turns(angle),
+    }
+
+
+def turns(angle: np.ndarray) -> int:
+    """How often a joint (n,) rad turns back by more than a twentieth of its range."""
+    least, way, extreme, out = float(np.ptp(angle)) / 20.0, 0.0, float(angle[0]), 0
+    for value in angle.tolist() if least > 0.0 else ():
+        ahead = value - extreme
+        if way == 0.0:
+            way = float(np.sign(ahead)) if abs(ahead) > least else 0.0
+        elif ahead * way < -least:
+            way, extreme, out = -way, value, out + 1
+        if way * ahead > 0.0:
+            extreme = value
+    return out

@@ -1,0 +1,73 @@
+"""Rows of errors for recordings, models and simulators."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from trunk_ros.errors import ArgumentError
+from trunk_ros.evaluate.score import Row, score
+from trunk_ros.evaluate.source import of_model, of_simulator
+from trunk_ros.model import load_model
+from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.recording import Recording
+
+FAILED = 3
+STAGES = ("servo", "wire", "arm")
+
+
+def evaluated(arguments: argparse.Namespace) -> list[Row]:
+    """All rows, recording by recording. Raises TrunkError in one line."""
+    models = [(name, load_model(name)) for name in arguments.model]
+    rows: list[Row] = []
+    names = called(arguments.bag)
+    with Console(stderr=True).status("reading") as status:
+        shared = shared_out(arguments.bag, arguments.against)
+        for bag, called_so, simulators in zip(arguments.bag, names, shared, strict=True):
+            status.update(f"{bag}")
+            recording = read_recording(bag)
+            predictions = [of_model(recording, name, model) for name, model in models]
+            read: list[Recording] = [read_recording(path) for path in simulators]
+            predictions += [
+                of_simulator(recording, str(path), one, read[0])
+                for path, one in zip(simulators, read, strict=True)
+            ]
+            rows += score(called_so, predictions, arguments.settle)
+    kept = [row for row in rows if row.stage in (arguments.stage or STAGES)]
+    if not kept:
+        raise ArgumentError("evaluate: none of the recordings has a signal of these stages to compare")
+    return kept
+
+
+def called(bags: Sequence[str]) -> list[str]:
+    """What the bags are called: the names of their folders or files, whole paths where these are the same."""
+    short = [Path(bag).name for bag in bags]
+    return [bag if short.count(name) > 1 else name for bag, name in zip(bags, short, strict=True)]
+
+
+def shared_out(bags: Sequence[str], simulators: Sequence[str]) -> list[list[str]]:
+    """The simulator's recordings of each bag's motion: one after the other, as the bags are given."""
+    if len(simulators) % len(bags):
+        raise ArgumentError(
+            f"evaluate: {len(bags)} recordings and {len(simulators)} of --against: give each simulator's "
+            "recordings of the same motions, in the same order"
+        )
+    return [list(simulators[k :: len(bags)]) for k in range(len(bags))]
+
+
+def verdict(rows: Sequence[Row], most: float | None) -> int:
+    """3, and a line on stderr, where an rms error is more than ``most`` times the noise."""
+    above = [row for row in rows if most is not None and not row.in_noise <= most]
+    if not above:
+        return 0
+    worst = max(above, key=lambda row: row.in_noise)
+    print(
+        f"trunk_ros: {len(above)} of {len(rows)} signals err by more than {most:g} times the noise, "
+        f"most of all {worst.stage} {worst.joint} of {worst.recording} ({worst.model}): {worst.in_noise:.2f}",
+        file=sys.stderr,
+    )
+    return FAILED

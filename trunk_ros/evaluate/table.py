@@ -1,0 +1,53 @@
+"""Rows for people, and as CSV."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from trunk_ros.evaluate.score import Row
+
+SCALE = {"rad": (1e3, "mrad"), "m": (1e3, "mm")}
+
+
+def show(rows: Sequence[Row], console: Console) -> None:
+    """A row for each signal; where there are several recordings or models, the models beside each other."""
+    table = Table("recording", "model", "stage", "joint", box=None, pad_edge=False)
+    for head in ("rms before", "rms", "worst before", "worst", "noise", "rms/noise"):
+        table.add_column(head, justify="right")
+    for row in rows:
+        factor, unit = SCALE.get(row.unit, (1.0, row.unit))
+        sizes = (row.rms_before, row.rms_after, row.worst_before, row.worst_after, row.noise)
+        said = [f"{size * factor:.3g} {unit}" for size in sizes]
+        table.add_row(row.recording, row.model, row.stage, row.joint, *said, f"{row.in_noise:.2f}")
+    console.print(table)
+    if len({(row.recording, row.model) for row in rows}) > 1:
+        console.print(summary(rows))
+
+
+def summary(rows: Sequence[Row]) -> Table:
+    """A line for each model: rms over noise of all its signals, in the median and at the worst."""
+    table = Table("model", box=None, pad_edge=False, title="rms/noise", title_justify="left")
+    for head in ("signals", "median", "worst", "where"):
+        table.add_column(head, justify="left" if head == "where" else "right")
+    for model in dict.fromkeys(row.model for row in rows):
+        mine = [row for row in rows if row.model == model]
+        worst = max(mine, key=lambda row: row.in_noise)
+        median = float(np.median([row.in_noise for row in mine]))
+        where = f"{worst.recording}, {worst.stage} {worst.joint}"
+        table.add_row(model, str(len(mine)), f"{median:.2f}", f"{worst.in_noise:.2f}", where)
+    return table
+
+
+def save_csv(rows: Sequence[Row], path: Path) -> None:
+    """The columns of ``--json``, a line for each row."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, [field.name for field in fields(Row)])
+        writer.writeheader()
+        writer.writerows(asdict(row) for row in rows)

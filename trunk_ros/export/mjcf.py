@@ -1,0 +1,288 @@
+"""Effects in MuJoCo's own terms, by its MjSpec."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.errors import TrunkError
+from trunk_ros.export.markup import commented, parse, to_text
+from trunk_ros.export.mjcf_actuator import Drive, drive_of, tag_of
+from trunk_ros.export.mjcf_play import add_play
+from trunk_ros.export.sheet import Writer
+from trunk_ros.model import Model, Values
+
+STIFF = (0.999, 0.9999, 0.001, 0.5, 2.0)  # solimp of friction and of stops that hold
+PAYLOAD, GRAIN = "payload", 1e-3  # m, its radius
+SAGS = "payload {:.4g} kg: no mass in the file, since the servos' findings have what it does to the motors"
+NO_TIP = "payload {:.4g} kg: no site is called tip, so the file has no mass there"
+BEARING = (
+    1.5  # times the largest weight's moment: what a bearing rubs so that a link stays within its backlash
+)
+LEAST = 1e-3  # N m
+POSTURES = 200  # in which weight is looked at
+FREE = 1e3  # rad
+
+
+class MjcfWriter(Writer):
+    """Writes into an MJCF file. Where a joint has a position actuator, play and compliance are said by
+    friction and stiffness; under a bare motor a play is a joint of its own.
+    """
+
+    def __init__(self, model: Model, path: Path):
+        """Raises TrunkError where MuJoCo is not installed or cannot read the file."""
+        super().__init__(model)
+        mujoco = the_engine()
+        try:
+            self.spec = mujoco.MjSpec.from_file(str(path))
+            self.spec.compile()
+        except (ValueError, OSError) as error:
+            raise TrunkError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
+        self.mujoco = mujoco
+        self.drives = {joint: drive_of(mujoco, self.spec, joint) for joint in self.joints}
+        absent = [joint for joint in self.joints if self.spec.joint(joint) is None]
+        if len(absent) == len(self.joints):
+            there = ", ".join(joint.name for joint in self.spec.joints if joint.name)
+            raise TrunkError(f"{path}: none of the joints {', '.join(absent)} is in it (there are {there})")
+        self.remarks += [f"{joint}: not in the file" for joint in absent]
+
+    def text(self) -> str:
+        try:
+            self.spec.compile()
+        except ValueError as error:
+            raise TrunkError(f"what was written does not compile in MuJoCo: {error}") from None
+        root = parse(self.spec.to_xml(), "MuJoCo's own file")
+        commented(root, self.lines)
+        return to_text(root)
+
+    def lags(self) -> list[float]:
+        """How far each joint's own position loop is behind a steady command [s]; 0 where it has none."""
+        return [drive.lag(self._damping(joint)) if drive else 0.0 for joint, drive in self.drives.items()]
+
+    def ratio_error(self, values: Values) -> Values:
+        """The actuator's gear; its stiffness about the joint stays."""
+
+        def write(joint: str, relative: float) -> bool:
+            drive = self.drives[joint]
+            if drive is None:
+                return False
+            drive.gear(1.0 / (1.0 + relative))
+            return self._told(drive, f"ratio_error {relative:+.4g}: gear")
+
+        return self.each(values, "relative", write)
+
+    def joint_coupling(self, values: Values) -> Values:
+        """The actuator pulls a tendon over both joints in the place of the joint."""
+        if values.get("form", "angle") != "angle" or any(f"gain_{k}" in values for k in (2, 3)):
+            return values
+        sources = dict(zip(self.joints, values.get("source", ()), strict=False))
+
+        def write(joint: str, gain: float) -> bool:
+            drive, source = self.drives[joint], sources.get(joint, "")
+            if drive is None or self.spec.joint(source) is None:
+                return False
+            name = drive.couple(self.spec, joint, source, gain)
+            self.note("fixed", name, f"joint_coupling of {joint}: {gain:.4g} of {source}")
+            return True
+
+        return self.each(values, "gain", write)
+
+    def backlash(self, values: Values) -> Values:
+        """Friction over the actuator's stiffness is a play; a motor without stiffness gets a joint that has
+        play, and a bearing that holds the link within it.
+        """
+        return self.each(values, "half_width", self._play)
+
+    def load_elasticity(self, values: Values) -> Values:
+        """A spring in series with the actuator's: less stiffness."""
+        if values.get("payload"):
+            return self._carried(values)
+
+        def write(joint: str, compliance: float) -> bool:
+            drive = self.drives[joint]
+            if drive is None or compliance < 0.0:
+                return False
+            drive.soften(compliance)
+            return self._told(drive, f"load_elasticity {compliance:.4g} rad/(N m): kp, kv")
+
+        return self.each(values, "compliance", write)
+
+    def wire_slack(self, values: Values) -> Values:
+        """Left to the layer, but for the mass."""
+        return self._carried(values)
+
+    def wire_stiffening(self, values: Values) -> Values:
+        """Left to the layer, but for the mass."""
+        return self._carried(values)
+
+    def load_droop(self, values: Values) -> Values:
+        """The same at the setpoint."""
+        gain = float(values["gain"])
+        drives = [drive for drive in self.drives.values() if drive is not None]
+        if gain < 0.0 or len(drives) < len(self.joints):
+            return values
+        for k, drive in enumerate(drives):
+            drive.soften(gain * abs(float(self.model.arm.ratio[k])))
+            self._told(drive, f"load_droop {gain:.4g} rad/(N m): kp, kv")
+        return {}
+
+    def viscous_lag(self, values: Values) -> Values:
+        """Damping over the actuator's stiffness."""
+
+        def write(joint: str, constant: float) -> bool:
+            drive, own = self.drives[joint], self.spec.joint(joint)
+            if drive is None:
+                return False
+            damping = np.atleast_1d(own.damping).copy()
+            damping[0] += constant * drive.stiffness
+            own.damping = damping if np.ndim(own.damping) else float(damping[0])
+            self.note("joint", joint, f"viscous_lag {constant:.4g} s: damping")
+            return True
+
+        return self.each(values, "time_constant", write)
+
+    def hard_stop(self, values: Values) -> Values:
+        """The joint's range."""
+        side = 1 if values.get("form", "upper") == "upper" else 0
+
+        def write(joint: str, end: float) -> bool:
+            own = self.spec.joint(joint)
+            if own is None:
+                return False
+            low, high = own.range if own.range[0] < own.range[1] else (-FREE, FREE)
+            ends = [low, high]
+            ends[side] = min(high, end) if side else max(low, end)
+            own.range, own.limited = ends, True
+            own.solref_limit = [2.0 * self.spec.option.timestep, 1.0]
+            own.solimp_limit = list(STIFF)
+            self.note("joint", joint, f"hard_stop at {end:.4g} rad: range")
+            return True
+
+        return self.each(values, ("lower", "upper")[side], write)
+
+    def servo_delay(self, values: Values) -> Values:
+        """The actuators' own delay, where this MuJoCo has it."""
+        return self._late(float(values["delay"]), self._actuators(), "servo_delay", values)
+
+    def sensor_delay(self, values: Values) -> Values:
+        """The delay of the joints' sensors, where all of them have one."""
+        kind = self.mujoco.mjtSensor.mjSENS_JOINTPOS
+        found = {s.objname: s for s in self.spec.sensors if s.type == kind and s.objname in self.joints}
+        ready = list(found.values()) if set(found) == set(self.joints) else []
+        return self._late(float(values["delay"]), ready, "sensor_delay", values)
+
+    def servo_bandwidth(self, values: Values) -> Values:
+        """The actuators' gain."""
+        if not all(self.drives.values()):
+            return values
+        for drive in self.drives.values():
+            assert drive is not None
+            drive.strengthen(1.0 + float(values["relative"]))
+            self._told(drive, f"servo_bandwidth {values['relative']:+.4g}: kp")
+        return {}
+
+    def link_length_error(self, values: Values) -> Values:
+        """Where the next joint, or the tip, sits on the link."""
+
+        def write(joint: str, longer: float) -> bool:
+            own = self.spec.joint(joint)
+            if own is None:
+                return False
+            bodies = [body for body in own.parent.bodies if body.name != PAYLOAD]
+            beyond = [*bodies, *(site for site in own.parent.sites if "tip" in site.name)]
+            if not beyond:
+                return False
+            place = beyond[0]
+            length = float(np.linalg.norm(place.pos))
+            if length == 0.0:
+                return False
+            place.pos = np.array(place.pos) * (1.0 + longer / length)
+            place.name = place.name or f"{joint}_next"
+            tag = "body" if bodies else "site"
+            self.note(tag, place.name, f"link_length_error of {joint} {longer:+.4g} m: pos")
+            return True
+
+        return self.each(values, "length_error", write)
+
+    def base_tilt(self, values: Values) -> Values:
+        """The turn of the body that the first joint is in."""
+        own = self.spec.joint(self.joints[0])
+        if own is None:
+            return values
+        body, angle = own.parent, float(np.asarray(values["angle"]).ravel()[0])
+        turned = np.zeros(4)
+        turn = np.array([np.cos(angle / 2), np.sin(angle / 2), 0.0, 0.0])
+        self.mujoco.mju_mulQuat(turned, turn, np.array(body.quat, dtype=float))
+        body.quat = turned
+        body.name = body.name or f"{own.name}_link"
+        self.note("body", body.name, f"base_tilt {angle:+.4g} rad about X: quat")
+        return {}
+
+    def _play(self, joint: str, half_width: float) -> bool:
+        own, drive = self.spec.joint(joint), self.drives[joint]
+        if own is None:
+            return False
+        if drive is None:
+            rub = add_play(self.mujoco, self.spec, joint, half_width)
+            text = f"backlash of {joint}: {half_width:.4g} rad to either side"
+            self.note("joint", f"{joint}_backlash", text)
+            self.note(
+                "fixed", f"{joint}_link", f"{joint}'s link behind its play; its bearing rubs {rub:.3g} N m"
+            )
+            self.remarks.append(f"{joint}: its link's angle is the tendon {joint}_link; {joint} is the motor")
+            return True
+        own.frictionloss = float(own.frictionloss) + half_width * drive.stiffness
+        own.solref_friction = [2.0 * self.spec.option.timestep, 1.0]
+        own.solimp_friction = list(STIFF)
+        text = f"backlash {half_width:.4g} rad: frictionloss over the actuator's stiffness"
+        self.note("joint", joint, text)
+        return True
+
+    def _carried(self, values: Values) -> Values:
+        """The payload as a mass; the layer has its sag in the wire. What it does to the motors comes with the
+        mass, unless the servos' findings have it already.
+        """
+        sites = [site for site in self.spec.sites if "tip" in site.name]
+        mass = float(values.get("payload", 0.0))
+        if mass and sites and not {"load_droop", "unknown_servo"} & set(self.model.effects):
+            body = sites[0].parent.add_body(name=PAYLOAD, pos=sites[0].pos)
+            ball = self.mujoco.mjtGeom.mjGEOM_SPHERE
+            body.add_geom(type=ball, size=[GRAIN, 0, 0], mass=mass, contype=0, conaffinity=0)
+            self.note("body", PAYLOAD, f"payload {mass:.4g} kg at the tip")
+        elif mass:
+            self.remarks.append(SAGS.format(mass) if sites else NO_TIP.format(mass))
+        return values
+
+    def _late(self, delay: float, elements: list[Any], name: str, values: Values) -> Values:
+        if not elements or not hasattr(elements[0], "delay"):
+            return values
+        for element in elements:
+            element.delay = float(element.delay) + delay
+            element.nsample = int(np.ceil(element.delay / self.spec.option.timestep)) + 2
+            element.interp = 1
+            element.name = element.name or f"{getattr(element, 'objname', '') or element.target}_{name}"
+            tag = tag_of(element) if name == "servo_delay" else "jointpos"
+            self.note(tag, element.name, f"{name} {delay:.4g} s: delay")
+        return {}
+
+    def _actuators(self) -> list[Any]:
+        drives = list(self.drives.values())
+        return [drive.actuator for drive in drives if drive] if all(drives) else []
+
+    def _damping(self, joint: str) -> float:
+        return float(np.atleast_1d(self.spec.joint(joint).damping)[0])
+
+    def _told(self, drive: Drive, text: str) -> bool:
+        self.note(tag_of(drive.actuator), drive.actuator.name, text)
+        return True
+
+
+def the_engine() -> Any:
+    """The module ``mujoco``. Raises TrunkError where it is not installed."""
+    try:
+        import mujoco
+    except ImportError:
+        raise TrunkError("MuJoCo is not installed: pip install mujoco, or trunk_ros[mujoco]") from None
+    return mujoco

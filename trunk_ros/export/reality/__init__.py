@@ -1,0 +1,5 @@
+"""What a simulator lacks, laid around it: commands on their way in, joint states on their way out."""
+
+from trunk_ros.export.reality.layer import RealityLayer
+
+__all__ = ["RealityLayer"]

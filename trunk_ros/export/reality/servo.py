@@ -1,0 +1,108 @@
+"""What a servo lacks, before the command goes to the simulator's own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.effect import Effect
+from trunk_ros.effects.filters import lag_step
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.export.reality.blocks import Block, core_of
+from trunk_ros.export.reality.past import Past
+from trunk_ros.export.reality.scene import Scene
+from trunk_ros.model import Model
+from trunk_ros.moment import sines
+
+
+class Servo:
+    """Delay, top speed, another bandwidth, droop, cogging and dead zone, on commands (environments, joints).
+
+    The simulator's own position loop stays in its place: only what it lacks is put before it.
+    """
+
+    def __init__(self, model: Model, environments: int):
+        arm, effects = model.arm, model.bound("servo")
+        self.blocks = [Block(e, arm, environments) for e in effects if e.place == Effect.CORE]
+        self.behind = [Block(e, arm, environments) for e in effects if e.place > Effect.CORE]
+        scene = Scene(arm, model.duration, 0.0, *(np.zeros((1, len(arm.joints))),) * 3)
+        core = core_of(scene.gearbox)
+        for block in [Block(e, arm, 1) for e in effects if e.place == Effect.CORE]:
+            block.adjust(core, scene)
+        columns = environments * len(arm.joints)
+
+        def spread(values: Array) -> Array:
+            return np.tile(np.broadcast_to(values, len(arm.joints)), environments)
+
+        self.fastest = spread(core.v_max)
+        self.gain = spread(core.kp)
+        self.kp = arm.kp
+        self.cogging = core.cogging if core.cogging.shape[1] > 1 else None
+        self.past = Past(spread(core.delay)) if np.any(core.delay > 0.0) else None
+        self.before: Array | None = None
+        self.low: Array = np.zeros(columns)
+        self.stuck: Array | None = None
+
+    def step(self, command: Array, scene: Scene, now: float, anew: np.ndarray | None) -> Array:
+        """The command (environments, joints) as it reaches the simulator's servo."""
+        if not self.blocks and not self.behind:
+            return command
+        shape = command.shape
+        x: Array = command.reshape(-1)
+        columns = None if anew is None else np.repeat(anew, shape[1])
+        if self.past is not None:
+            if columns is not None:
+                self.past.restart(columns, x)
+            x = self.past.step(now, x)
+        if self.before is None:
+            self.before, self.low = x.copy(), x.copy()
+        elif columns is not None:
+            self.before[columns] = self.low[columns] = x[columns]
+        x = self._shaped(x, scene.dt).reshape(shape)
+        core = core_of(x)
+        for block in self.blocks:
+            block.adjust(core, scene)
+        x = x + core.pull
+        if self.cogging is not None:
+            size, cycles, phase = self.cogging
+            x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
+        x = self._stopped_short(x, core.dead_zone, columns)
+        for block in self.behind:
+            x = block.run(x, scene, anew)
+        return x
+
+    def _shaped(self, x: Array, dt: float) -> Array:
+        """No faster than the top speed, and K'/K + (1 - K'/K) lag of 1/K' in the place of what K leaves."""
+        assert self.before is not None
+        out = np.empty_like(x)
+        shape_commands(x, dt, self.fastest, self.gain, self.kp, self.before, self.low, out)
+        return out
+
+    def _stopped_short(self, x: Array, zone: Array, anew: np.ndarray | None) -> Array:
+        """What a loop makes of errors that it does not answer to: it stops short by the zone."""
+        if not zone.any():
+            return x
+        flat = x.reshape(1, -1)
+        if self.stuck is not None and anew is not None:
+            self.stuck = np.where(anew, flat[0], self.stuck)
+        out, self.stuck = SharpPlay().run(flat, zone.reshape(1, -1), self.stuck)
+        return out.reshape(x.shape)
+
+
+@compiled
+def shape_commands(
+    x: Array, dt: float, fastest: Array, gain: Array, kp: float, before: Array, low: Array, out: Array
+) -> None:
+    """Commands (columns,) held back to a speed, then with the bandwidth ``gain`` times ``kp`` instead of
+    ``kp``; ``before`` and ``low`` (columns,) are the memory.
+    """
+    for j in range(len(x)):
+        most = fastest[j] * dt
+        y = min(max(x[j], before[j] - most), before[j] + most) if dt > 0.0 else before[j]
+        if gain[j] != 1.0:
+            ramp, decay = lag_step(dt, 1.0 / (kp * gain[j]))
+            low[j] = ramp * y + (1.0 - ramp - decay) * before[j] + decay * low[j]
+            out[j] = gain[j] * y + (1.0 - gain[j]) * low[j]
+        else:
+            out[j] = y
+        before[j] = y

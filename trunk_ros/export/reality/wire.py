@@ -1,0 +1,81 @@
+"""What a transmission lacks, between a simulator's motors and its joints."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.export.reality.blocks import Block, core_of, mixed
+from trunk_ros.export.reality.past import Past
+from trunk_ros.export.reality.scene import Scene
+from trunk_ros.model import Model
+from trunk_ros.stage import SENSOR
+
+DELAYS = {("sensor_delay", ""): "delay", ("viscous_lag", "shift"): "time_constant"}
+
+
+class Late:
+    """An effect that is no more than a delay, with room for no more than it needs."""
+
+    def __init__(self, delay: Array, environments: int):
+        self._past = Past(np.tile(delay, environments))
+
+    def run(self, x: Array, scene: Scene, anew: np.ndarray | None = None) -> Array:
+        """Pass (environments, joints) through."""
+        flat = x.reshape(-1)
+        if anew is not None:
+            self._past.restart(np.repeat(anew, x.shape[1]), flat)
+        return self._past.step(scene.stamp, flat).reshape(x.shape)
+
+
+class Wire:
+    """The effects of a model's wire on (environments, joints), split at the joint: ``drive`` and ``show``."""
+
+    def __init__(self, model: Model, environments: int):
+        effects = model.bound("wire")
+        self.path, self.core, self.after, self.sensor = (
+            [block_of(e, model, environments) for e in effects if low <= e.place < high]
+            for low, high in (
+                (0, Effect.CORE), (Effect.CORE, Effect.CORE + 1), (Effect.CORE + 1, SENSOR), (SENSOR, 10**9)
+            )
+        )  # fmt: skip
+        self.stuck: object = None
+
+    def drive(self, scene: Scene, clock: Scene, anew: np.ndarray | None) -> Array:
+        """Joint angles (environments, joints) [rad] that the gearbox angles of a scene give."""
+        u = np.ascontiguousarray(scene.gearbox * scene.arm.ratio)
+        for block in self.path:
+            u = block.run(u, scene, anew)
+        if self.core:
+            u = self._friction(u, scene, anew)
+        for block in self.after:
+            u = block.run(u, clock if isinstance(block, Late) else scene, anew)
+        return u
+
+    def show(self, state: Array, scene: Scene, clock: Scene, anew: np.ndarray | None) -> Array:
+        """What the joints' sensors say (environments, joints) [rad] of joints at ``state``."""
+        for block in self.sensor:
+            state = block.run(state, clock if isinstance(block, Late) else scene, anew)
+        return state
+
+    def _friction(self, u: Array, scene: Scene, anew: np.ndarray | None) -> Array:
+        core = core_of(u)
+        for block in self.core:
+            assert isinstance(block, Block)
+            block.adjust(core, scene)
+        element, flat, width = core.rounding or SharpPlay(), u.reshape(1, -1), core.width.reshape(1, -1)
+        before = self.stuck
+        out, self.stuck = element.run(flat, width, before)
+        if anew is not None and before is not None:
+            columns = np.repeat(anew, u.shape[1])
+            fresh, memory = element.run(flat, width, None)
+            out, self.stuck = np.where(columns, fresh, out), mixed(self.stuck, memory, columns)
+        return np.asarray(out.reshape(u.shape))
+
+
+def block_of(effect: Effect, model: Model, environments: int) -> Block | Late:
+    """An effect as a block over many environments."""
+    name = DELAYS.get((effect.id, effect.form))
+    return Late(effect[name], environments) if name else Block(effect, model.arm, environments)

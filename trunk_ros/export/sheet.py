@@ -1,0 +1,102 @@
+"""What became of each effect in another simulator's file."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from trunk_ros.effects import effect
+from trunk_ros.export.missing import missing
+from trunk_ros.model import Model, Values
+
+
+@dataclass(frozen=True)
+class Line:
+    """One thing that was written: the element it is in, and where it comes from."""
+
+    tag: str
+    name: str
+    text: str
+
+
+@dataclass
+class Sheet:
+    """The new file, what was written into it, and what is left for the reality layer."""
+
+    text: str
+    lines: list[Line]
+    layer: Model
+    remarks: list[str] = field(default_factory=list)
+
+    @property
+    def left(self) -> list[str]:
+        """What the layer adds, a sentence each with its size."""
+        return [f"{name}: {sizes(self.layer, name, values)}" for name, values in self.layer.in_order()]
+
+
+class Writer(ABC):
+    """Writes effects into a file: a method named as an effect takes its values, writes what the format can
+    say, and returns what is left of them.
+    """
+
+    def __init__(self, model: Model):
+        """``model``: what the simulator lacks, over its own ratios."""
+        self.model = model
+        self.joints = model.arm.joints
+        self.lines: list[Line] = []
+        self.remarks: list[str] = []
+
+    @abstractmethod
+    def text(self) -> str:
+        """The file with what was written, each with a comment."""
+
+    def run(self) -> Sheet:
+        """Write all effects."""
+        left: dict[str, Values] = {}
+        for name, values in self.model.in_order():
+            write: Callable[[Values], Values] | None = getattr(self, name, None)
+            rest = values if write is None else write(values)
+            if rest and effect(name).stage == "arm":
+                self.remarks.append(f"{name}: {sizes(self.model, name, rest)}: this file has no place for it")
+            elif rest:
+                left[name] = rest
+        return Sheet(self.text(), self.lines, replace(self.model, effects=left), self.remarks)
+
+    def each(self, values: Values, key: str, write: Callable[[str, float], bool]) -> Values:
+        """Write a value per joint; what is left where ``write`` could not."""
+        kind = next(name for name, v in self.model.effects.items() if v is values)
+        null = effect(kind).parameter(key).null
+        sizes_ = np.broadcast_to(np.asarray(values[key], dtype=float), (len(self.joints),)).copy()
+        for k, joint in enumerate(self.joints):
+            if sizes_[k] != null and write(joint, float(sizes_[k])):
+                sizes_[k] = null
+        return {**values, key: sizes_} if np.any(sizes_ != null) else {}
+
+    def note(self, tag: str, name: str, text: str) -> None:
+        """Remember what was written where."""
+        self.lines.append(Line(tag, name, text))
+
+
+def sheet_of(model: Model, simulation: Model | None, writer: Callable[[Model], Writer]) -> Sheet:
+    """What a simulator lacks, written by the writer of its format."""
+    lacking = missing(model, simulation)
+    out = writer(lacking.model).run()
+    out.remarks = [*lacking.remarks, *out.remarks]
+    return out
+
+
+def sizes(model: Model, name: str, values: Values) -> str:
+    """The leading parameter of an effect, by joint where it has one each."""
+    lead = effect(name).own_parameters(str(values.get("form", effect(name).forms[0])))[0]
+    given = np.asarray(values.get(lead.name, lead.null), dtype=float)
+    unit = "" if lead.unit == "1" else f" {lead.unit}"
+    if lead.shared or given.ndim == 0:
+        return f"{lead.name} {float(given):.4g}{unit}"
+    if not effect(name).named:
+        over = zip(model.arm.joints, values.get("on", ()), strict=False)
+        return f"a curve on {', '.join(joint for joint, on in over if on)}"
+    own = [f"{j} {v:.4g}{unit}" for j, v in zip(model.arm.joints, given, strict=True) if v != lead.null]
+    return f"{lead.name} {', '.join(own)}"

@@ -1,0 +1,1 @@
+"""Which recordings, of which arm, and of when."""

@@ -1,0 +1,1 @@
+"""Each recording diagnosed once, whatever happens to the run."""

@@ -1,0 +1,1 @@
+"""What servo_driver and wire_elasticity are made of."""

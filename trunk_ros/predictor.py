@@ -1,0 +1,36 @@
+"""What a model says of recordings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from trunk_ros.model import Model
+    from trunk_ros.recording.recording import Recording
+
+
+class Predictor:
+    """The part of a model that predicts and is scored."""
+
+    def predict(self, recording: Recording, source: str = "gearbox_states") -> Recording:
+        """The joint readings (and, from ``setpoints``, the gearbox) that the model expects in a recording;
+        stamps are those of its ``joint_states``. Raises RecordingError where ``source`` is missing.
+        """
+        from trunk_ros.simulate import simulate
+
+        return simulate(recording, cast("Model", self), source)
+
+    def score(self, recording: Recording, after: float = 5.0) -> dict[str, float]:
+        """Root mean square error [rad] of the predicted readings of each joint, ``after`` s from the start.
+
+        Raises RecordingError where the recording has no ``joint_states``.
+        """
+        predicted = self.predict(recording).series["joint_states"]
+        measured = recording.require("joint_states").select(predicted.joints)
+        _, here, there = np.intersect1d(measured.stamp, predicted.stamp, return_indices=True)
+        error = measured.position[here] - predicted.position[there]
+        kept = measured.stamp[here] >= after
+        rms = np.sqrt(np.nanmean(error[kept] ** 2, axis=0))
+        return dict(zip(predicted.joints, rms.tolist(), strict=True))
