@@ -15,7 +15,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.arm.description import Description
-from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in
+from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in, per_joint
 from trunk_ros.arm.parameters import ANY_JOINTS, RENAMED, check_names, checked, declared_arm
 from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
@@ -33,12 +33,16 @@ class Model(Predictor):
     words to lists.
 
     ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold
-    their value at its end.
+    their value at its end. ``error`` and ``reach`` (joints,) rad are what it left of samples that its fit
+    did not
+    see, and how far from their mean the motors went there, joint side, rms; empty where that is not known.
     """
 
     arm: Arm
     effects: Mapping[str, Values] = field(default_factory=dict)
     duration: float = 0.0
+    error: Array = field(default_factory=lambda: np.empty(0))
+    reach: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def any_joints(self) -> bool:
@@ -61,6 +65,8 @@ class Model(Predictor):
             return replace(
                 self,
                 arm=_spread(self.arm, joints),
+                error=_per_joint(self.error, len(joints)),
+                reach=_per_joint(self.reach, len(joints)),
                 effects={
                     name: {key: _per_joint(value, len(joints)) for key, value in values.items()}
                     for name, values in self.effects.items()
@@ -108,7 +114,8 @@ class Model(Predictor):
         effects = {
             name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()
         }
-        return replace(self, arm=self.loaded_arm().only(joints), effects=effects)
+        error, reach = (known[columns] if len(known) else known for known in (self.error, self.reach))
+        return replace(self, arm=self.loaded_arm().only(joints), effects=effects, error=error, reach=reach)
 
     def bound(self, stage: str) -> list[Effect]:
         """The effects of a stage as blocks over all joints, in physical order."""
@@ -127,6 +134,11 @@ class Model(Predictor):
         """Flat ROS parameters, effects at their null left out."""
         flat = arm_parameters(self.arm)
         flat["recording.duration"] = float(self.duration)
+        flat |= {
+            f"recording.{name}": known.tolist()
+            for name, known in (("error", self.error), ("reach", self.reach))
+            if len(known)
+        }
         for name, values in self.in_order():
             for key, value in _effect_values(effect(name), values, self.arm.joints).items():
                 flat[f"effects.{name}.{key}"] = np.asarray(value).tolist()
@@ -154,7 +166,8 @@ class Model(Predictor):
             if values:
                 effects[name] = values
         _check_rivals(effects)
-        return Model(arm, effects, given.get("recording.duration", 0.0))
+        known = {name: per_joint(given, f"recording.{name}", len(arm.joints)) for name in ("error", "reach")}
+        return Model(arm, effects, given.get("recording.duration", 0.0), **known)
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""

@@ -26,6 +26,7 @@ from test.effects.example import (
 from trunk_ros.chain import Chain, State
 from trunk_ros.compiled import Array
 from trunk_ros.effects import registry
+from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.effect import Effect
 from trunk_ros.model import Model
 
@@ -76,6 +77,8 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
     if kind.stage == "arm":  # a shift has no leading direction
         nulls = {p.name: p.null if p.shared else np.full(5, p.null) for p in kind.parameters}
         with_lead_at_null |= {name: null for name, null in nulls.items() if name in values}
+    if issubclass(kind, Bank):
+        with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters if p.name.startswith("weight")}
     without = run(Model(arm_of(5)), kind.stage, theta, stamp)
     assert run(Model(arm_of(5), {name: with_lead_at_null}), kind.stage, theta, stamp) == pytest.approx(
         without, abs=1e-12

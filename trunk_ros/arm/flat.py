@@ -40,11 +40,11 @@ def arm_from(flat: Mapping[str, Any], folder: Path | None = None) -> Arm:
         dead_band=_array(flat, "wire.dead_band", here, wire.dead_band if wire else 0.0),
         lower=_array(flat, "arm.lower", here, lower),
         upper=_array(flat, "arm.upper", here, upper),
-        link_length=_optional(flat, "arm.link_length", here),
-        link_mass=_optional(flat, "arm.link_mass", here),
+        link_length=per_joint(flat, "arm.link_length", here),
+        link_mass=per_joint(flat, "arm.link_mass", here),
         compliance=wire.compliance
         if wire and not _given(flat, "wire.compliance")
-        else _optional(flat, "wire.compliance", here),
+        else per_joint(flat, "wire.compliance", here),
         payload=flat.get("arm.payload", 0.0),
         gravity=_gravity(flat),
         mounting=_three(flat, "arm.mounting"),
@@ -207,7 +207,8 @@ def _given(flat: Mapping[str, Any], name: str) -> bool:
     return not bool(np.all(np.isnan(flat.get(name, np.nan))))
 
 
-def _optional(flat: Mapping[str, Any], name: str, joints: int) -> Array:
+def per_joint(flat: Mapping[str, Any], name: str, joints: int) -> Array:
+    """(joints,) values, empty where they are not given. Raises ModelError for a wrong number."""
     return _array(flat, name, joints, 0.0) if _given(flat, name) else np.empty(0)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, add_settle
 from trunk_ros.commands.console import say
 from trunk_ros.commands.progress import progress
 from trunk_ros.errors import ArgumentError
@@ -48,6 +48,7 @@ def parser() -> Parser:
     out.add_argument("--from-time", metavar="T", help="begin there: in s, or in %% of the recording")
     out.add_argument("--until", metavar="T", help="end there: in s, or in %% of the recording")
     out.add_argument("--namespace", metavar="NS", help="of the arm, such as /left, where bags hold several")
+    add_settle(out)
     out.add_argument("--overwrite", action="store_true", help="replace DIR if it holds an earlier diagnosis")
     return out
 
@@ -67,7 +68,15 @@ def main(argv: list[str]) -> int:
     with progress(SHARES) as step:
         step("reading")
         result = diagnose(
-            asked.bag, model, asked.against, asked.from_time, asked.until, step, asked.namespace, urdf
+            asked.bag,
+            model,
+            asked.against,
+            asked.from_time,
+            asked.until,
+            step,
+            asked.namespace,
+            urdf,
+            asked.settle,
         )
         result.provenance = {
             "command": shlex.join(["trunk_ros", "diagnose", *argv]),

@@ -17,8 +17,9 @@ from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import completed, shifted
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
-from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
+from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence, evidence, spreads
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.evidence.veto import harmless
@@ -33,7 +34,7 @@ from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding, Plots, Unexplained
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.wire import WireStage, settled
 from trunk_ros.effects import effect
 from trunk_ros.errors import ModelError, RecordingError
 from trunk_ros.model import Model, Values
@@ -41,6 +42,7 @@ from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import time_range
 from trunk_ros.recording.topics import TIP_TOPIC
+from trunk_ros.start import SETTLE
 from trunk_ros.transmission import uncoupled
 
 Progress = Callable[[str], None]
@@ -56,6 +58,7 @@ def diagnose(
     progress: Progress = lambda _: None,
     namespace: str | None = None,
     urdf: str = "",
+    settle: float = SETTLE,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
@@ -65,7 +68,8 @@ def diagnose(
     URDF that has the links; without, a model for any joints takes the recorded ``robot_description``.
     ``against``: a simulator's recording of the same motion; what it does is found from it first, by default
     from an ideal transmission, and takes the place of the model.
-    ``namespace``: of the arm, where recordings hold several.
+    ``namespace``: of the arm, where recordings hold several. ``settle``: seconds of measured joint angles
+    that tell how the wires lay where a recording that stops to measure begins; 0: none.
     Raises RecordingError or ModelError in one line.
     """
     several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
@@ -79,14 +83,14 @@ def diagnose(
     nominal, read = described(model, read, urdf)
     read, mixed = put_right(read, nominal)
     if other is None:
-        return Diagnoser(read, nominal, None, progress, mixed).run()
+        return Diagnoser(read, nominal, None, progress, mixed, settle=settle).run()
     if nominal.arm.coupling is not None:
         raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
     progress("what the simulation has itself")
     simulator = identified(
         other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, experiments=False).run()
     )
-    result = Diagnoser(read, simulator.model, simulator, progress, mixed).run()
+    result = Diagnoser(read, simulator.model, simulator, progress, mixed, settle=settle).run()
     return told_as_differences(result, simulator.model, simulator.found)
 
 
@@ -101,10 +105,11 @@ class Diagnoser:
         progress: Progress,
         mixed: Sequence[list[MixUp]] = (),
         experiments: bool = True,
+        settle: float = SETTLE,
     ):
         """``mixed``: what is mixed up in each recording, and left out of it."""
         self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
-        self.experiments = experiments
+        self.experiments, self.settle = experiments, settle
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -126,6 +131,8 @@ class Diagnoser:
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
+        self.error: dict[str, float] = {}
+        """Joint error [rad] that the fit left of samples that it did not see."""
         self.lasting: dict[str, float] = {}
         """Joint noise [rad] that lasts from sample to sample."""
 
@@ -141,9 +148,22 @@ class Diagnoser:
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
-        self.result.model = replace(self.model, effects=kept, duration=longest)
+        self.result.model = self._with_limits(replace(self.model, effects=kept, duration=longest))
         self.result.quality = _by_name(self.recordings, self.model, self.mixed)
         return self.result
+
+    def _with_limits(self, model: Model) -> Model:
+        """The model with what it left, and how far the motors went; as it is where no wire was compared."""
+        if not self.error:
+            return model
+        arm = model.arm
+        wires = np.concatenate([s.gearbox * arm.only(self.joints).ratio for s in self.spans])
+        reach = dict(zip(self.joints, np.std(wires, axis=0), strict=True))
+        return replace(
+            model,
+            error=np.array([self.error.get(joint, 0.0) for joint in arm.joints]),
+            reach=np.array([reach.get(joint, 0.0) for joint in arm.joints]),
+        )
 
     def _say_what_is_mixed_up(self) -> None:
         """What was left out for it is not explained."""
@@ -201,10 +221,14 @@ class Diagnoser:
         state = harmless(done.state)
         part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
         found = evidence(part, state)
+        state = with_banks(settled(state, self.settle))
+        found = found | banks_evidence(state)
         std, context = spreads(state), state.context
         errors = held_out(state)
         effects = state.hypothesis.model_effects(len(stage.joints))
         self.effects |= on_the_arm(effects, stage.joints, self.model.arm.joints)
+        if stage.name == "wire":
+            self.error = {stage.joints[c]: e.after for c, e in errors.items()}
         self.result.stages[stage.name] = {
             "compared": True,
             "joints": {

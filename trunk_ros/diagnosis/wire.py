@@ -13,12 +13,14 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.resistance import loads
 from trunk_ros.stage import Order, State, through
+from trunk_ros.start import Driven, first_rows, history
 
 STANDING = 40  # steps that a stand is looked at
 
@@ -66,6 +68,34 @@ class WireStage(Stage):
         angles = chain.angles(span.gearbox, span.grid, span.velocity, span.resistance)
         load, lever = loads(self.arm, angles, span.resistance)
         return replace(view, angles=angles, load=load, lever=lever)
+
+
+def settled(state: Fit, seconds: float) -> Fit:
+    """Fitted with recordings that stop to measure beginning as a hypothesis says that their wires lay,
+    going by the joint angles of the first ``seconds``.
+    """
+    context = state.context
+    if seconds <= 0.0 or not any(view.span.before for view in context.views):
+        return state
+    effects = state.hypothesis.model_effects(len(context.joints))
+    chain = Chain(Model(context.arm, effects), "wire")
+    views = tuple(_with_a_start(chain, view, seconds) for view in context.views)
+    looked = replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
+    return refit(looked, state.hypothesis)
+
+
+def _with_a_start(chain: Chain, view: View, seconds: float) -> View:
+    span, before = view.span, view.span.before
+    if not before:
+        return view
+    seen = first_rows(span.stamp, seconds)
+    angles = np.where(span.valid, span.target, np.nan)[:seen]
+    known = None if span.resistance is None else span.resistance.part(slice(before, None))
+    rows = span.rows[:seen] - before
+    driven = Driven(span.gearbox[before:], span.grid[before:], rows, angles, span.velocity[before:], known)
+    path = span.gearbox.copy()
+    path[:before] = path[before] + history(chain, driven) / chain.arm.ratio
+    return replace(view, span=replace(span, source=path, gearbox=path), wires=path * chain.arm.ratio)
 
 
 def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Array) -> Array:

@@ -130,6 +130,8 @@ class Effect(ABC):
     named: ClassVar[bool] = True
     """It is known physics; curves that stand in for what nobody has named are not."""
     compensable: ClassVar[bool] = True
+    remembers: ClassVar[bool] = False
+    """What moved before a recording began shows in it, however long ago; the friction element always does."""
     tried: ClassVar[bool] = True
     """The diagnosis tries it; others are switched on in a model by hand."""
     shifts_links: ClassVar[bool] = False
