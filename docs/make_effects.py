@@ -83,7 +83,7 @@ def parameters(kind: type[Effect]) -> Iterator[str]:
     """The table of an effect's parameters; numbered ones that are all alike share a row."""
     yield "| parameter | unit | bounds | absent at | |"
     yield "|---|---|---|---|---|"
-    many = ("value_", "weight_", "low_", "high_")
+    many = ("moment_", "value_", "weight_", "low_", "high_")
     shown = [p for p in kind.parameters if not p.name.startswith(many)]
     for p in shown:
         low, high = p.bounds
