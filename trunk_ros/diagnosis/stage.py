@@ -92,9 +92,11 @@ class Stage(ABC):
     def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
 
-    def seen(self, views: tuple[View, ...], hypothesis: Hypothesis) -> tuple[View, ...]:
-        """With the angles and loads that a hypothesis predicts, where the stage has any."""
-        return views
+    def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
+        """What is seen with the angles and loads that a hypothesis predicts, where the stage has any; as it
+        is where they are nearly the same.
+        """
+        return context.views
 
     def noises(self, found: list[Noise]) -> list[Noise]:
         """Noise (joints,) as it is estimated, at least what is known of the sensors."""
