@@ -26,7 +26,8 @@ stands here is what the code says. [Physics](physics.md) explains the mechanisms
 [Adding an effect](adding-an-effect.md) how to write one.
 
 Pictures show the nominal arm with the effect less the nominal arm without it, joint 2 of five that all move:
-over time, with the joint angle in grey, and over what the effect depends on. Blue: joint moving up; red: down; grey: at rest.
+over time, with the joint angle in grey, and over what the effect depends on.
+Blue: joint moving up; red: down; grey: at rest.
 
 """
 

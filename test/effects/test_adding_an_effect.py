@@ -25,8 +25,7 @@ wanted = 0.2 * np.sin(stamp[:, None] * [1.0, 1.1, 1.2, 1.3, 1.4])
 
 
 def test_the_example_is_short() -> None:
-    shown = re.findall(r"```python
-(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    shown = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert len([line for line in shown[0].splitlines() if line]) <= 16
 
 
