@@ -137,7 +137,7 @@ def test_info_gives_the_reason_why_an_effect_is_not_looked_for(
 ) -> None:
     told = json.loads(said(capsys, "info", str(bag), "-m", "direct", "--json"))["stages"]["wire"]
     reasons = {name: reason for reason, names in told["unseen"].items() for name in names}
-    assert "load is not known" in reasons["load_elasticity"]
+    assert "load is unknown" in reasons["load_elasticity"]
     assert "no nominal backlash" in reasons["tension_error"]
 
 
