@@ -177,8 +177,8 @@ def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
             out[tuple(varies)] = Unexplained(context.stage.name, [joint], regime, share, varies, "")
     for rest in out.values():
         on = f" and depends on {' and '.join(rest.depends_on)}" if rest.depends_on else ""
-        share = f"{rest.share:.1%} of the residual's power stays unexplained"
-        rest.statement = f"{', '.join(rest.joints)}: {share}{on}."
+        unexplained = f"{rest.share:.1%} of the residual's power stays unexplained"
+        rest.statement = f"{', '.join(rest.joints)}: {unexplained}{on}."
     return list(out.values())
 
 
