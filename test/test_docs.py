@@ -24,7 +24,12 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *s
 PACKAGE = ROOT / "trunk_ros"
 DIAGNOSIS, RECORDING = PACKAGE / "diagnosis", PACKAGE / "recording"
 BASES = [ROOT, PACKAGE, DIAGNOSIS, RECORDING, PACKAGE / "nodes", PACKAGE / "fleet", PACKAGE / "effects"]
-MADE = {"verdict/report.html", "verdict/model.yaml", "test/bench/releases/", "test/bench/releases/VERSION.json"}
+MADE = {
+    "verdict/report.html",
+    "verdict/model.yaml",
+    "test/bench/releases/",
+    "test/bench/releases/VERSION.json",
+}
 """What commands and releases make."""
 ROOMS = {"trunk_ros", "test", "docs", "config", "launch", "tools", "requirements"} | {
     room.name for room in (*DIAGNOSIS.iterdir(), *RECORDING.iterdir()) if room.is_dir()
@@ -90,7 +95,8 @@ def test_every_link_leads_somewhere(page: Path) -> None:
 def test_every_path_in_backticks_exists(page: Path) -> None:
     inside = re.findall(r"`([\w.-]*(?:/[\w.-]*)+|\w+\.py)`", without_code(page))
     named = {name for name in inside if name.partition("/")[0] in ROOMS or name.endswith(".py")} - MADE
-    there = {name for name in named for room in BASES if (room / name).exists() or (room / f"{name}.py").exists()}
+    tried = {name: [room / f"{name}{end}" for room in BASES for end in ("", ".py")] for name in named}
+    there = {name for name, places in tried.items() if any(place.exists() for place in places)}
     assert named - there == set()
 
 
