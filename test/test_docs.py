@@ -1,6 +1,6 @@
 """What the pages show can be used as it stands, and what they name exists."""
 
-import importlib
+import importlib.util
 import re
 import shlex
 from pathlib import Path
@@ -117,6 +117,13 @@ def test_every_make_target_on_a_page_exists(page: Path) -> None:
     targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
     shown = re.findall(r"(?:^|`)make ([a-z]+)", page.read_text(encoding="utf-8"), re.MULTILINE)
     assert set(shown) <= set(targets)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_module_that_a_page_runs_exists(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    modules = set(re.findall(r"python -m ((?:trunk_ros|test)(?:\.\w+)*)", text))
+    assert [module for module in modules if importlib.util.find_spec(module) is None] == []
 
 
 def test_index_and_site_have_every_page() -> None:
