@@ -14,15 +14,26 @@ from test.concealed.bag import write_bag
 from test.concealed.case import Case, draw_case
 from test.concealed.generate import write_case
 from test.concealed.removed import nominal_angle, read_angles, servo_angles
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis
+from trunk_ros.model import load_model
 
 
 def _answers(case: Case, job: score.Job, arguments: list[str]) -> None:
     """Diagnoses by the answer, and simulates by the noise-free angle."""
     out = Path(arguments[arguments.index("--output") + 1])
     if arguments[0] == "diagnose":
-        found = [{**one, "confidence": 1.0, "equivalents": [], "parameters": {}} for one in case.truth]
+        said = {
+            "confidence": 1.0,
+            "equivalents": [],
+            "parameters": {},
+            "depends_on": [],
+            "statement": "It is so.",
+        }
+        keys = ("effect", "stage", "joints", "regime")
+        found = [{key: one[key] for key in keys} | said | {"evidence": {}, "curve": {}} for one in case.truth]
         out.mkdir()
-        (out / "diagnosis.json").write_text(json.dumps({"verdict": "explained", "findings": found}))
+        told = Diagnosis({s: {"compared": False} for s in STAGES}, [], [], [], load_model("trunk")).to_json()
+        (out / "diagnosis.json").write_text(json.dumps(told | {"verdict": "explained", "findings": found}))
     else:
         topics = {"joint_states": {**case.test.topics["joint_states"], "position": case.test.theta_clean}}
         write_bag(replace(case.test, topics=topics), out)

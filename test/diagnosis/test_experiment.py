@@ -191,7 +191,7 @@ def test_what_it_promises_is_what_the_arm_shows(
     (duel,) = done.duels
     for truth in TRUTHS:
         bag = made(tmp_path / truth.effect, truth, proposed(ambiguous[0] / FILE), 1)
-        problem_there = context.over([wire_span(read_recording(bag), context.model)])
+        problem_there = context.over([wire_span(read_recording(bag), context.stage.model)])
         samples = sum(problem_there.count(c) for c in duel.columns)
         ruled_out = all(  # joints that move alike are the same source: any may come first
             other.refitted(problem_there, duel.columns)[0] - samples > duel.wanted(problem_there, other)

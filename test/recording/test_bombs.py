@@ -70,7 +70,7 @@ def test_the_option_lifts_the_bounds(tmp_path, monkeypatch):
     with pytest.raises(RecordingError, match=allowance.OPTION):
         read_recording(bag)
     monkeypatch.setenv(allowance.VARIABLE, "0")
-    Parser("any command").parse_args([allowance.OPTION])
+    Parser("any", "Any command.").parse_args([allowance.OPTION])
     assert len(read_recording(bag).series["joint_states"].stamp) == 2000
 
 

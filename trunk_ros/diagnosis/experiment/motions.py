@@ -74,8 +74,11 @@ def limits_of(context: Context) -> Limits:
     """
     arm, views = context.arm, context.views
     seen = np.concatenate([view.span.gearbox * arm.ratio for view in views])
-    speed = np.concatenate([np.abs(view.span.velocity * arm.ratio) for view in views])
-    bend = np.concatenate([_bend(view.span.velocity * arm.ratio, view.span.grid) for view in views])
+    recorded = [
+        (view.span.velocity[b:] * arm.ratio, view.span.grid[b:]) for view in views for b in [view.span.before]
+    ]
+    speed = np.concatenate([np.abs(velocity) for velocity, _ in recorded])
+    bend = np.concatenate([_bend(*each) for each in recorded])
     done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))
     noise = np.array([each.std for each in context.noise])
     shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else UNSEEN * noise / step**2
