@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
+from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, spreads
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
@@ -221,7 +222,8 @@ class Diagnoser:
             "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
-        new = [f for f in findings(context, state.hypothesis, found, std) if not is_known(context, f)]
+        named = findings(context, state.hypothesis, found, std, determined(state))
+        new = [f for f in named if not is_known(context, f)]
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, power in powers(context, state.hypothesis).items() if power > STRONG}

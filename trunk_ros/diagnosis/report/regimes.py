@@ -1,0 +1,52 @@
+"""When a finding's regime holds: stretches of time in which what it is about can be seen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.report.signals import Signal, joint_angle, reversals
+from trunk_ros.diagnosis.verdict.result import Diagnosis
+
+JUST = 0.05  # of the joint's range after a reversal
+SLOW, FAST, STILL = 0.15, 0.6, 0.01  # of the joint's largest speed
+JOINED = 0.004  # of the recording: shorter gaps between stretches are none to the eye
+MEANING = {
+    "reversal": "the first 5 % of the range after a reversal",
+    "low_speed": "moving at less than 15 % of the largest speed",
+    "high_speed": "above 60 % of the largest speed",
+    "hold": "at rest",
+}
+
+
+def stretches(result: Diagnosis, signal: Signal, regime: str) -> list[tuple[float, float]]:
+    """Times [s] between which a regime holds; none for regimes that hold throughout."""
+    angle = joint_angle(result, signal)
+    if regime not in MEANING or angle is None or len(signal.stamp) < 3:
+        return []
+    return _spans(signal.stamp, _within(regime, signal.stamp, angle))
+
+
+def _within(regime: str, stamp: Array, angle: Array) -> np.ndarray:
+    """(n,) where it holds."""
+    speed = np.abs(np.gradient(angle, np.maximum.accumulate(stamp + 1e-9 * np.arange(len(stamp)))))
+    top = float(np.quantile(speed, 0.99))
+    if regime == "reversal":
+        return np.asarray((reversals(angle)[1] < JUST * float(np.ptp(angle))) & (speed > STILL * top))
+    if regime == "low_speed":
+        return np.asarray((speed > STILL * top) & (speed < SLOW * top))
+    return np.asarray(speed > FAST * top if regime == "high_speed" else speed <= STILL * top)
+
+
+def _spans(stamp: Array, within: np.ndarray) -> list[tuple[float, float]]:
+    """Stretches of a mask (n,), neighbours joined."""
+    changes = np.flatnonzero(np.diff(np.concatenate([[0], within.astype(int), [0]])))
+    gap = JOINED * float(stamp[-1] - stamp[0])
+    out: list[tuple[float, float]] = []
+    for first, last in zip(changes[::2], changes[1::2] - 1, strict=True):
+        start, end = float(stamp[first]), float(stamp[last])
+        if out and start - out[-1][1] < gap:
+            out[-1] = (out[-1][0], end)
+        else:
+            out.append((start, end))
+    return out
