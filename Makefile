@@ -61,6 +61,7 @@ docs: setup
 
 proof: setup
 	$(PYTHON) -m test.concealed.proof
+	$(PYTHON) -m test.space_proof $(if $(FULL),,--seconds 100)
 
 # Pins what setup.py and requirements/dev.in ask for. One lock for every CPython: it is made for the oldest.
 lock: setup

@@ -23,6 +23,7 @@ REQUIRES = [
     "mcap>=1.2.1",
     "lz4>=4.0",
     "zstandard>=0.22",
+    "pin>=3.4; platform_system != 'Windows'",  # Pinocchio; on Windows conda has it
 ]
 ROS = [
     "ros-jazzy-rclpy~=7.1",
@@ -42,6 +43,9 @@ ROS = [
 
 MUJOCO = [
     "mujoco-core>=4.0",
+]
+SHOW = [
+    "rerun-sdk>=0.31",
 ]
 TABLES = [
     "pandas>=2.1",
@@ -95,7 +99,7 @@ setup(
         *share("launch"),
     ],
     install_requires=REQUIRES,
-    extras_require={"ros": ROS, "mujoco": MUJOCO, "tables": TABLES, "fleet": FLEET},
+    extras_require={"ros": ROS, "mujoco": MUJOCO, "show": SHOW, "tables": TABLES, "fleet": FLEET},
     entry_points={"console_scripts": scripts()},
     zip_safe=False,
 )

@@ -15,6 +15,7 @@ from PIL import Image
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect
+from trunk_ros.effects.bank import WEIGHTS, Bank
 from trunk_ros.effects.curve import KNOTS
 from trunk_ros.model import Model, load_model
 from trunk_ros.motion import named_trajectory
@@ -70,9 +71,13 @@ BY_REGIME = {
 OVER: dict[str, Over] = {
     "transmission_ripple": GEARBOX, "cogging": GEARBOX, "friction_wear": TIME, "link_resonance": STANDING,
     "load_elasticity": LOAD, "wire_slack": LOAD, "wire_stiffening": LOAD, "load_dependent_friction": LOAD,
-    "load_droop": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME, "unknown_slips": TIME,
+    "load_droop": LOAD, "link_compliance": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME,
+    "unknown_slips": TIME,
     "unknown_dead_zone": GEARBOX,
-    "joint_coupling": ("angle of joint 1 [rad]", lambda s: s.theta[:, 0]),
+    **dict.fromkeys(
+        ("joint_coupling", "coupling_curve", "coupling_drag"),
+        ("angle of joint 1 [rad]", lambda s: s.theta[:, 0]),
+    ),
     "presliding_hysteresis": ("travel since the reversal [mrad]", lambda s: travel(s)),
     "link_length_error": ("direction of link 2 [rad]", lambda s: s.theta[:, 0] + s.theta[:, 1]),
     "base_tilt": ("height of the tip [m]", lambda s: height(s)),
@@ -133,7 +138,12 @@ def usual(kind: type[Effect], joints: int) -> dict[str, Any]:
             if kind.stage == "arm" and not p.shared:
                 values[p.name] = np.where(np.arange(joints) == JOINT, size, 0.0)
     if kind.texts and "on" not in kind.texts:
-        values[kind.texts[0]] = [f"joint_{k or joints}" for k in range(joints)]
+        own = issubclass(kind, Bank) and kind.own
+        values[kind.texts[0]] = [f"joint_{k + 1 if own else k or joints}" for k in range(joints)]
+    if issubclass(kind, Bank):
+        bend = 0.01 * np.sin(0.9 * np.arange(1, WEIGHTS + 1))
+        values |= {f"weight_1_{i}": np.full(joints, bend[i - 1]) for i in range(1, WEIGHTS + 1)}
+        values |= {"low_1": np.full(joints, 0.02 if kind.remembers else -0.4)}
     if "on" in kind.texts:
         bump = 1e-3 * np.sin(np.linspace(0.0, 7.0, KNOTS))
         low, high = RANGES.get(kind.id, (-0.4, 0.4))
@@ -150,7 +160,9 @@ def residual(kind: type[Effect], seen: Scene) -> tuple[Array, str]:
     x = seen.theta if kind.stage == "arm" else seen.gearbox
     out, plain = (Chain(each, kind.stage).run(x, seen.stamp)[0] for each in (model, Model(arm)))
     if kind.stage == "arm":
-        return 1e3 * (out - plain)[:, 0], "y of the tip [mm]"
+        moved = 1e3 * (out - plain)[:, [1, 2, 0]]
+        most = int(np.argmax((moved**2).sum(axis=0)))
+        return moved[:, most], f"{'yzx'[most]} of the tip [mm]"
     return 1e3 * (out - plain)[:, JOINT], "residual [mrad]"
 
 

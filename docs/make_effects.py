@@ -11,6 +11,7 @@ DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS.parent))
 
 from trunk_ros.effects import Effect, registry  # noqa: E402
+from trunk_ros.effects.bank import Bank  # noqa: E402
 from trunk_ros.parameter import Parameter  # noqa: E402
 
 STAGES = {
@@ -83,14 +84,17 @@ def parameters(kind: type[Effect]) -> Iterator[str]:
     """The table of an effect's parameters; numbered ones that are all alike share a row."""
     yield "| parameter | unit | bounds | absent at | |"
     yield "|---|---|---|---|---|"
-    shown = [p for p in kind.parameters if not p.name.startswith("value_")]
+    many = ("value_", "weight_", "low_", "high_")
+    shown = [p for p in kind.parameters if not p.name.startswith(many)]
     for p in shown:
         low, high = p.bounds
         yield f"| `{p.name}` | {p.unit} | {low:g} … {high:g} | {p.null:g} | {meaning(p)} |"
-    values = [p for p in kind.parameters if p not in shown]
-    if values:
-        p, low, high = values[0], *values[0].bounds
-        yield f"| `{p.name}` … `{values[-1].name}` | {p.unit} | {low:g} … {high:g} | 0 | {meaning(p)} |"
+    for begin in many:
+        values = [p for p in kind.parameters if p.name.startswith(begin)]
+        if values:
+            p, low, high = values[0], *values[0].bounds
+            ends = f"`{p.name}` … `{values[-1].name}`"
+            yield f"| {ends} | {p.unit} | {low:g} … {high:g} | {p.null:g} | {meaning(p)} |"
     for text in kind.texts:
         yield f"| `{text}` | word | | | one per joint |"
 
@@ -111,7 +115,9 @@ def facts(kind: type[Effect]) -> Iterator[str]:
         yield f"- Forms: {', '.join(f'`{form}`' for form in kind.forms)}. A fit chooses."
     if kind.everywhere:
         yield "- Acts on all joints alike and is judged for the arm as a whole."
-    if not kind.tried:
+    if issubclass(kind, Bank):
+        yield "- The diagnosis tries it last, on joints where the other effects leave much of the residual."
+    elif not kind.tried:
         yield "- The diagnosis does not try it: it is switched on in a model by hand."
     if kind.replaces:
         yield f"- Includes {', '.join(f'`{name}`' for name in kind.replaces)}."

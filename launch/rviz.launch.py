@@ -48,7 +48,7 @@ def ghost(name: str) -> list[Node]:
     model = {"model": ParameterValue(LaunchConfiguration(name), value_type=str)}
     frames = {"frame_prefix": ParameterValue(f"{name}/", value_type=str)}
     gearbox = [("trunk/gearbox_states", "/trunk/gearbox_states")]
-    program = f"{shlex.quote(sys.executable)} -m trunk_ros.urdf '"
+    program = f"{shlex.quote(sys.executable)} -m trunk_ros.arm.urdf '"
     urdf = ParameterValue(Command([program, LaunchConfiguration(name), "'"]), value_type=str)
     quiet = {"publish_description": False}
     return [

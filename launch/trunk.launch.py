@@ -106,7 +106,7 @@ def state_publisher(given: dict[str, str]) -> list[Node]:
     The arm is the simulated one; where none is, that of the compensator's model.
     """
     model = given["model" if given["simulate"] == "false" else "plant_model"]
-    urdf = Command(shlex.join([sys.executable, "-m", "trunk_ros.urdf", model]))
+    urdf = Command(shlex.join([sys.executable, "-m", "trunk_ros.arm.urdf", model]))
     parameters = {
         "robot_description": ParameterValue(urdf, value_type=str),
         "frame_prefix": text(frame_prefix(given)),

@@ -9,7 +9,7 @@ import yaml
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.__main__ import main
-from trunk_ros.description import declared_arm
+from trunk_ros.arm.parameters import declared_arm
 from trunk_ros.effects import effect, registry
 from trunk_ros.model import load_model
 from trunk_ros.recording.importing.mapping import load_mapping

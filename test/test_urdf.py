@@ -5,8 +5,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from trunk_ros.arm.urdf import main, urdf
 from trunk_ros.model import load_model
-from trunk_ros.urdf import main, urdf
 
 ARM = load_model("trunk").arm
 

@@ -56,7 +56,8 @@ class Chain:
             raise ModelError(f"unknown stage {stage!r}: choose wire, servo or arm")
         self.stage = stage
         self.model = model
-        self.arm: Arm = model.loaded_arm()
+        self.motors: Arm = model.loaded_arm()
+        self.arm = self.motors.uncoupled() if stage == "wire" else self.motors
         self.effects = model.bound(stage)
         self.order = Order.of(self.effects)
         self.duration = model.duration if hold_time else None
@@ -76,15 +77,27 @@ class Chain:
         recording.
 
         wire: gearbox angle to joint reading; servo: setpoint to gearbox angle; arm: joint angle to tip (n,
-        3) y, z, roll.
+        7), see ``tip``.
         ``velocity`` (n, joints): speed of the gearbox where it is measured; ``resistance``: what a
         recording tells of the load.
         """
         if self.stage == "arm":
-            return self.tip(x, stamp), State(float(stamp[-1]), x[-1], x[-1])
-        advance = self._wire if self.stage == "wire" else self._servo
-        out, _, after = self._blockwise(advance, x, stamp, state, Given(velocity, resistance))
+            now = self._look(stamp, x, state.x if state else None, state, UNKNOWN)
+            return tip_pass(self.arm, self.effects, x, now), State(float(stamp[-1]), x[-1], x[-1])
+        if self.stage == "servo":
+            out, _, after = self._blockwise(self._servo, x, stamp, state, Given(velocity, resistance))
+            return out, after
+        out, _, after = self._blockwise(self._wire, *self._led(x, velocity, stamp, state, resistance))
         return out, after
+
+    def _led(
+        self, x: Array, velocity: Array | None, stamp: Array, state: State | None, known: Resistance | None
+    ) -> tuple[Array, Array, State | None, Given]:
+        """What the wires see of motors that move several joints: one path of its own for each."""
+        if self.motors.coupling is not None:
+            x = self.motors.driven(x)
+            velocity = None if velocity is None else self.motors.driven(velocity)
+        return x, stamp, state, Given(velocity, known)
 
     def invert(self, y: Array, stamp: Array, state: State | None = None) -> tuple[Array, State]:
         """Wire: the gearbox angle (n, joints) that makes the joint angle ``y``; never compensates a late
@@ -93,22 +106,20 @@ class Chain:
         if self.stage != "wire":
             raise ModelError(f"the {self.stage} stage has no inverse")
         x, _, after = self._blockwise(self._wire_back, y, stamp, state, UNKNOWN)
-        return x, after
+        return (x if self.motors.coupling is None else self.motors.asked(x)), after
 
     def angles(
         self, x: Array, stamp: Array, velocity: Array | None = None, resistance: Resistance | None = None
     ) -> Array:
         """The joints' own angles (n, joints) under gearbox angles ``x``, before the sensors change them."""
-        return self._blockwise(self._wire, x, stamp, None, Given(velocity, resistance))[1]
+        return self._blockwise(self._wire, *self._led(x, velocity, stamp, None, resistance))[1]
 
     def tip(self, theta: Array, stamp: Array) -> Array:
-        """Tip (n, 3) y, z [m], roll [rad] of joint angles (n, joints).
+        """Tip (n, 7) of joint angles (n, joints): x, y, z [m], quaternion x, y, z, w, in the base link.
 
-        Raises ModelError without link lengths.
+        Raises ModelError where the links are not known.
         """
-        if not self.arm.has_geometry:
-            raise ModelError("the model has no arm.link_length, so there is no tip")
-        return tip_pass(self.arm, self.effects, theta, self._look(stamp, theta, None, None, UNKNOWN))
+        return self.run(theta, stamp)[0]
 
     def _blockwise(
         self, advance: Advance, x: Array, stamp: Array, state: State | None, given: Given
@@ -227,24 +238,24 @@ class Chain:
 
     def _servo(self, x: Array, stamp: Array, state: State | None, given: Given) -> tuple[Array, Array, State]:
         """Gearbox angle (twice) and state: passes until load and gearbox angle agree."""
-        ratio = self.arm.ratio
+        at_joints = self.arm.driven
         past, asked, start = (
             state.core if state else (stamp[:0], x[:0], np.vstack([x[0], np.zeros_like(x[0])]))
         )
         stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
-        last = state.x * ratio if state else None
+        last = at_joints(state.x) if state else None
         phi = np.broadcast_to(start[0], x.shape)
         passes, settled = Passes(state), False
         while not settled:
-            now = self._look(stamp, phi * ratio, last, state, given)
-            now.see(phi, phi * ratio)
+            now = self._look(stamp, at_joints(phi), last, state, given)
+            now.see(phi, at_joints(phi))
             better, after = run_servo(self.arm, self.effects, now, setpoints, stamps, start)
             settled = not now.asked or passes.agree(better, phi)
             phi = better
         out, behind = phi, self.order.after + self.order.sensor
         if behind or now.swing is not None:
-            now = self._look(stamp, phi * ratio, last, state, given)
-            now.see(phi, phi * ratio)
+            now = self._look(stamp, at_joints(phi), last, state, given)
+            now.see(phi, at_joints(phi))
             out = through(phi, behind, now, {}, {})
         kept = max(int(stamps.searchsorted(stamps[-1] - REMEMBERED)) - 1, 0)
         core = stamps[kept:], setpoints[kept:], after

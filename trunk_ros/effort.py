@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.derivatives import HALF_WINDOW, smooth
 from trunk_ros.recording.recording import JointSeries
@@ -31,23 +32,24 @@ class MeasuredLoad:
     """(n, joints): where the moment was measured; where a shaft stands it is what its posture asks for."""
 
 
-def measured_load(gearbox: JointSeries, ratio: Array) -> MeasuredLoad:
+def measured_load(gearbox: JointSeries, ratio: Array, arm: Arm | None = None) -> MeasuredLoad:
     """Load from recorded effort; ``ratio`` (joints,) joint angle per shaft angle.
 
-    Torque is regressed on posture (sine and cosine of each link's heading), acceleration, speed and direction
-    of motion: what goes with direction and speed is friction. Where a shaft stands, its friction may be
+    Torque is regressed on posture, acceleration, speed and direction of motion. Posture: sine and cosine of
+    each link's heading, as of a planar chain; of an ``arm`` with a URDF what any masses of its links would
+    ask for. What goes with direction and speed is friction. Where a shaft stands, its friction may be
     anything, so that the moment there is the posture's, with what it lacks drawn from before and after.
     """
     assert gearbox.effort is not None
     position, effort = fill(gearbox.position), fill(gearbox.effort)
     angle, speed, acceleration = smooth(gearbox.stamp, position)
-    heading = np.cumsum(angle * ratio, axis=1)
+    postures = _postures(angle * ratio, arm)
     way = np.where(np.abs(speed) > MOVES, np.sign(speed), 0.0)
     known = np.isfinite(gearbox.effort)
     columns = [
         _of_joint(
             gearbox.stamp,
-            _posture(heading[:, j:], acceleration),
+            np.column_stack([postures[j], acceleration]),
             speed[:, j],
             way[:, j],
             effort[:, j],
@@ -60,11 +62,15 @@ def measured_load(gearbox: JointSeries, ratio: Array) -> MeasuredLoad:
     return MeasuredLoad(-torque / ratio, friction, moving)
 
 
-def _posture(beyond: Array, acceleration: Array) -> Array:
-    """(n, columns) what the load of a planar chain is made of, whatever its masses; ``beyond``: headings
-    [rad] of the links beyond the joint.
-    """
-    return np.column_stack([np.ones(len(beyond)), np.sin(beyond), np.cos(beyond), acceleration])
+def _postures(theta: Array, arm: Arm | None) -> list[Array]:
+    """For each joint (n, columns) what its load at joint angles (n, joints) is made of."""
+    level = np.ones(len(theta))
+    if arm is None or arm.description is None:
+        heading = np.cumsum(theta, axis=1)
+        sides = [(np.sin(heading[:, j:]), np.cos(heading[:, j:])) for j in range(theta.shape[1])]
+        return [np.column_stack([level, *both]) for both in sides]
+    shares = arm.body.weight_shares(theta, arm.pull)
+    return [np.column_stack([level, *(c for c in shares[:, j].T if c.any())]) for j in range(theta.shape[1])]
 
 
 def _of_joint(

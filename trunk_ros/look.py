@@ -110,6 +110,8 @@ class Look(Now):
         elif name == "speed":
             velocity = self._given.velocity
             value = self._slope() if velocity is None else velocity * self.ratio
+            if velocity is None and self._arm.coupling is not None:  # the path is the joints'
+                value = self._arm.asked(value)
         elif name == "speeds":
             value = self.speed
         else:
@@ -118,14 +120,15 @@ class Look(Now):
         return value
 
     def _moment(self) -> Array:
-        """(n, joints) N m on the joints, from what the arm's ``load`` says."""
+        """(n, joints) N m on the joints, from what the arm's ``load`` says; on motors that move several."""
         if self._given.resistance is not None:
-            return self._given.resistance.load(self._arm, self.angles)
-        load = self._arm.load(self.angles)
-        if not self._inertial:
-            return load
-        speed, acceleration, _ = self.motion
-        return load + self._arm.inertia(self.angles, speed, acceleration)
+            load = self._given.resistance.load(self._arm, self.angles)
+        else:
+            load = self._arm.load(self.angles)
+            if self._inertial:
+                speed, acceleration, _ = self.motion
+                load = load + self._arm.inertia(self.angles, speed, acceleration)
+        return load if self._arm.coupling is None else self._arm.carried(load)
 
     def _motion(self) -> tuple[Array, Array, Array]:
         """Speed and acceleration (n, joints) of the joints from the past alone, and the memory after them."""

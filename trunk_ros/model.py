@@ -6,33 +6,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.description import Description
+from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in, per_joint
+from trunk_ros.arm.parameters import ANY_JOINTS, RENAMED, check_names, checked, declared_arm
+from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
-from trunk_ros.description import (
-    ANY_JOINTS,
-    RENAMED,
-    arm_from,
-    arm_parameters,
-    check_names,
-    checked,
-    declared_arm,
-    shortened,
-)
-from trunk_ros.description import Declaration as Declaration
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.errors import ModelError
+from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
 from trunk_ros.predictor import Predictor
-from trunk_ros.recording import plain_yaml
-from trunk_ros.share import share_folder
 
 Values = dict[str, Any]
 
@@ -43,12 +33,16 @@ class Model(Predictor):
     words to lists.
 
     ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold
-    their value at its end.
+    their value at its end. ``error`` and ``reach`` (joints,) rad are what it left of samples that its fit
+    did not
+    see, and how far from their mean the motors went there, joint side, rms; empty where that is not known.
     """
 
     arm: Arm
     effects: Mapping[str, Values] = field(default_factory=dict)
     duration: float = 0.0
+    error: Array = field(default_factory=lambda: np.empty(0))
+    reach: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def any_joints(self) -> bool:
@@ -71,6 +65,8 @@ class Model(Predictor):
             return replace(
                 self,
                 arm=_spread(self.arm, joints),
+                error=_per_joint(self.error, len(joints)),
+                reach=_per_joint(self.reach, len(joints)),
                 effects={
                     name: {key: _per_joint(value, len(joints)) for key, value in values.items()}
                     for name, values in self.effects.items()
@@ -79,6 +75,28 @@ class Model(Predictor):
         for joint in joints:
             self.arm.index(joint)
         return self
+
+    def with_urdf(self, text: str, recorded: tuple[str, ...]) -> Model:
+        """The model with the links of a URDF; one for any joints takes those of ``recorded`` that move its
+        tip.
+
+        Raises ModelError where the URDF has none of them.
+        """
+        description = Description(text).found(recorded)
+        own = tuple(joint.name for joint in description.arm_joints)
+        joints = tuple(joint for joint in own if joint in recorded) if self.any_joints else self.arm.joints
+        if other := [joint for joint in joints if joint not in own] or (not joints and recorded):
+            raise ModelError(
+                f"the URDF is of another arm: {', '.join(own)} move its {description.tip}, "
+                f"not {', '.join(other)}"
+            )
+        arm = _spread(self.arm, joints) if self.any_joints else self.arm
+        lower, upper = limits_in(description, joints)
+        empty = np.empty(0)
+        arm = replace(
+            arm, description=description, link_length=empty, link_mass=empty, lower=lower, upper=upper
+        )
+        return replace(self, arm=replace(arm, load_from="weight") if arm.has_load else arm)
 
     def only(self, joints: tuple[str, ...]) -> Model:
         """The model of some of the arm's joints, in their order. Raises ModelError for a joint that it
@@ -96,7 +114,8 @@ class Model(Predictor):
         effects = {
             name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()
         }
-        return replace(self, arm=self.loaded_arm().only(joints), effects=effects)
+        error, reach = (known[columns] if len(known) else known for known in (self.error, self.reach))
+        return replace(self, arm=self.loaded_arm().only(joints), effects=effects, error=error, reach=reach)
 
     def bound(self, stage: str) -> list[Effect]:
         """The effects of a stage as blocks over all joints, in physical order."""
@@ -115,14 +134,19 @@ class Model(Predictor):
         """Flat ROS parameters, effects at their null left out."""
         flat = arm_parameters(self.arm)
         flat["recording.duration"] = float(self.duration)
+        flat |= {
+            f"recording.{name}": known.tolist()
+            for name, known in (("error", self.error), ("reach", self.reach))
+            if len(known)
+        }
         for name, values in self.in_order():
             for key, value in _effect_values(effect(name), values, self.arm.joints).items():
                 flat[f"effects.{name}.{key}"] = np.asarray(value).tolist()
         return flat
 
     @staticmethod
-    def from_parameters(flat: Mapping[str, Any]) -> Model:
-        """The model of flat ROS parameters.
+    def from_parameters(flat: Mapping[str, Any], folder: Path | None = None) -> Model:
+        """The model of flat ROS parameters; files that it names are looked for in ``folder``.
 
         Raises ModelError for unknown names, lengths or values out of bounds.
         """
@@ -130,7 +154,7 @@ class Model(Predictor):
         flat = {RENAMED.get(name, name): value for name, value in flat.items()}
         check_names(flat, declared)
         given = {name: checked(declared[name], value) for name, value in flat.items()}
-        arm = arm_from(given)
+        arm = arm_from(given, folder)
         effects: dict[str, Values] = {}
         for name, kind in registry().items():
             own = {
@@ -142,7 +166,8 @@ class Model(Predictor):
             if values:
                 effects[name] = values
         _check_rivals(effects)
-        return Model(arm, effects, given.get("recording.duration", 0.0))
+        known = {name: per_joint(given, f"recording.{name}", len(arm.joints)) for name in ("error", "reach")}
+        return Model(arm, effects, given.get("recording.duration", 0.0), **known)
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""
@@ -246,59 +271,14 @@ def declared_parameters() -> list[Declaration]:
 
 def load_model(name: str | Path) -> Model:
     """Read a model file, or one of those in config/ by name. Raises ModelError in one line."""
-    path = _model_path(name)
+    path = model_path(name)
+    flat = read_parameters(path)
     try:
-        content = plain_yaml.load(path.read_bytes(), references=False)
-    except OSError as error:
-        raise ModelError(f"cannot read the model {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise ModelError(f"{path} {error}") from None
-    try:
-        return Model.from_parameters(dict(_flatten(_tree(content))))
+        return Model.from_parameters(flat, path.parent)
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
 
 
-def _model_path(name: str | Path) -> Path:
-    path = Path(name)
-    if os.path.isfile(path) or len(path.parts) != 1 or path.suffix == ".yaml":  # False, whatever the name
-        return path
-    known = {file.stem: file for file in sorted((share_folder() / "config").glob("*.yaml"))}
-    if str(name) not in known:
-        raise ModelError(f"no model {shortened(str(name))}: give a file or one of {', '.join(known)}")
-    return known[str(name)]
-
-
-def _tree(content: Any) -> dict[str, Any]:
-    """The parameters under '/**', or under the only node there is."""
-    nodes = content if isinstance(content, dict) else {}
-    node = nodes.get("/**") or next(iter(nodes.values()), None)
-    tree = node.get("ros__parameters") if isinstance(node, dict) else None
-    if not isinstance(tree, dict):
-        raise ModelError("not a ROS 2 parameter file: it wants '/**: ros__parameters:' at the top")
-    return {key: value for key, value in tree.items() if key != "use_sim_time"}
-
-
 def save_model(model: Model, path: str | Path) -> None:
     """Write a model as a ROS 2 parameter file."""
-    tree: dict[str, Any] = {}
-    for key, value in model.parameters().items():
-        branch = tree
-        *parents, leaf = key.split(".")
-        for parent in parents:
-            branch = branch.setdefault(parent, {})
-        branch[leaf] = value
-    text = yaml.safe_dump(
-        {"/**": {"ros__parameters": tree}}, sort_keys=False, default_flow_style=None, width=120
-    )
-    Path(path).write_text(text)
-
-
-def _flatten(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
-    if not isinstance(tree, dict):
-        return [(prefix, tree)]
-    return [
-        pair
-        for key, value in tree.items()
-        for pair in _flatten(value, f"{prefix}.{key}" if prefix else str(key))
-    ]
+    write_parameters(model.parameters(), Path(path))

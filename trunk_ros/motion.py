@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.trajectory import Array, Trajectory, TrajectoryError, evaluate
 
 PEAK = 1.875  # peak speed of a rest-to-rest quintic over its mean speed
@@ -15,6 +16,8 @@ FULL_CYCLE = 24.0  # s that all sections take one after the other at full size
 LEAD_IN = 0.5  # s at rest before the first move
 QUICKEST = 0.12  # s for the smallest moves
 REACH_WITHOUT_LIMITS = 0.4  # rad
+APPROACH = 0.5  # of the top speed, on the way to the middle of its range
+FARTHEST = 1.0  # rad to either side, of joints that could go farther: a run is short
 SEED = 134  # the one of 150 with which joints move the least alike: correlation below 0.3 from 12 s on
 
 
@@ -91,9 +94,12 @@ def waypoints(arm: Arm, joint: int, sections: list[Section], seconds: float, siz
     """Postures at rest (k, 2) of one joint: time s, angle rad."""
     rng = np.random.default_rng((SEED, joint))
     centre, reach = joint_range(arm, joint)
-    top = arm.v_max * abs(arm.ratio[joint])
-    points = [(0.0, 0.0), (min(LEAD_IN, seconds / 4), 0.0)]
+    top = arm.top_speed[joint]
+    points = [(0.0, arm.rest[joint]), (min(LEAD_IN, seconds / 4), arm.rest[joint])]
     turn = joint
+    way = abs(centre - arm.rest[joint])
+    if way > 0.0 and (arrival := points[-1][0] + PEAK * way / (top * APPROACH)) <= seconds:
+        points.append((arrival, centre))
     while True:
         for move in sections[turn % len(sections)](rng):
             angle = centre + reach * size * move.target
@@ -109,9 +115,10 @@ def waypoints(arm: Arm, joint: int, sections: list[Section], seconds: float, siz
 def joint_range(arm: Arm, joint: int) -> tuple[float, float]:
     """Centre and half-width of a joint's range [rad]."""
     lower, upper = arm.lower[joint], arm.upper[joint]
-    if not np.isfinite([lower, upper]).all():
+    if not max(abs(lower), abs(upper)) < ANY_ANGLE:
         return 0.0, REACH_WITHOUT_LIMITS
-    return float(lower + upper) / 2, float(upper - lower) / 2
+    reach = min(float(upper - lower) / 2, FARTHEST)
+    return float(np.clip(arm.rest[joint], lower + reach, upper - reach)), reach
 
 
 def merge(joints: tuple[str, ...], paths: list[Array]) -> Trajectory:

@@ -75,7 +75,7 @@ def carried(arm: Arm, gearbox: JointSeries, grid: Array, theta: Array) -> Resist
     """The motors' torque without friction; the computed weight where a joint's torque does not tell, and
     for arms without masses the torque as it is.
     """
-    moment = measured_load(gearbox, arm.ratio).moment
+    moment = measured_load(gearbox, arm.ratio, arm).moment
     measured = np.column_stack([np.interp(grid, gearbox.stamp, column) for column in moment.T])
     known, lever = np.isfinite(measured), arm.lever(theta)
     bare = arm.load(theta) - arm.payload * lever

@@ -11,9 +11,9 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import SubElement
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.urdf import urdf
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import load_model
-from trunk_ros.urdf import urdf
 
 PLUGIN = "topic_based_ros2_control/TopicBasedSystem"
 COMMANDS, STATES = "trunk/reference", "joint_states"

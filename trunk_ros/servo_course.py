@@ -38,7 +38,7 @@ def all_setpoints(recording: Recording, joints: tuple[str, ...], model: Model) -
     if reference is None or not set(joints) <= set(reference.joints):
         return bridged(setpoints, longest=LOST)
     asked = bridged(reference.select(joints), longest=LOST)
-    guide = JointSeries(asked.stamp, joints, asked.position / model.only(joints).arm.ratio)
+    guide = JointSeries(asked.stamp, joints, model.only(joints).arm.asked(asked.position))
     return bridged(setpoints, guide, LOST)
 
 

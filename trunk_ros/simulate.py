@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from trunk_ros.chain import Chain
@@ -15,17 +17,24 @@ from trunk_ros.recording.signal.gaps import bridged, missing
 from trunk_ros.recording.signal.resample import SAME, joint_grid, resample
 from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import LOST, all_setpoints, as_the_servo_went, servo_course
+from trunk_ros.start import SETTLE, Driven, begun, first_rows
+from trunk_ros.transmission import at_joints, by_joint, uncoupled
 
 
-def simulate(recording: Recording, model: Model, source: str = "gearbox_states") -> Recording:
-    """What a model predicts for a recording's gearbox angles or setpoints; recorded joint angles are
-    never read.
+def simulate(
+    recording: Recording, model: Model, source: str = "gearbox_states", settle: float = SETTLE
+) -> Recording:
+    """What a model predicts for a recording's gearbox angles or setpoints. Of recorded joint angles those
+    of the
+    first ``settle`` s are read, to tell how the wires lay as it began; 0: none, memory begins at its centre.
 
     Stamps are those of the recorded ``joint_states``, else of the source. A model with effects is run on
     gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
-    recording = without_wild(recording)
+    recording = by_joint(without_wild(recording), model.arm)
+    if source == "gearbox_states":
+        recording, model = uncoupled(recording, model)
     given = recording.require(source)
     joints = common_joints(recording, model, given)
     given, model = given.select(joints), model.for_joints(joints)
@@ -38,9 +47,14 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
         wanted = recording.series.get("gearbox_states", given).stamp
         grid, rows, kept = joint_grid(wanted, shown_at, beyond=True)
         driven = servo_course(setpoints, grid, model)
-        phi, velocity = resample(driven, grid)
+        phi = resample(driven, grid)[0]
         there = phi[np.clip(np.searchsorted(grid, wanted - SAME), 0, len(grid) - 1)]
-        series["gearbox_states"] = JointSeries(wanted, joints, there)
+        series["gearbox_states"] = JointSeries(wanted, model.only(joints).arm.motor_names, there)
+        driven, model = (
+            at_joints(driven, model.arm, measured=False),
+            replace(model, arm=model.arm.uncoupled()),
+        )
+        phi, velocity = resample(driven, grid)
     else:
         steps = counts(given) if model.effects else np.zeros(len(joints))
         driven = _as_driven(recording, given, steps, model)
@@ -50,9 +64,23 @@ def simulate(recording: Recording, model: Model, source: str = "gearbox_states")
             phi = as_the_servo_went(recording, given, steps, grid, phi, model)
     model = model.only(joints)
     known = resistance(model.arm, driven, grid, phi)
-    theta, _ = Chain(model, "wire").run(phi, grid, velocity=velocity, resistance=known)
+    chain, state = Chain(model, "wire"), None
+    if measured is not None and set(joints) & set(measured.joints):
+        seen = first_rows(measured.stamp[kept], settle)
+        first = Driven(phi, grid, rows[:seen], _readings(measured, joints)[kept][:seen], velocity, known)
+        state = begun(chain, first)
+    theta, _ = chain.run(phi, grid, state, velocity, known)
     series["joint_states"] = JointSeries(shown_at[kept], joints, theta[rows])
     return Recording(recording.name, recording.start_ns, recording.duration, series, units=recording.units)
+
+
+def _readings(measured: JointSeries, joints: tuple[str, ...]) -> Array:
+    """(n, joints) measured angles, NaN for joints that were not."""
+    out = np.full((len(measured.stamp), len(joints)), np.nan)
+    for k, joint in enumerate(joints):
+        if joint in measured.joints:
+            out[:, k] = measured.position[:, measured.joints.index(joint)]
+    return out
 
 
 def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: Model) -> JointSeries:

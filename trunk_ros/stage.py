@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.body import Body
+from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.servo.loop import servo_loop
@@ -151,13 +153,19 @@ def run_servo(
 
 
 def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Array:
-    """Tip (n, 3) of joint angles (n, joints) with the effects of the arm stage."""
-    core = Core(link_length=arm.link_length)
-    for e in effects:
-        if e.place == Effect.CORE:
+    """Tip (n, 7) of joint angles (n, joints) with the effects of the arm stage: x, y, z [m], quaternion x, y,
+    z, w, in the base link. Raises ModelError where the links are not known.
+    """
+    body = arm.body
+    if effects:
+        core = core_of(body)
+        for e in effects:
             e.adjust(core, now)
-    heading, out = theta.cumsum(axis=1), np.empty((len(theta), 3))
-    out[:, 0] = -(np.sin(heading) @ core.link_length)
-    out[:, 1] = np.cos(heading) @ core.link_length
-    out[:, 2] = heading[:, -1]
-    return through(out, [e for e in effects if e.place > Effect.CORE], now, {}, {})
+        body, theta = changed(body, core.geometry), theta + core.bent
+    return body.poses(theta)
+
+
+def core_of(body: Body) -> Core:
+    """What the effects of the arm stage may change of a body."""
+    geometry = Geometry.nominal(len(body.own))
+    return Core(geometry=geometry, along=body.along, across=body.across, beside=body.beside)

@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import lfilter
 
 from test.diagnosis.arms import on, recorded, setpoints_of
+from test.effects.example import in_plane
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
@@ -58,7 +59,9 @@ def bent(effects: dict[str, Any], how: Seen = Seen(), seed: int = 0) -> Recordin
     theta = 0.625 * setpoints_of(30.0, 5, seed)
     theta[:, list(how.still)] = 0.0
     joints = JointSeries(stamp, TRUNK.arm.joints, theta + 1e-4 * rng.normal(size=theta.shape))
-    tip = (Chain(Model(TRUNK.arm, effects), "arm").tip(theta, stamp) + how.shift)[:: 100 // how.rate]
+    tip = (in_plane(Chain(Model(TRUNK.arm, effects), "arm").tip(theta, stamp)) + how.shift)[
+        :: 100 // how.rate
+    ]
     tip += NOISE * noise(rng, tip.shape, how.memory)
     wild = rng.uniform(size=len(tip)) < how.wild
     tip[wild] += rng.normal(size=(wild.sum(), 3)) * [0.02, 0.02, 0.2]

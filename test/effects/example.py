@@ -10,6 +10,7 @@ from trunk_ros.arm import Arm, Wire
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, registry
+from trunk_ros.effects.bank import Bank, choices
 from trunk_ros.model import Model
 from trunk_ros.parameter import Parameter
 
@@ -50,6 +51,11 @@ def wire_of(joints: int) -> Wire:
         length1=np.full(joints, 0.11364),
         length2=between,
     )
+
+
+def in_plane(tip: Array) -> Array:
+    """Poses (n, 7) of a planar arm's tip as y, z [m], roll [rad] (n, 3)."""
+    return np.column_stack([tip[:, 1:3], 2.0 * np.arctan2(tip[:, 3], tip[:, 6])])
 
 
 def motion(stamp: Array, joints: int = 5, amplitude: float = 0.3, pace: float = 1.0) -> Array:
@@ -97,6 +103,9 @@ def words_of(kind: type[Effect], joints: int) -> dict[str, list[str]]:
     names = [f"joint_{k + 1}" for k in range(joints)]
     if "on" in kind.texts:
         return {"on": ["position"] * joints}
+    if issubclass(kind, Bank) and kind.own:
+        own = [choices(tuple(names), name, own=True) for name in names]
+        return {text: [words[i % len(words)] for words in own] for i, text in enumerate(kind.texts)}
     return {text: [names[k - 1 - i] for k in range(joints)] for i, text in enumerate(kind.texts)}
 
 
@@ -123,7 +132,9 @@ def few_sources(name: str, joints: int) -> dict[str, Any]:
     kind = registry()[name]
     return {
         kind.parameters[0].name: np.full(joints, 0.005),
-        kind.texts[0]: [f"joint_{k or joints}" for k in range(joints)],
+        kind.texts[0]: words_of(kind, joints)[kind.texts[0]]
+        if issubclass(kind, Bank) and kind.own
+        else [f"joint_{k or joints}" for k in range(joints)],
     }
 
 

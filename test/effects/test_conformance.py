@@ -26,6 +26,7 @@ from test.effects.example import (
 from trunk_ros.chain import Chain, State
 from trunk_ros.compiled import Array
 from trunk_ros.effects import registry
+from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.effect import Effect
 from trunk_ros.model import Model
 
@@ -73,6 +74,11 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
     if kind.own_parameters(form)[0].name == "low":
         with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters[2:]}
     with_lead_at_null |= {more: np.zeros(5) for more in ("gain_2", "gain_3", "drag") if more in values}
+    if kind.stage == "arm":  # a shift has no leading direction
+        nulls = {p.name: p.null if p.shared else np.full(5, p.null) for p in kind.parameters}
+        with_lead_at_null |= {name: null for name, null in nulls.items() if name in values}
+    if issubclass(kind, Bank):
+        with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters if p.name.startswith("weight")}
     without = run(Model(arm_of(5)), kind.stage, theta, stamp)
     assert run(Model(arm_of(5), {name: with_lead_at_null}), kind.stage, theta, stamp) == pytest.approx(
         without, abs=1e-12
@@ -163,7 +169,7 @@ def test_what_its_inverse_asks_for_gives_what_was_wanted(name: str, form: str, j
 def test_any_number_of_joints_will_do(name: str, form: str, joints: int) -> None:
     stamp = stamps(4, 100)
     out = run(model_of(name, form, joints), registry()[name].stage, motion(stamp, joints), stamp)
-    assert out.shape == (len(stamp), 3 if registry()[name].stage == "arm" else joints)
+    assert out.shape == (len(stamp), 7 if registry()[name].stage == "arm" else joints)
 
 
 def close(difference: Array, floor: float) -> bool:

@@ -23,7 +23,10 @@ JOINTS = 2
 NOISE = 2e-5  # rad, or m at the tip
 OFF = 0.05  # share of its size by which each parameter is wrong at the start
 KNOWN = {"low", "high", "friction"}
-TIED = {("unknown_cycle", "value_23")}  # the end of a period is its beginning
+TIED = {
+    ("unknown_cycle", "value_23"),  # the end of a period is its beginning
+    ("link_offset_error", "across_2"),  # along parallel axes the shifts of all joints are one
+}
 
 # Sizes of a zone are tried, as the motion hardly changes smoothly with it; levels hide within the dead band.
 TRIED = {"unknown_dead_zone", "unknown_slips"}

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from test.export.arms import SDF, URDF, model_of, pair
+from trunk_ros.arm.urdf import joint_limits
 from trunk_ros.errors import TrunkError
 from trunk_ros.export.run import export
-from trunk_ros.urdf import joint_limits
 
 STOP = {"hard_stop": {"upper": pair(1.0, 100.0), "form": "upper"}}
 

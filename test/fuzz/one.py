@@ -12,7 +12,7 @@ with atheris.instrument_imports(
     include=[
         "trunk_ros.recording",
         "trunk_ros.model",
-        "trunk_ros.description",
+        "trunk_ros.arm.parameters",
         "trunk_ros.trajectory",
         "mcap",
     ]

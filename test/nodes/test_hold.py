@@ -174,9 +174,9 @@ def test_a_compensator_whose_model_is_of_another_arm_refuses_to_move_it(
 ):
     from dataclasses import replace
 
+    from trunk_ros.arm.urdf import urdf
     from trunk_ros.nodes.graph.qos import LATCHED
     from trunk_ros.nodes.graph.ros import String
-    from trunk_ros.urdf import urdf
 
     arm = load_model("trunk").arm
     there = {

@@ -14,8 +14,8 @@ import pytest
 
 from test.nodes.graph import JOINTS, ROOT, environment, needs_ros, running
 from trunk_ros.__main__ import COMMANDS
+from trunk_ros.arm.urdf import urdf
 from trunk_ros.model import load_model, save_model
-from trunk_ros.urdf import urdf
 
 FILES = sorted((ROOT / "launch").glob("*.launch.py"))
 TRUNK, REPLAY = (ROOT / "launch" / f"{name}.launch.py" for name in ("trunk", "replay"))

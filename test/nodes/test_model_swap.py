@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from test.nodes.graph import needs_ros
+from trunk_ros.arm.urdf import urdf
 from trunk_ros.errors import ModelError
 from trunk_ros.model import load_model
-from trunk_ros.urdf import urdf
 
 pytestmark = needs_ros
 ARM = load_model("trunk").arm

@@ -9,8 +9,8 @@ import yaml
 
 from test.nodes.graph import JOINTS, ROOT, needs_ros, running
 from trunk_ros import ros2_control
+from trunk_ros.arm.urdf import main, urdf
 from trunk_ros.model import load_model
-from trunk_ros.urdf import main, urdf
 
 ARM = load_model("trunk").arm
 MOVEIT, CONTROL = ROOT / "config" / "moveit", ROOT / "config" / "ros2_control"

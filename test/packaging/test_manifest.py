@@ -22,6 +22,7 @@ PROVIDERS = {
     "mcap": ("mcap", "mcap-ros2-support"),
     "lz4": ("lz4", "mcap-ros2-support"),
     "zstandard": ("zstandard", "mcap-ros2-support"),
+    "pinocchio": ("pin", "pinocchio"),
     "argcomplete": ("argcomplete", "python3-argcomplete"),
     "pandas": ("pandas", None),  # the extra [tables]: pip's, not rosdep's
     "markupsafe": ("jinja2", "python3-jinja2"),
@@ -31,6 +32,8 @@ PROVIDERS = {
     "ruptures": ("ruptures", None),
     "fsspec": ("fsspec", None),
     "control_msgs": (None, "control_msgs"),  # not on PyPI
+    "tf2_msgs": (None, "tf2_msgs"),
+    "rerun": ("rerun-sdk", None),  # the extra [show]: pip's, not rosdep's
     "mujoco": ("mujoco-core", None),  # an extra: export says so where it is missing
     "launch": (None, "launch"),
     "launch_ros": (None, "launch_ros"),

@@ -14,6 +14,7 @@ from trunk_ros.recording import allowance
 
 SHORT = {"--output": "-o", "--model": "-m"}
 PROGRAM = "trunk_ros"
+SETTLE = 5.0  # s, as start.SETTLE, which is slow to import
 
 
 class Parser(argparse.ArgumentParser):
@@ -80,3 +81,19 @@ def did_you_mean(word: str, known: Any) -> str:
     """A question to put behind a complaint, "" where nothing is near."""
     near = get_close_matches(word, list(known), 1)
     return f": did you mean {near[0]}?" if near else ""
+
+
+def add_settle(parser: Parser) -> None:
+    """``--settle``, for the commands that estimate how a recording began."""
+    parser.add_argument(
+        "--settle", type=_seconds, default=SETTLE, metavar="S",
+        help="seconds of measured joint angles that tell how the wires lay at the start "
+        f"(default {SETTLE:g}; 0: none, memory starts at its centre)",
+    )  # fmt: skip
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is no length of time: give seconds, 0 or more")
+    return value

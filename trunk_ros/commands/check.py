@@ -80,7 +80,7 @@ def _values(content: Any) -> list[Any]:
 
 def of_model(model: Model) -> list[str]:
     """An arm joint by joint, what is known of it besides, and the effects that it has."""
-    from trunk_ros.description import ANY_ANGLE
+    from trunk_ros.arm.parameters import ANY_ANGLE
 
     arm = model.arm
     rows = [("joint", "ratio", "dead band", "limits")]

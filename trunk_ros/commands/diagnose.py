@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, add_settle
 from trunk_ros.commands.console import say
 from trunk_ros.commands.progress import progress
 from trunk_ros.errors import ArgumentError
@@ -41,10 +41,14 @@ def parser() -> Parser:
         metavar="MODEL.yaml",
         help="the nominal arm: a file, or trunk (default) or direct; with --against what is known of both",
     )
+    out.add_argument(
+        "--urdf", metavar="FILE", help="the arm's URDF: load and tip of any arm; direct is the default then"
+    )
     out.add_argument("--against", metavar="SIM_BAG", help="another simulator's recording of the same motion")
     out.add_argument("--from-time", metavar="T", help="begin there: in s, or in %% of the recording")
     out.add_argument("--until", metavar="T", help="end there: in s, or in %% of the recording")
     out.add_argument("--namespace", metavar="NS", help="of the arm, such as /left, where bags hold several")
+    add_settle(out)
     out.add_argument("--overwrite", action="store_true", help="replace DIR if it holds an earlier diagnosis")
     return out
 
@@ -53,23 +57,33 @@ def main(argv: list[str]) -> int:
     """Parse, diagnose, write, say."""
     asked = parser().parse_args(argv)
     refuse_tables([*asked.bag, *([asked.against] if asked.against else [])])
+    from trunk_ros.arm.files import urdf_text
     from trunk_ros.diagnosis.diagnose import diagnose
     from trunk_ros.model import load_model
     from trunk_ros.recording.output import new_folder, prepare_output
 
     prepare_output(asked.output, asked.overwrite, FILES)
     model = None if asked.model is None else load_model(asked.model)
+    urdf = urdf_text(asked.urdf) if asked.urdf else ""
     with progress(SHARES) as step:
         step("reading")
         result = diagnose(
-            asked.bag, model, asked.against, asked.from_time, asked.until, step, asked.namespace
+            asked.bag,
+            model,
+            asked.against,
+            asked.from_time,
+            asked.until,
+            step,
+            asked.namespace,
+            urdf,
+            asked.settle,
         )
         result.provenance = {
             "command": shlex.join(["trunk_ros", "diagnose", *argv]),
             "trunk_ros": __version__,
             "python": sys.version.split()[0],
-            "model": str(asked.model or "trunk"),
-            "model_hash": (model or load_model("trunk")).hash(),
+            "model": str(asked.model or asked.urdf or _default(result)),
+            **result.provenance,
             "bags": [str(bag) for bag in asked.bag],
             **{key: at for key in ("from_time", "until") if (at := getattr(asked, key))},
         }
@@ -79,6 +93,11 @@ def main(argv: list[str]) -> int:
             write_report(result, folder)
     say(*spoken(result), f"{asked.output}: {', '.join([*FILES[:3], *result.trajectories])}")
     return 0
+
+
+def _default(result: Diagnosis) -> str:
+    """What stood for a model that was not given."""
+    return "trunk" if result.model.arm.description is None else "robot_description"
 
 
 def refuse_tables(paths: Sequence[str]) -> None:

@@ -67,7 +67,7 @@ def parser() -> Parser:
     add(
         "--fail-above", type=number, metavar="X", help="exit with 3 where an rms error is above X times noise"
     )
-    add("--overwrite", action="store_true")
+    add("--overwrite", action="store_true", help="replace what is there")
     return out
 
 

@@ -55,5 +55,5 @@ def parser() -> Parser:
         "--simulation", metavar="SIMULATION.yaml",
         help="what the simulator does already; by default simulation.yaml beside the model, if it is there",
     )  # fmt: skip
-    add("--overwrite", action="store_true")
+    add("--overwrite", action="store_true", help="replace what is there")
     return out

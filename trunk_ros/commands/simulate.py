@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, add_settle
 from trunk_ros.commands.console import say
 from trunk_ros.recording.topics import SOURCES
 
@@ -24,6 +24,7 @@ def parser() -> Parser:
         "--from", dest="source", choices=SOURCES, default="gearbox_states",
         help="what drives the model; from setpoints the gearbox is predicted too (default: gearbox_states)",
     )  # fmt: skip
+    add_settle(made)
     made.add_argument("--overwrite", action="store_true", help="replace OUT_BAG if it exists")
     return made
 
@@ -42,8 +43,11 @@ def main(argv: list[str]) -> int:
     model = load_model(asked.model)
     recording = without_wild(read_recording(asked.bag))
     say(*(f"{asked.bag}: {note}" for note in recording.notes))
-    predicted = simulate(recording, model, asked.source)
-    custom = {"trunk_ros": __version__, "model": model.hash(), "from": asked.source}
+    predicted = simulate(recording, model, asked.source, asked.settle)
+    settled = str(asked.settle if "joint_states" in recording.series else 0.0)
+    custom = {
+        "trunk_ros": __version__, "model": model.hash(), "from": asked.source, "settle": settled,
+    }  # fmt: skip
     write_recording(Path(asked.output), predicted, overwrite=asked.overwrite, custom=custom)
     said = predicted.series["joint_states"]
     say(f"{asked.output}: {len(said.stamp)} predictions of {', '.join(said.joints)}")

@@ -65,8 +65,8 @@ class Context:
     @staticmethod
     def of(stage: Stage, work: Work | None = None) -> Context:
         """The first look, with what the model knows."""
-        views = stage.seen(stage.views, stage.known)
-        blank = Context(stage, views, (), work=work or Work())
+        blank = Context(stage, stage.views, (), work=work or Work())
+        blank = blank.seen_with(stage.known)
         wide = [c for c in blank.columns if stage.step < SLOW and blank._is_wide(c)]
         return replace(blank, wide=frozenset(wide)).weighed(stage.known)
 
@@ -96,7 +96,7 @@ class Context:
 
     def seen_with(self, hypothesis: Hypothesis) -> Context:
         """With the angles that a hypothesis predicts, for coupling and load."""
-        views = self.stage.seen(self.views, hypothesis)
+        views = self.stage.seen(self, hypothesis)
         if views is self.views:
             return self
         pairs = [(old.angles, new.angles) for old, new in zip(self.views, views, strict=True)]

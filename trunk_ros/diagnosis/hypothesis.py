@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -240,3 +240,21 @@ def describe(hypothesis: Hypothesis) -> str:
         return f"{term.effect}{form}@{','.join(str(c + 1) for c in term.columns)}"
 
     return " + ".join(one(t) for t in hypothesis.values()) or "nominal"
+
+
+def on_the_arm(
+    effects: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
+) -> dict[str, Values]:
+    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``."""
+
+    def spread(name: str, key: str, value: Any) -> Any:
+        if isinstance(value, (str, float)):
+            return value
+        here = dict(zip(seen, value, strict=True))
+        if isinstance(value, list):
+            return [here.get(joint, "") for joint in joints]
+        return np.array([here.get(joint, effect(name).parameter(key).null) for joint in joints])
+
+    return {
+        name: {key: spread(name, key, v) for key, v in values.items()} for name, values in effects.items()
+    }

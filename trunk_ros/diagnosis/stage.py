@@ -24,6 +24,8 @@ from trunk_ros.resistance import loads
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.context import Context
 
+UNLOADED = 1e-6  # of the largest moment, below which a joint feels none
+
 
 class Stage(ABC):
     """Recordings of one stage of an arm, and the model that predicts them."""
@@ -71,6 +73,11 @@ class Stage(ABC):
         """Whether the moment on the joints is known, computed or measured."""
         return self.arm.has_load or self.views[0].span.resistance is not None
 
+    def bears(self, column: int) -> bool:
+        """Whether a joint feels any load: one about a vertical axis does not."""
+        seen = [np.abs(each).max(axis=0) for view in self.views for each in (view.load, view.lever)]
+        return any(own[column] > UNLOADED * max(float(each.max()) for each in seen) for own in seen)
+
     def own_steps(self, column: int) -> float:
         """Standard deviation of the steps of a joint's own encoder, or of a coarse sensor."""
         return max(self.steps[column], self.coarse[column])
@@ -85,9 +92,11 @@ class Stage(ABC):
     def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
 
-    def seen(self, views: tuple[View, ...], hypothesis: Hypothesis) -> tuple[View, ...]:
-        """With the angles and loads that a hypothesis predicts, where the stage has any."""
-        return views
+    def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
+        """What is seen with the angles and loads that a hypothesis predicts, where the stage has any; as it
+        is where they are nearly the same.
+        """
+        return context.views
 
     def noises(self, found: list[Noise]) -> list[Noise]:
         """Noise (joints,) as it is estimated, at least what is known of the sensors."""
@@ -98,8 +107,10 @@ class Stage(ABC):
         return context.usual_rest(column)
 
     def _view(self, span: Span) -> View:
-        angles, speeds = span.gearbox * self.arm.ratio, span.velocity * self.arm.ratio
+        angles, speeds = self.arm.driven(span.gearbox), span.velocity * self.arm.ratio
         dt, load = np.diff(span.grid, prepend=span.grid[:1]), loads(self.arm, angles, span.resistance)
+        if self.arm.coupling is not None:
+            load = self.arm.carried(load[0]), self.arm.carried(load[1])
         return View(span, dt, angles, *load, angles, speeds, following(span.valid))
 
     def _readings(self, column: int) -> list[Array]:

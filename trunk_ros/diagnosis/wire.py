@@ -13,13 +13,16 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.resistance import loads
 from trunk_ros.stage import Order, State, through
+from trunk_ros.start import Driven, first_rows, history
 
+SAME = 1e-3  # of the motion: angles that are nearer change no load by more than fits tell
 STANDING = 40  # steps that a stand is looked at
 
 
@@ -33,6 +36,14 @@ class WireStage(Stage):
         self._stands: dict[tuple[int, int], tuple[tuple[int, ...], float]] = {}
 
     def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        shown, _, now, blocks = self._passed(context, index, hypothesis, column)
+        span = context.views[index].span
+        return _besides(span, column, now, blocks, np.asarray(shown[span.rows, 0]))
+
+    def _passed(
+        self, context: Context, index: int, hypothesis: Hypothesis, column: int
+    ) -> tuple[Array, Array, Now, list[Effect]]:
+        """The joint's reading and its own angle (m, 1), what its effects see, and these."""
         span, payload = context.views[index].span, payload_of(hypothesis)
         now = context.now(index, column, payload)
         width = self.arm.dead_band[None, column : column + 1]
@@ -42,8 +53,8 @@ class WireStage(Stage):
             rows, level = self._stand(span, column)
             seen, one = (context.now(index, column, payload, some) for some in (rows, rows[:1]))
             state = begun(seen, one, blocks, width, level)
-        shown, _, _ = wire_pass(now.gearbox, now, blocks, Core(nominal_width=width, width=width), state)
-        return _besides(span, column, now, blocks, np.asarray(shown[span.rows, 0]))
+        shown, true, _ = wire_pass(now.gearbox, now, blocks, Core(nominal_width=width, width=width), state)
+        return shown, true, now, blocks
 
     def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], float]:
         """Steps over the time in which a joint stands as it began, the first of all at first, and what its
@@ -57,15 +68,48 @@ class WireStage(Stage):
             self._stands[key] = tuple(rows.tolist()), float(np.median(span.target[seen, column]))
         return self._stands[key]
 
-    def seen(self, views: tuple[View, ...], hypothesis: Hypothesis) -> tuple[View, ...]:
-        chain = Chain(Model(self.arm, hypothesis.model_effects(len(self.joints))), "wire")
-        return tuple(self._seen(chain, view) for view in views)
+    def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
+        columns = range(len(self.joints))
+        paths = [
+            np.column_stack([self._passed(context, index, hypothesis, c)[1][:, 0] for c in columns])
+            for index in range(len(context.views))
+        ]
+        pairs = list(zip(context.views, paths, strict=True))
+        if all(np.abs(view.angles - path).max() < SAME * np.ptp(path) for view, path in pairs):
+            return context.views
+        return tuple(self._along(view, path) for view, path in pairs)
 
-    def _seen(self, chain: Chain, view: View) -> View:
-        span = view.span
-        angles = chain.angles(span.gearbox, span.grid, span.velocity, span.resistance)
-        load, lever = loads(self.arm, angles, span.resistance)
+    def _along(self, view: View, angles: Array) -> View:
+        load, lever = loads(self.arm, angles, view.span.resistance)
         return replace(view, angles=angles, load=load, lever=lever)
+
+
+def settled(state: Fit, seconds: float) -> Fit:
+    """Fitted with recordings that stop to measure beginning as a hypothesis says that their wires lay,
+    going by the joint angles of the first ``seconds``.
+    """
+    context = state.context
+    if seconds <= 0.0 or not any(view.span.before for view in context.views):
+        return state
+    effects = state.hypothesis.model_effects(len(context.joints))
+    chain = Chain(Model(context.arm, effects), "wire")
+    views = tuple(_with_a_start(chain, view, seconds) for view in context.views)
+    looked = replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
+    return refit(looked, state.hypothesis)
+
+
+def _with_a_start(chain: Chain, view: View, seconds: float) -> View:
+    span, before = view.span, view.span.before
+    if not before:
+        return view
+    seen = first_rows(span.stamp, seconds)
+    angles = np.where(span.valid, span.target, np.nan)[:seen]
+    known = None if span.resistance is None else span.resistance.part(slice(before, None))
+    rows = span.rows[:seen] - before
+    driven = Driven(span.gearbox[before:], span.grid[before:], rows, angles, span.velocity[before:], known)
+    path = span.gearbox.copy()
+    path[:before] = path[before] + history(chain, driven) / chain.arm.ratio
+    return replace(view, span=replace(span, source=path, gearbox=path), wires=path * chain.arm.ratio)
 
 
 def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Array) -> Array:

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from trunk_ros.arm import Arm, Wire
+from trunk_ros.arm.geometry import Geometry
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
@@ -71,7 +72,7 @@ UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that never com
 class Core:
     """The settings of a stage's own mechanism, which effects of that stage may change.
 
-    Wire: half-widths of the play and how a reversal is rounded. Servo: the loop. Arm: link lengths.
+    Wire: half-widths of the play and how a reversal is rounded. Servo: the loop. Arm: its geometry.
     """
 
     nominal_width: Array = field(default_factory=lambda: np.empty(0))
@@ -94,7 +95,15 @@ class Core:
     """(n, columns) rad of error that the loop does not answer to."""
     cogging: Array = field(default_factory=lambda: np.empty(0))
     """(3, columns): amplitude rad, cycles per revolution, phase rad."""
-    link_length: Array = field(default_factory=lambda: np.empty(0))
+    geometry: Geometry = field(default_factory=lambda: Geometry.nominal(0))
+    along: Array = field(default_factory=lambda: np.empty((0, 3)))
+    """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""
+    across: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    """(joints, 2, 3) unit vectors across those."""
+    beside: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    """(joints, 2, 3) unit vectors across each joint's axis."""
+    bent: Array | float = 0.0
+    """(n, joints) rad or m that the tip has more of each joint than its sensor shows."""
 
 
 class Effect(ABC):
@@ -121,8 +130,14 @@ class Effect(ABC):
     named: ClassVar[bool] = True
     """It is known physics; curves that stand in for what nobody has named are not."""
     compensable: ClassVar[bool] = True
+    remembers: ClassVar[bool] = False
+    """What moved before a recording began shows in it, however long ago; the friction element always does."""
     tried: ClassVar[bool] = True
     """The diagnosis tries it; others are switched on in a model by hand."""
+    shifts_links: ClassVar[bool] = False
+    """It moves what follows a joint by a constant, which behind the last joint is the tool's place."""
+    moves_joints: ClassVar[bool] = False
+    """At the tip it looks as if a joint stood elsewhere than its sensor says."""
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
     scalable: ClassVar[bool] = True

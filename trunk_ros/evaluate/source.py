@@ -8,14 +8,12 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
-from trunk_ros.diagnosis.tip.data import tip_data
+from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, signals_of, tip_data
 from trunk_ros.errors import RecordingError
 from trunk_ros.evaluate.signals import Signal, of_joints, of_tip
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
-
-TIP = (("y", "m"), ("z", "m"), ("roll", "rad"))
 
 
 @dataclass(frozen=True)
@@ -87,10 +85,17 @@ def _tip(recording: Recording, model: Model, judged: Model, delay: float) -> lis
     data = tip_data(recording, model, delay)
     if data is None:
         return []
-    error = data.tip - Chain(judged, "arm").tip(data.theta, data.stamp)[:, : data.tip.shape[1]]
+    error = data.off(Chain(judged, "arm").tip(data.theta, data.stamp))
     return [
-        Signal("arm", name, unit, data.stamp, data.tip[:, k], error[:, k])
-        for k, (name, unit) in enumerate(TIP[: data.tip.shape[1]])
+        Signal(
+            "arm",
+            name,
+            UNITS[name],
+            data.stamp,
+            data.seen[:, SIGNALS.index(name)],
+            error[:, SIGNALS.index(name)],
+        )
+        for name in signals_of([data])
     ]
 
 

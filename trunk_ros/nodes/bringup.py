@@ -49,9 +49,9 @@ def say(text: str) -> None:
 
 def make_pacer(plan: Plan) -> Any:
     """The node that gives the run its time."""
+    from trunk_ros.arm.urdf import urdf
     from trunk_ros.nodes.graph.progress import Ledger
     from trunk_ros.nodes.run.pacer import Pace, Pacer
-    from trunk_ros.urdf import urdf
 
     foreign = tuple(topic for part, topic in PUBLISHED.items() if part not in plan.parts)
     description = "" if "wire_elasticity" in plan.parts else urdf(plan.arm)

@@ -45,12 +45,12 @@ class SimulatedBus:
     """The servo stage of a model behind encoders."""
 
     def __init__(self, model: Model, position: Array | None = None):
-        """``position``: gearbox angle (joints,) rad at the start, by default 0."""
+        """``position``: gearbox angle (joints,) rad at the start, by default the arm's rest."""
         self.arm = model.arm
         self._chain = Chain(model, "servo", hold_time=True)
         self._load = model.loaded_arm().load
         self._count = 2 * np.pi / self.arm.counts_per_rev
-        self._setpoint = np.zeros(len(self.arm.joints)) if position is None else position.copy()
+        self._setpoint = self.arm.asked(self.arm.rest) if position is None else position.copy()
         self._waiting: list[tuple[float, Array]] = []
         self._state: State | None = None
         self._read: tuple[float, Array] | None = None
@@ -90,8 +90,7 @@ class SimulatedBus:
 
     def _torque(self, phi: Array, speed: Array) -> Array:
         """Against the weight, plus the wire's friction in the direction of motion [N m]."""
-        ratio = self.arm.ratio
-        torque = -ratio * self._load((phi * ratio)[None])[0]
+        torque = -self.arm.carried(self._load(self.arm.driven(phi)[None]))[0]
         if self.arm.wire is None:
             return torque
         wire = self.arm.wire
@@ -123,7 +122,21 @@ def between(values: Array, lower: Array | float, upper: Array | float) -> Array:
 
 
 def gearbox_limits(arm: Arm) -> tuple[Array, Array]:
-    """Lowest and highest gearbox angle (joints,) rad: joint limits through the ratio, plus the dead band."""
+    """Lowest and highest gearbox angle (joints,) rad: joint limits through the ratio, plus the dead band; of
+    motors that move several joints, what they need at most for that.
+    """
+    if arm.coupling is not None:
+        back, middle = np.linalg.inv(arm.coupling), (arm.lower + arm.upper) / 2
+        reach = np.abs(back) @ ((arm.upper - arm.lower) / 2 + arm.dead_band)
+        return back @ middle - reach, back @ middle + reach
     ends = np.sort(np.stack([arm.lower, arm.upper]) / arm.ratio, axis=0)
     play = arm.dead_band / np.abs(arm.ratio)
     return ends[0] - play, ends[1] + play
+
+
+def within(setpoint: Array, arm: Arm) -> Array:
+    """The gearbox angles (joints,) next to a setpoint at which all joints are within their limits."""
+    if arm.coupling is None:
+        return setpoint
+    there = arm.driven(setpoint)
+    return arm.asked(between(there, arm.lower - arm.dead_band, arm.upper + arm.dead_band))

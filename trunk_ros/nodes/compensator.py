@@ -33,26 +33,28 @@ class Compensator(TrunkNode):
     def configure(self) -> None:
         """Create the controller and the streams; nothing goes out until it is known where the arm stands."""
         joints, timeout, streams = self.model.arm.joints, self.value("timeout"), self.streams
+        motors = self.model.arm.motor_names
         settings = settings_of(self)
         self.controller = Controller(self.model, settings, self.simulated, self.health.note, self.end_goal)
         self.foreign_reference = ForeignReference(self.model.arm)
         self.gearbox_stream = streams.watch("trunk/gearbox_states", timeout)
         self.joints_stream = streams.watch("joint_states", timeout)
         self.publish_reference = streams.publish_joints("trunk/reference", joints)
-        self.publish_setpoints = streams.publish_joints("trunk/setpoints", joints)
+        self.publish_setpoints = streams.publish_joints("trunk/setpoints", motors)
         self.shown = ControllerState(streams, joints, self.value("state_rate"))
         streams.obey(JointTrajectory, "trunk/joint_trajectory", self.on_trajectory, raw=True)
         streams.obey(JointState, "trunk/reference", self.on_reference, raw=True)
-        self._hear("trunk/gearbox_states", self.gearbox_stream, self.controller.observation_of("gearbox"))
-        self._hear("joint_states", self.joints_stream, self.controller.observation_of("joints"))
+        gearbox, measured = (self.controller.observation_of(topic) for topic in ("gearbox", "joints"))
+        self._hear("trunk/gearbox_states", motors, self.gearbox_stream, gearbox)
+        self._hear("joint_states", joints, self.joints_stream, measured)
         streams.latched(String, "robot_description", self.on_description)
         self.action = FollowAction(self, self.controller) if FollowJointTrajectory is not None else None
 
     # In
 
-    def _hear(self, topic: str, stream: Any, put: Any) -> None:
+    def _hear(self, topic: str, names: tuple[str, ...], stream: Any, put: Any) -> None:
         """Let the controller know of a topic of states."""
-        matcher = JointMatcher(self.model.arm.joints)
+        matcher = JointMatcher(names)
 
         def take(message: Any) -> None:
             stamp = self.streams.arrived(stream, message)

@@ -32,7 +32,7 @@ class ServoDriver(TrunkNode):
         arm = self.model.arm
         self.servo = Servo(arm, bus_of(self.value("bus"), self.model))
         self.setpoints = self.streams.watch("trunk/setpoints", self.value("timeout"))
-        self.publish_state = self.streams.publish_joints("trunk/gearbox_states", arm.joints)
+        self.publish_state = self.streams.publish_joints("trunk/gearbox_states", arm.motor_names)
         self.streams.obey(JointState, "trunk/setpoints", self.on_setpoints)
 
     def tick(self, now: int) -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from trunk_ros.arm.urdf import urdf
 from trunk_ros.model import Declaration, Model
 from trunk_ros.nodes.arm.wire import Wire
 from trunk_ros.nodes.graph.base import TrunkNode
+from trunk_ros.nodes.graph.frames import FrameStream
 from trunk_ros.nodes.graph.messages import fill_pose, nanoseconds
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.qos import LATCHED
 from trunk_ros.nodes.graph.ros import PoseStamped, String
-from trunk_ros.urdf import urdf
 
 DESCRIBE = "publish robot_description; false where robot_state_publisher does"
 
@@ -23,7 +24,10 @@ class WireElasticity(TrunkNode):
     idle = True
     OWN = (
         Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which gearbox_states are called stale"),
-        Declaration("base_frame", "base_link", "", None, "frame of tip_pose"),
+        Declaration("base_frame", "", "", None, "frame of tip_pose; by default the arm's base link"),
+        Declaration(
+            "tf", False, "", None, "publish /tf, where tf2_msgs is installed and nobody else does", True
+        ),
         Declaration(
             "frame_prefix", "", "", None, "put in front of base_frame, as robot_state_publisher does"
         ),
@@ -40,6 +44,8 @@ class WireElasticity(TrunkNode):
         self.publish_wires = self.streams.publish_joints("trunk/wire_states", wires)
         self.publish_tip = self.streams.publish(PoseStamped, "trunk/tip_pose")
         self.pose = PoseStamped()
+        self.base_frame = self.value("base_frame") or arm.base_link
+        self.frames = FrameStream(self.streams, arm) if self.value("tf") else None
         if self.value("publish_description"):
             self.streams.publish(String, "robot_description", LATCHED)(String(data=urdf(arm)))
         self.gearbox = self.streams.watch("trunk/gearbox_states", self.value("timeout"))
@@ -66,8 +72,10 @@ class WireElasticity(TrunkNode):
         if shown.wires is not None:
             self.publish_wires(now, shown.wires[0], None, shown.wires[1])
         if shown.tip is not None:
-            frame = self.value("frame_prefix") + self.value("base_frame")
+            frame = self.value("frame_prefix") + self.base_frame
             self.publish_tip(fill_pose(self.pose, now, frame, shown.tip))
+        if self.frames is not None:
+            self.frames.publish(now, shown.true, self.value("frame_prefix"))
 
 
 def main(argv: list[str]) -> int:

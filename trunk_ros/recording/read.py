@@ -14,11 +14,20 @@ from trunk_ros.recording.messages.assemble import all_times, first_stamp, joint_
 from trunk_ros.recording.messages.block import Contents, DamageError, Progress, Whole
 from trunk_ros.recording.messages.decode import Decoder
 from trunk_ros.recording.messages.layout import joint_layout, pose_layout
+from trunk_ros.recording.messages.text import last_text
 from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.recording import Counts, JointSeries, PoseSeries, Recording
 from trunk_ros.recording.remarks import loss_remarks, recorder_remarks, series_remarks
 from trunk_ros.recording.time_range import time_range
-from trunk_ros.recording.topics import TIP, TOPICS, expected_type, split_topic
+from trunk_ros.recording.topics import (
+    DESCRIPTION_TOPIC,
+    STRING,
+    TIP,
+    TOPICS,
+    expected_type,
+    is_description,
+    split_topic,
+)
 
 
 def read_recording(
@@ -62,19 +71,21 @@ def _read(path: Path, namespace: str | None, progress: Progress | None) -> list[
 
 def _read_parts(path: Path, namespace: str | None, progress: Progress) -> list[Recording]:
     contents = Contents(Allowance(path))
-    decoders = _decode(path, contents, progress)
+    decoders, texts = _decode(path, contents, progress)
     chosen, remarks = choose(str(path), contents.topics, namespace)
+    text = _nearest(texts, set(chosen.values()))
     decoders = {key: decoders[topic] for key, topic in chosen.items()}
     times = [all_times(decoder.pieces) for decoder in decoders.values() if decoder.pieces]
     found = holes.parts(times) if times else []
     if len(found) < 2:
-        return [_assemble(path, contents, decoders, remarks)]
+        return [replace(_assemble(path, contents, decoders, remarks), description=text)]
     largest = max(found, key=lambda part: holes.samples(times, part))
     read = [part for part in found if part == largest or _is_worth(decoders, times, part, largest)]
     out = []
     for part in read:
         others = [holes.remark(times, part, other, other in read) for other in found if other != part]
-        out.append(_assemble(path, contents, _cut(decoders, part), remarks + others))
+        cut = _assemble(path, contents, _cut(decoders, part), remarks + others)
+        out.append(replace(cut, description=text))
     return out
 
 
@@ -93,10 +104,28 @@ def _cut(decoders: dict[str, Decoder], part: tuple[int, int]) -> dict[str, Decod
     }
 
 
-def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Decoder]:
-    """Every topic that could describe an arm, decoded where it is of the right type."""
+def _nearest(texts: dict[str, str], chosen: set[str]) -> str:
+    """The URDF in the namespace of the arm's topics, else the only one there is."""
+    for topic, text in texts.items():
+        space = topic.removesuffix(DESCRIPTION_TOPIC)
+        if any(each.removeprefix(space) in TOPICS.values() for each in chosen):
+            return text
+    return next(iter(texts.values())) if len(texts) == 1 else ""
+
+
+def _wanted(topic: str) -> bool:
+    return split_topic(topic) is not None or is_description(topic)
+
+
+def _decode(path: Path, contents: Contents, progress: Progress) -> tuple[dict[str, Decoder], dict[str, str]]:
+    """Every topic that could describe an arm, decoded where it is of the right type, and URDFs by topic."""
     decoders: dict[str, Decoder] = {}
-    for block in read_blocks(path, lambda topic: split_topic(topic) is not None, contents, progress):
+    texts: dict[str, str] = {}
+    for block in read_blocks(path, _wanted, contents, progress):
+        if is_description(block.topic):
+            if block.type == STRING and (text := last_text(block)):
+                texts[block.topic] = text
+            continue
         found = split_topic(block.topic)
         if found is None or block.type != expected_type(found[1]):
             continue
@@ -106,7 +135,7 @@ def _decode(path: Path, contents: Contents, progress: Progress) -> dict[str, Dec
         decoders.setdefault(block.topic, Decoder(layout_of)).add(block)
     for topic in contents.topics:
         decoders.setdefault(topic, Decoder(joint_layout))
-    return decoders
+    return decoders, texts
 
 
 def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], remarks: list[str]) -> Recording:

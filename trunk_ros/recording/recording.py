@@ -88,6 +88,7 @@ class Recording:
     series: by `reference`, `setpoints`, `gearbox_states`, `joint_states`, `wire_states`, where recorded.
     notes: damage and oddities, in sentences. units: SI unit of position per joint that is not in rad.
     custom: what the writer noted in the bag. counts: per key of `series`, what the reader saw.
+    description: the URDF of `robot_description`, where that was recorded.
     observed: what clocks and sensors were seen to do; mostly it was put right in `series`.
     """
 
@@ -100,6 +101,7 @@ class Recording:
     units: dict[str, str] = field(default_factory=dict)
     custom: dict[str, str] = field(default_factory=dict)
     counts: dict[str, Counts] = field(default_factory=dict)
+    description: str = ""
     observed: tuple[Observed, ...] = ()
 
     @property

@@ -12,6 +12,8 @@ JOINT_TOPICS = {
 }
 TIP = "tip_pose"
 TIP_TOPIC = "trunk/tip_pose"
+DESCRIPTION_TOPIC = "robot_description"
+STRING = "std_msgs/msg/String"
 TOPICS = {**JOINT_TOPICS, TIP: TIP_TOPIC}
 SOURCES = ("gearbox_states", "setpoints")  # what a model can be driven by
 
@@ -22,6 +24,11 @@ def split_topic(topic: str) -> tuple[str, str] | None:
         if topic == name or topic.endswith("/" + name):
             return topic[: -len(name)].rstrip("/"), key
     return None
+
+
+def is_description(topic: str) -> bool:
+    """Whether a topic holds a URDF."""
+    return topic.rpartition("/")[2] == DESCRIPTION_TOPIC
 
 
 def expected_type(key: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,9 +22,12 @@ from trunk_ros.recording.signal.resample import (
     joint_grid,
     longest_gap,
     resample,
+    stops_to_measure,
 )
 from trunk_ros.resistance import Resistance, resistance
 from trunk_ros.servo_course import as_the_servo_went
+from trunk_ros.start import TURNS
+from trunk_ros.transmission import at_joints
 
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
@@ -63,6 +66,8 @@ class Span:
     counts: Array | None = None
     """(joints,) rad of the gearbox per step of its encoder, 0 where readings lie on no grid; more where noise
     scatters them more than such steps."""
+    before: int = 0
+    """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
 
     @property
     def stamp(self) -> Array:
@@ -95,8 +100,24 @@ def wire_span(recording: Recording, model: Model) -> Span:
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
     known = resistance(arm, gearbox, grid, phi)
-    return Span(
+    span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
+    )
+    return with_a_past(span) if stops_to_measure(span.stamp) else span
+
+
+def with_a_past(span: Span) -> Span:
+    """The same with rows for what moved before the recording, at first nothing."""
+    order = np.concatenate([np.zeros(TURNS, dtype=int), np.arange(len(span.grid))])
+    return replace(
+        span,
+        grid=span.grid[order],
+        source=span.source[order],
+        velocity=span.velocity[order],
+        gearbox=span.gearbox[order],
+        rows=span.rows + TURNS,
+        resistance=None if span.resistance is None else span.resistance.part(order),
+        before=TURNS,
     )
 
 
@@ -130,7 +151,8 @@ def servo_span(recording: Recording, model: Model) -> Span:
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
-    known = resistance(model.for_joints(joints).arm.only(joints), gearbox, grid, phi)
+    arm = model.for_joints(joints).arm.only(joints)
+    known = resistance(arm.uncoupled(), at_joints(gearbox, arm, measured=False), grid, arm.driven(phi))
     return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
 

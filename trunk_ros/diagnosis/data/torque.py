@@ -14,6 +14,7 @@ from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.resistance import swung
+from trunk_ros.transmission import uncoupled
 
 DIFFERS = 0.1  # of the computed moment, from which on a difference is worth a remark
 EXPLAINS = 0.5  # of a difference may be left by what is said to explain it
@@ -21,15 +22,16 @@ EXPLAINS = 0.5  # of a difference may be left by what is said to explain it
 
 def torque_remarks(recording: Recording, model: Model) -> list[str]:
     """What is to be said of recorded effort: how it was used, and whether the weight agrees with it."""
-    gearbox = recording.series.get("gearbox_states")
-    if gearbox is None:
+    if "gearbox_states" not in recording.series:
         return []
+    recording, model = uncoupled(recording, model)
+    gearbox = recording.series["gearbox_states"]
     joints = common_joints(recording, model, gearbox)
     arm, gearbox = model.for_joints(joints).loaded_arm().only(joints), gearbox.select(joints)
     if gearbox.effort is None:
         unmet = arm.load_from == "effort" and arm.has_load
         return ["no effort in gearbox_states: the load is the computed weight"] if unmet else []
-    measured = measured_load(gearbox, arm.ratio)
+    measured = measured_load(gearbox, arm.ratio, arm)
     used = [_use(arm, measured)] if arm.load_from == "effort" else []
     return used + (_against_weight(arm, gearbox, measured) if arm.has_load else [])
 

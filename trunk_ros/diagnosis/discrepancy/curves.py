@@ -86,7 +86,7 @@ def redrawn(context: Context, hypothesis: Hypothesis, column: int) -> Hypothesis
 
 def drawn_on(context: Context, hypothesis: Hypothesis, column: int) -> list[Term]:
     """The curves on a column that the model does not have already."""
-    curves = [term for term in hypothesis.on(column) if not effect(term.effect).named]
+    curves = [term for term in hypothesis.on(column) if issubclass(effect(term.effect), Curve)]
     return [term for term in curves if term.effect not in context.known]
 
 

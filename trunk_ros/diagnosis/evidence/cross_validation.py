@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
+from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
 
@@ -52,9 +53,14 @@ def _fitted_anew(context: Context, hypothesis: Hypothesis) -> Hypothesis:
     """Values and curves as what counts now tells them; of curves only what they are drawn over is kept."""
     if not hypothesis:
         return hypothesis
-    fitted = refit(context, hypothesis).hypothesis
+    bare = hypothesis
+    for column in context.columns:
+        bare = without_banks(bare, column)
+    fitted = refit(context, bare).hypothesis
     for column in fitted.curved & set(context.columns):
         fitted = redrawn(context, fitted, column)
+    for column in context.columns:
+        fitted = redrawn_banks(context, fitted, column, hypothesis)
     return fitted
 
 

@@ -11,6 +11,9 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, bounds
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups
 from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.effects import effect
+from trunk_ros.effects.bank import Bank
+from trunk_ros.effects.curve import Curve
 
 TIED = 0.9  # correlation from which on two values are told together better than each: said in the report
 BLIND = 1e-18  # curvature of a value, in squared unit-noise residuals: the data do not see it
@@ -91,7 +94,10 @@ def correlation(normal: Array) -> Array:
 
 
 def _tied(context: Context, free: list[Free], normal: Array) -> list[Correlation]:
-    found = correlation(normal)
+    """Between values that mean something each; the weights of a curve do not."""
+    told = [k for k, f in enumerate(free) if not issubclass(effect(f.effect), (Bank, Curve))]
+    found = correlation(normal)[np.ix_(told, told)]
+    free = [free[k] for k in told]
     rows, columns = np.nonzero(np.triu(np.abs(found) >= TIED, 1))
     return [
         Correlation(_place(context, free[i]), _place(context, free[j]), float(found[i, j]))
@@ -105,6 +111,8 @@ def _at_bound(context: Context, free: list[Free], x: Array, slope: Array) -> lis
     out = []
     for k, f in enumerate(free):
         near = AT * (high[k] - low[k])
+        if issubclass(effect(f.effect), (Bank, Curve)):
+            continue
         for side, end, beyond in (("lower", 0, slope[k] > 0.0), ("upper", 1, slope[k] < 0.0)):
             bound = f.parameter.bounds[end]
             if beyond and abs(x[k] - (low, high)[end][k]) <= near and bound != f.parameter.null:

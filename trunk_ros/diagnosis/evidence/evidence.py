@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.bank import Bank
 
 RIVALS = 3
 BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
@@ -24,6 +25,7 @@ LONGEST = 5.0  # s
 WORSE = 4.0  # squared unit-noise residuals: two standard deviations
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 ROUGH = 1e-3  # of a value: integration and interpolation are no better
+UNNAMED = 0.7  # confidence in what no formula states, at most
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
 
 
@@ -127,6 +129,20 @@ def evidence(state: Fit, whole: Fit | None = None) -> dict[str, Evidence]:
     ``state`` shows nothing.
     """
     return {name: one_evidence(_showing(state, whole, name), name) for name in state.hypothesis}
+
+
+def banks_evidence(state: Fit) -> dict[str, Evidence]:
+    """Evidence for the banks of a hypothesis: they have no rivals, and not more confidence than what has no
+    name.
+    """
+    out = {}
+    for name in [n for n in state.hypothesis if issubclass(effect(n), Bank)]:
+        less = {c: state.context.whitened(state.hypothesis.without(name), c) for c in state.cost}
+        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in state.hypothesis[name].columns}
+        limit = sum(need(state.context, c, state.rest(c)) for c in gain)
+        sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
+        out[name] = Evidence(gain, strength(state, name), confidence=sure)
+    return out
 
 
 def _showing(state: Fit, whole: Fit | None, name: str) -> Fit:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.report.signals import Signal, joint_angle, reversals
-from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.report.signals import reversals
 
 JUST = 0.05  # of the joint's range after a reversal
 SLOW, FAST, STILL = 0.15, 0.6, 0.01  # of the joint's largest speed
@@ -19,12 +18,13 @@ MEANING = {
 }
 
 
-def stretches(result: Diagnosis, signal: Signal, regime: str) -> list[tuple[float, float]]:
-    """Times [s] between which a regime holds; none for regimes that hold throughout."""
-    angle = joint_angle(result, signal)
-    if regime not in MEANING or angle is None or len(signal.stamp) < 3:
+def stretches(stamp: Array, angle: Array, regime: str) -> list[tuple[float, float]]:
+    """Times [s] between which a regime holds in the motion ``angle`` (n,); none for regimes that hold
+    throughout.
+    """
+    if regime not in MEANING or len(stamp) < 3:
         return []
-    return _spans(signal.stamp, _within(regime, signal.stamp, angle))
+    return _spans(stamp, _within(regime, stamp, angle))
 
 
 def _within(regime: str, stamp: Array, angle: Array) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.report.errors import culprit_spans, shown_over_time
 from trunk_ros.diagnosis.report.regimes import MEANING, stretches
-from trunk_ros.diagnosis.report.signals import Signal, concerns, signals
+from trunk_ros.diagnosis.report.signals import Signal, concerns, joint_angle, signals
 from trunk_ros.diagnosis.report.style import label
 from trunk_ros.diagnosis.report.units import multiple, spoken
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -59,10 +59,11 @@ def _regimes(result: Diagnosis, signal: Signal) -> list[dict[str, Any]]:
     for finding in result.findings:
         if concerns(finding, signal.stage, signal.name):
             names.setdefault(finding.regime, []).append(spoken(finding.effect))
+    angle = joint_angle(result, signal)
     out = [
         {"what": f"{', '.join(effects)}: {MEANING[regime]}", "spans": spans}
         for regime, effects in names.items()
-        if (spans := stretches(result, signal, regime))
+        if angle is not None and (spans := stretches(signal.stamp, angle, regime))
     ]
     throughout = [effect for regime, effects in names.items() if regime not in MEANING for effect in effects]
     if throughout:

@@ -95,6 +95,8 @@ def extended(context: Context, hypothesis: Hypothesis, candidate: Candidate) -> 
     out = hypothesis.copy()
     kind = effect(candidate.effect)
     columns = (candidate.columns or context.columns) if candidate.column is None else [candidate.column]
+    if "load" in kind.needs:
+        columns = [column for column in columns if context.stage.bears(column)]
     for rival in replaced(kind, out):
         del out[rival]
     term = out.setdefault(candidate.effect, Term(candidate.effect, candidate.form))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.context import Context, Work
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.search.moves import ADD, DROP, ONSET
 from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats
 
+WORK = 4e8  # simulated joint-steps that a search may take: half a minute of one core
 SCAN = 160  # moments over the whole recording, then as many between two of them
 
 
@@ -33,16 +34,18 @@ class Searched:
 
 def searched(context: Context, say: Callable[[str], None]) -> Searched:
     """The hypothesis of a stage."""
+    context = replace(context, work=Work(WORK))
     spans = [view.span for view in context.views]
     parts = [excerpt(span) for span in spans]
     if all(part is span for part, span in zip(parts, spans, strict=True)):
         state = search(context, Desk(say))
         return Searched(state, state, context.work.over)
-    first = search(context.over(parts), Desk(lambda text: say(f"excerpt: {text}")))
+    some = replace(context.over(parts), work=Work(WORK))
+    first = search(some, Desk(lambda text: say(f"excerpt: {text}")))
     say("the whole recording")
     state = _on_the_whole(context, first.hypothesis, Desk(say))
     some = replace(first.context.seen_with(state.hypothesis), noise=state.context.noise)
-    return Searched(state, refit(some, state.hypothesis), context.work.over)
+    return Searched(state, refit(some, state.hypothesis), context.work.over or first.context.work.over)
 
 
 def _on_the_whole(context: Context, found: Hypothesis, desk: Desk) -> Fit:

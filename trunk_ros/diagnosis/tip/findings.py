@@ -9,8 +9,9 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.evidence.evidence import likely
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted
-from trunk_ros.diagnosis.tip.stage import UNITS, ArmFit, ArmProblem
-from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key
+from trunk_ros.diagnosis.tip.data import UNITS
+from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
+from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, owner, parameter_of
 from trunk_ros.diagnosis.verdict.findings import ARM, SURE, UNNAMED_SURE, statement_of, unchanged, value_of
 from trunk_ros.diagnosis.verdict.result import Finding
 from trunk_ros.effects import effect
@@ -23,8 +24,8 @@ Losses = dict[str, float]
 def arm_findings(problem: ArmProblem, done: ArmFit) -> list[Finding]:
     """Findings of the arm stage: what the model does not have already."""
     new = [k for k in sorted(done.values) if not _is_known(problem, done, k)]
-    names = dict.fromkeys(name for name, _ in new if name not in NAMELESS)
-    out = [_named(problem, done, [k for k in new if k[0] == name]) for name in names]
+    names = dict.fromkeys(owner(k) for k in new if k[0] not in NAMELESS)
+    out = [_named(problem, done, [k for k in new if owner(k) == name]) for name in names]
     rest = [k for k in new if k[0] in NAMELESS]
     return [*out, _nameless(problem, done, rest)] if rest else out
 
@@ -35,20 +36,28 @@ def _is_known(problem: ArmProblem, done: ArmFit, key: Key) -> bool:
 
 
 def _named(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
-    kind, joints = effect(mine[0][0]), problem.arm.joints
-    p, named = kind.parameters[0], [joints[c] for _, c in mine if c >= 0]
-    parameters = {
-        (joints[k[1]] if k[1] >= 0 else ARM): {p.name: value_of(done.values[k], done.std[k], p.unit)}
-        for k in mine
-    }
+    kind, joints = effect(owner(mine[0])), problem.arm.joints
+    named = list(dict.fromkeys(joints[c] for _, c in mine if c >= 0))
+    parameters: dict[str, dict[str, Any]] = {}
+    for k in mine:
+        p, of = parameter_of(k), joints[k[1]] if k[1] >= 0 else ARM
+        unit = problem.arm.units.get(of, p.unit) if p.unit == "rad" else p.unit
+        parameters.setdefault(of, {})[p.name] = value_of(done.values[k], done.std[k], unit)
     rivals, elsewhere = _rivals(problem, done, mine), _elsewhere(problem, done, mine)
     said = [statement_of(kind, ", ".join(named) or "the arm", parameters)]
-    said += [f"The model has {problem.known[k]:.4g} {p.unit}." for k in mine if k in problem.known]
+    said += [
+        f"The model has {problem.known[k]:.4g} {parameter_of(k).unit}." for k in mine if k in problem.known
+    ]
     near = _near(problem, rivals)
     if UNKNOWN in near:
         said.append(f"A constant error of the readings would look the same: {FRAMES}.")
     same = [joint for joint, loss in elsewhere.items() if loss < problem.need]
     said += [f"On {' or '.join(same)} it would look the same."] if same else []
+    if shown := [joints[c] for _, c in mine if c >= 0 and problem.zeros[c] and kind.moves_joints]:
+        near.insert(0, "zero_offset")
+        said.append(
+            f"{', '.join(shown)}: also off against the gearbox, so the sensor's zero may be what is off."
+        )
     if kind.everywhere and problem.zeros[0]:
         near.append("zero_offset")
         said.append(f"A zero error of {joints[0]}'s sensor would look the same.")
@@ -94,14 +103,25 @@ def _rivals(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
     joint's sensor.
     """
     others, cost = [k for k in done.values if k not in mine], problem.solve(list(done.values))[2]
-    free = [k for k in problem.candidates if k not in others and k[0] not in {name for name, _ in mine}]
-    names = dict.fromkeys(name for name, _ in free if name != ZERO)
-    trials = [[k for k in free if k[0] == name] for name in names] + [[k] for k in free if k[0] == ZERO]
+    free = [k for k in problem.candidates if k not in others and owner(k) not in {owner(k) for k in mine}]
+    names = dict.fromkeys(owner(k) for k in free if k[0] != ZERO)
+    trials = [[k for k in free if owner(k) == name] for name in names] + [[k] for k in free if k[0] == ZERO]
+    if not problem.arm.is_planar:  # a frame moves as a whole; values for all joints together fit anything
+        trials = [keys if keys[0][1] < 0 else _best_few(problem, others, keys, len(mine)) for keys in trials]
     out: Losses = {}
     for keys in trials:
-        told = UNKNOWN if keys[0][0] in NAMELESS else keys[0][0]
+        told = UNKNOWN if keys[0][0] in NAMELESS else owner(keys[0])
         out[told] = min(problem.solve([*others, *keys])[2] - cost, out.get(told, np.inf))
     return out
+
+
+def _best_few(problem: ArmProblem, others: list[Key], free: list[Key], most: int) -> list[Key]:
+    """Of some values those that do most together, no more than there were before."""
+    chosen: list[Key] = []
+    while len(chosen) < min(most, len(free)):
+        more = [k for k in free if k not in chosen]
+        chosen.append(min(more, key=lambda k: problem.solve([*others, *chosen, k])[2]))
+    return chosen
 
 
 def _elsewhere(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
@@ -148,7 +168,8 @@ def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
     theta = np.concatenate([d.theta for d in problem.data])
     told = _varies(problem, off, theta)
     varies = [problem.arm.joints[c] for c in np.argsort(-told, kind="stable")[:2]]
-    bent = problem.arm.joints[int(np.argmax(_varies(problem, off, theta.cumsum(axis=1))))]
+    heading = theta.cumsum(axis=1) if problem.arm.is_planar else theta
+    bent = problem.arm.joints[int(np.argmax(_varies(problem, off, heading)))]
     said = f"the tip is off in a way that no name fits, most with the direction of the link of {bent}"
     said += f" and the angle of {' and '.join(varies)}"
     return Finding(

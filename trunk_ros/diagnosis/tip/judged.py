@@ -8,9 +8,9 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import LEAST
-from trunk_ros.diagnosis.tip.data import tip_data
+from trunk_ros.diagnosis.tip.data import UNITS, tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
-from trunk_ros.diagnosis.tip.stage import UNITS, ArmFit, ArmProblem
+from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import model_effects
 from trunk_ros.diagnosis.verdict.result import Finding
 from trunk_ros.model import Model, Values
@@ -50,7 +50,7 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
             "unit": UNITS[signal],
             "rmse_before": _rms(before[:, k]),
             "rmse_after": _rms(after[:, k]),
-            "noise_floor": problem.noise[k],
+            "noise_floor": float(problem.noise[k]),
         }
         for k, signal in enumerate(problem.signals)
     }

@@ -1,33 +1,45 @@
-"""Joint angles against the tip: link lengths and the base's tilt, which are few and nearly linear."""
+"""Joint angles against the tip: the arm's geometry, which is nearly linear in its few values."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.ndimage import median_filter
 
-from trunk_ros.chain import tip_pass
+from trunk_ros.arm.body import Body
+from trunk_ros.arm.geometry import changed
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
 from trunk_ros.diagnosis.data.sensor_faults import FEW
 from trunk_ros.diagnosis.evidence.evidence import ROUGH, SCATTER
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT
-from trunk_ros.diagnosis.tip.data import TipData
-from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, Point, bound, credible, point_of
-from trunk_ros.effects import effect, registry
-from trunk_ros.effects.effect import Now
+from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
+from trunk_ros.diagnosis.tip.linear import Linear, Normal
+from trunk_ros.diagnosis.tip.slopes import Slopes
+from trunk_ros.diagnosis.tip.values import (
+    NAMELESS,
+    SHIFT,
+    ZERO,
+    Key,
+    Point,
+    bound,
+    candidates,
+    credible,
+    parameter_of,
+    point_of,
+    told_otherwise,
+)
+from trunk_ros.effects.effect import Core, Now
 from trunk_ros.model import Values
+from trunk_ros.stage import core_of
 
-SIGNALS = ("y", "z", "roll")
-UNITS = {"y": "m", "z": "m", "roll": "rad"}
-STEP = 0.01
-SMALL = {"y": 1e-5, "z": 1e-5, "roll": 1e-4}  # steps of what has no name
+SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
+LINK = 1.001  # of the price of a frame
 BLOCKS = 10
-TURNS = 3
-SETTLED = 0.1  # squared unit-noise residual: a slope need not be computed again for less
-BLIND = 1e-10  # of the largest curvature: the data do not see it
+TURNS = 4
+SETTLED = 0.1  # squared unit-noise residual: what a further turn would remove less than is left
 FAR = 8.0  # times the noise that a single pose is off those beside it
 BESIDE = 5
 
@@ -50,21 +62,26 @@ class ArmProblem:
         """``lasting`` (joints,) rad: standard deviations of joint noise that lasts from sample to sample,
         which the tip's own scatter does not show. ``effects``: what the model has already.
         """
-        self.signals = SIGNALS[: min(d.tip.shape[1] for d in data)]
-        self.data = [replace(d, tip=d.tip[:, : len(self.signals)]) for d in data]
-        self.arm = data[0].arm
+        self.data, self.arm = data, data[0].arm
+        self.signals = signals_of(data)
+        self.rows = [SIGNALS.index(signal) for signal in self.signals]
         self.known = point_of(effects or {}, len(self.arm.joints))
         self.zeros = (effects or {}).get("zero_offset", {}).get("offset", np.zeros(len(self.arm.joints)))
         """(joints,) rad by which the readings of joints and gearbox disagree."""
-        self.candidates = self._candidates()
-        self.from_joints = np.zeros(len(self.signals)) if lasting is None else self._at_the_tip(lasting)
+        self.candidates = candidates(self.arm, len(self.signals))
+        self.told_otherwise = told_otherwise(self.arm)
         self.strays, self.alike = 0, 1.0
-        self.estimate_noise(self.known)
-        free = self.solve(self.candidates)[0]
-        self.estimate_noise(free)
-        self._leave_out_strays(self.residual(free))
-        self.estimate_noise(self.solve(self.candidates)[0])
+        self.noise = np.ones(len(self.signals))
+        self._normals: dict[bytes, Normal] = {}
         self._scores: dict[frozenset[Key], float] = {}
+        self.linearise(self.known)
+        self.from_joints = np.zeros(len(self.signals)) if lasting is None else self._at_the_tip(lasting)
+        self.estimate_noise(self.known)
+        free = self._free()
+        self.estimate_noise(free)
+        if self._leave_out_strays(self.residual(free)):
+            self.estimate_noise(self._free())
+        self.linearise(self.known)
 
     @property
     def count(self) -> int:
@@ -77,14 +94,13 @@ class ArmProblem:
         return max((SIGNIFICANT + FURTHER) * self.alike, RELEVANT * self.count)
 
     def price(self, keys: list[Key]) -> float:
-        """Of some values: what has no name is dearer."""
-        return self.need * sum(CURVE if name in NAMELESS else 1.0 for name, _ in keys)
+        """Of some values: what has no name is dearer; a frame that is off comes before a link that looks the
+        same.
+        """
+        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in keys)
+        return self.need * dear
 
-    def _candidates(self) -> list[Key]:
-        joints = range(len(self.arm.joints))
-        kinds = [kind for kind in registry().values() if kind.stage == "arm"]
-        named = [(kind.id, c) for kind in kinds for c in ([-1] if kind.everywhere else joints)]
-        return [*named, *((SHIFT, k) for k in range(len(self.signals))), *((ZERO, c) for c in joints[1:])]
+    # Noise
 
     def estimate_noise(self, values: Point) -> None:
         """Size and memory of the noise from what some values leave."""
@@ -92,78 +108,139 @@ class ArmProblem:
         longest = strides_within(float(np.median(np.concatenate([np.diff(d.stamp) for d in self.data]))))
         masks = [np.ones(len(rest), dtype=bool) for rest in rests]
         own = [noise_of([rest[:, k] for rest in rests], masks, longest).std for k in range(len(self.signals))]
-        self.noise = [float(n) for n in np.sqrt(np.square(own) + self.from_joints**2)]
+        self.noise = np.sqrt(np.square(own) + self.from_joints**2)
         self.alike = max(alike([rest[:, k] for rest in rests]) for k in range(len(self.signals)))
+        self._normals.clear()
+        self._scores.clear()
 
-    def _leave_out_strays(self, rests: list[Array]) -> None:
-        """Poses that are far from those beside them do not count, unless that is the sensor's noise."""
+    def _leave_out_strays(self, rests: list[Array]) -> bool:
+        """Poses that are far from those beside them do not count, unless that is the sensor's noise; whether
+        there are any.
+        """
         off = [np.abs(rest - median_filter(rest, (BESIDE, 1))) / self.noise for rest in rests]
         stray = [np.any(each > FAR, axis=1) for each in off]
         self.strays = int(sum(each.sum() for each in stray))
         if self.strays > FEW * self.count:
             self.strays = 0
         elif self.strays:
-            self.data = [_rows(d, ~each) for d, each in zip(self.data, stray, strict=True)]
+            self.data = [d.rows(~each) for d, each in zip(self.data, stray, strict=True)]
+            self.linearise(self.origin)
+        return self.strays > 0
 
     def _at_the_tip(self, lasting: Array) -> Array:
         """(signals,) what lasting noise of the joints comes to at the tip."""
+        body, _ = self._bent(self.data[0], self.known)
         power = np.zeros(len(self.signals))
         for d in self.data:
-            told = self._predict(d, self.known)
-            for joint in np.flatnonzero(lasting):
-                theta = d.theta.copy()
-                theta[:, joint] += lasting[joint]
-                power += np.mean((self._predict(replace(d, theta=theta), self.known) - told) ** 2, axis=0)
+            ways = body.jacobian(d.theta)[:, self.rows] * lasting
+            power += np.mean((ways**2).sum(axis=2), axis=0)
         return np.asarray(np.sqrt(power / len(self.data)))
 
-    def _predict(self, d: TipData, values: Point) -> Array:
-        joints = self.arm.joints
-        dt, theta = np.diff(d.stamp, prepend=d.stamp[:1]), d.theta
-        if any(name == ZERO for name, _ in values):
-            theta = theta + [values.get((ZERO, c), 0.0) for c in range(len(joints))]
-        now = Now(d.stamp, dt, theta, theta, theta, theta, theta, joints, self.arm.ratio)
-        tip = tip_pass(self.arm, bound(values, len(joints)), theta, now)
-        shift = [values.get((SHIFT, k), 0.0) for k in range(len(self.signals))]
-        return np.asarray(tip[:, : len(self.signals)] + shift)
+    # Prediction
+
+    def _bent(self, d: TipData, values: Point) -> tuple[Body, Array]:
+        """The body with some values, and the joint angles (n, joints) that its tip shows."""
+        core = self._core(d, values)
+        zeros = np.array([values.get((ZERO, c), 0.0) for c in range(len(self.arm.joints))])
+        return changed(self.arm.body, core.geometry), d.theta + core.bent + zeros
+
+    def _core(self, d: TipData, values: Point) -> Core:
+        core, none = core_of(self.arm.body), np.empty(0)
+        blocks = bound({k: v for k, v in values.items() if k[0] not in NAMELESS}, len(self.arm.joints))
+        load = d.load if any("weight" in block.needs for block in blocks) else none
+        speeds = d.speed if any(block.regime == "high_speed" for block in blocks) else none
+        now = Now(
+            d.stamp, none, d.theta, speeds, load, d.theta, d.theta, self.arm.joints, none, speeds=speeds
+        )
+        for block in blocks:
+            block.adjust(core, now)
+        return core
 
     def residual(self, values: Point) -> list[Array]:
         """(n, signals) measured less predicted, one a recording."""
-        return [d.tip - self._predict(d, values) for d in self.data]
+        return [self._off(d, values) for d in self.data]
 
-    def whitened(self, values: Point, keep: list[np.ndarray] | None = None) -> Array:
-        """All residuals over their noise, in one vector."""
-        parts = [r / self.noise for r in self.residual(values)]
-        return np.concatenate([(p if keep is None else p[keep[i]]).ravel() for i, p in enumerate(parts)])
+    def _off(self, d: TipData, values: Point) -> Array:
+        body, theta = self._bent(d, values)
+        shift = [values.get((SHIFT, k), 0.0) for k in range(len(self.signals))]
+        return np.asarray(d.off(body.poses(theta))[:, self.rows] - shift)
 
-    def solve(self, keys: list[Key], keep: list[np.ndarray] | None = None) -> tuple[Point, Array, float]:
-        """Values, those of ``keys`` fitted and the others as the model has them; the covariance of the
-        fitted ones, and the squares left.
-        """
-        values = {**self.known, **{k: self.known.get(k, 0.0) for k in keys}}
-        covariance, jacobian = np.zeros((0, 0)), np.zeros((0, 0))
-        for turn in range(TURNS if keys else 0):
-            rest = self.whitened(values, keep)
-            if turn == 0 or _gain(covariance, jacobian.T @ rest) > SETTLED:
-                jacobian = np.column_stack([self._slope(values, k, rest, keep) for k in keys])
-                covariance = np.asarray(np.linalg.pinv(jacobian.T @ jacobian, rcond=BLIND, hermitian=True))
-            step = covariance @ jacobian.T @ rest
-            values |= {k: values[k] - float(d) for k, d in zip(keys, step, strict=True)}
-        rest = self.whitened(values, keep)
-        return values, covariance, float(rest @ rest)
+    def linearise(self, values: Point) -> None:
+        """Take residuals and slopes from these values on."""
+        self.origin = dict(values)
+        parts = []
+        for d in self.data:
+            body, theta = self._bent(d, values)
+            slopes = Slopes(body, theta)
+            rows = np.stack([self._slope(slopes, d, key) for key in self.candidates], axis=2)
+            moved = np.array([values.get(k, 0.0) - self.known.get(k, 0.0) for k in self.candidates])
+            parts.append((self._off(d, values) + rows @ moved, rows))
+        rest, slope = (np.concatenate(each) for each in zip(*parts, strict=True))
+        self.linear = Linear(rest, slope, np.array([self._step(key) for key in self.candidates]))
+        self._normals.clear()
+        self._scores.clear()
 
-    def _slope(self, values: Point, key: Key, rest: Array, keep: list[np.ndarray] | None) -> Array:
-        step = self._step(key)
-        return (self.whitened({**values, key: values[key] + step}, keep) - rest) / step
+    def _slope(self, slopes: Slopes, d: TipData, key: Key) -> Array:
+        """(n, signals) per unit of a value."""
+        name, c = key
+        if name == SHIFT:
+            return np.tile(np.eye(len(self.signals))[c], (len(d.stamp), 1))
+        if name == ZERO:
+            return slopes.jacobian[:, self.rows, c]
+        return slopes.of(self._core(d, {key: 1.0}))[:, self.rows]
 
     def _step(self, key: Key) -> float:
         if key[0] in NAMELESS:
-            return SMALL["roll" if key[0] == ZERO else self.signals[key[1]]]
-        return STEP * effect(key[0]).parameters[0].typical
+            return SMALL["rad" if key[0] == ZERO else UNITS[self.signals[key[1]]]]
+        return parameter_of(key).typical
+
+    # Fit
+
+    def normal(self, keep: np.ndarray | None = None) -> Normal:
+        """Normal equations of all poses, or of some (count,)."""
+        keep = np.ones(self.count, dtype=bool) if keep is None else keep
+        key = keep.tobytes()
+        if key not in self._normals:
+            self._normals[key] = self.linear.normal(self.noise, keep)
+        return self._normals[key]
+
+    def solve(self, keys: list[Key], keep: np.ndarray | None = None) -> tuple[Point, Array, float]:
+        """Values, those of ``keys`` fitted and the others as the model has them; the covariance of the
+        fitted ones, and the squares left.
+        """
+        chosen = [self._column[key] for key in keys]
+        more, covariance, cost = self.normal(keep).solve(chosen)
+        fitted = {k: self.known.get(k, 0.0) + float(v) for k, v in zip(keys, more, strict=True)}
+        return {**self.known, **fitted}, covariance, cost
+
+    @property
+    def _column(self) -> dict[Key, int]:
+        return {key: column for column, key in enumerate(self.candidates)}
+
+    def _free(self) -> Point:
+        """All values as the data have them together, whatever is told apart."""
+        values = self.known
+        for _ in range(TURNS):
+            self.linearise(values)
+            before, values = values, self.solve(self.candidates)[0]
+            if self._moved(before, values) < SETTLED:
+                break
+        return values
+
+    def _moved(self, before: Point, after: Point) -> float:
+        """Squares of unit noise that the prediction has changed by."""
+        step = np.array([after.get(k, 0.0) - before.get(k, 0.0) for k in self.candidates]) / self.linear.step
+        return float(step @ self.normal().curvature @ step)
 
     def run(self) -> ArmFit:
         """What pays, with spreads; these as ``evidence.spreads`` has them."""
-        keys = self._chosen()
-        values, covariance, cost = self.solve(keys)
+        keys: list[Key] = []
+        for _ in range(TURNS):
+            before, keys = self.origin, self._chosen()
+            values, covariance, cost = self.solve(keys)
+            if self._moved(before, values) < SETTLED:
+                break
+            self.linearise(values)
         power = self.alike * max(1.0, cost / (len(self.signals) * self.count))
         spread = SCATTER * np.sqrt(np.maximum(np.diag(covariance), 0.0) * power)
         std = {k: float(np.hypot(s, ROUGH * values[k])) for k, s in zip(keys, spread, strict=True)}
@@ -183,7 +260,7 @@ class ArmProblem:
         keys: list[Key] = []
         best = self.score(keys)
         while True:
-            others = [k for k in self.candidates if k not in keys]
+            others = [k for k in self.candidates if k not in keys and k not in self.told_otherwise]
             fewer = [[x for x in keys if x != k] for k in keys]
             changes = [[*keys, k] for k in others] + fewer
             found, score = self._best(changes)
@@ -201,18 +278,8 @@ class ArmProblem:
         """(n, signals) residuals of all recordings, each half of the blocks predicted by a fit to the other
         half.
         """
-        folds = [np.arange(len(d.stamp)) * BLOCKS // max(len(d.stamp), 1) % 2 for d in self.data]
-        fits = [self.solve(keys, [f != half for f in folds])[0] for half in (0, 1)]
-        parts = [self.residual(values) for values in fits]
-        return np.concatenate(
-            [np.where((f == 0)[:, None], a, b) for f, a, b in zip(folds, *parts, strict=True)]
+        folds = np.concatenate(
+            [np.arange(len(d.stamp)) * BLOCKS // max(len(d.stamp), 1) % 2 for d in self.data]
         )
-
-
-def _gain(covariance: Array, pull: Array) -> float:
-    """Squares that a linear step removes."""
-    return float(pull @ covariance @ pull)
-
-
-def _rows(d: TipData, keep: np.ndarray) -> TipData:
-    return TipData(d.arm, d.stamp[keep], d.theta[keep], d.tip[keep])
+        parts = [np.concatenate(self.residual(self.solve(keys, folds != half)[0])) for half in (0, 1)]
+        return np.where((folds == 0)[:, None], *parts)

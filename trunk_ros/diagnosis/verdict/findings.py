@@ -13,10 +13,11 @@ from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.verdict import curve_words
+from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.result import Finding, Unexplained
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
 
 VARIES_WITH: dict[str, list[str]] = {
@@ -49,7 +50,8 @@ def findings(
     """One finding per effect, with all its joints."""
     out = []
     for name in hypothesis:
-        for term in [hypothesis[name]] if effect(name).named else curve_words.by_variable(hypothesis[name]):
+        whole = not issubclass(effect(name), Curve)
+        for term in [hypothesis[name]] if whole else curve_words.by_variable(hypothesis[name]):
             out.append(_finding(context, term, found[name], std, told.of(name)))
     return sorted(out, key=lambda f: -f.evidence["strength"])
 
@@ -62,6 +64,10 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         variable = curve_words.variable_of(term, term.columns[0])
         varies, regime = [*kind.also, *words_of(variable)], curve_words.regime_of(kind, variable)
         statement, curve = curve_words.statement(term, where), curve_words.told(context, term)
+    elif issubclass(kind, Bank):
+        parameters = bank_words.parameters(context, term) if kind.named else {}
+        varies, regime = bank_words.varies_with(term), kind.regime
+        statement, curve = bank_words.statement(term, where), bank_words.told(context, term)
     else:
         parameters = _parameters(context, kind, term, std)
         varies, regime = _varies_with(kind, term), kind.regime

@@ -1,16 +1,15 @@
-"""The base stands tilted about X."""
-
-from typing import Any
+"""The base stands tilted."""
 
 import numpy as np
 
-from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.parameter import Parameter
+
+ABOUT = {"angle": 3, "angle_y": 4, "angle_z": 5}
 
 
 class BaseTilt(Effect):
-    """The tip [y, z, roll] turns about the base's X axis by ``angle``."""
+    """The tip turns about the base's X axis by ``angle``; out of the plane, also about Y and Z."""
 
     id = "base_tilt"
     stage, place, regime = "arm", 200, "always"
@@ -18,10 +17,14 @@ class BaseTilt(Effect):
     source = (
         "Mooring, Roth & Driels, Fundamentals of Manipulator Calibration (1991), ch. 3: base frame error."
     )
-    parameters = (Parameter("angle", "rad", (-1.0, 1.0), "turn about +X", typical=2e-3, shared=True),)
+    parameters = tuple(
+        Parameter(
+            name, "rad", (-1.0, 1.0), f"turn about +{axis}", typical=2e-3, shared=True, optional=axis != "X"
+        )
+        for name, axis in zip(ABOUT, "XYZ", strict=True)
+    )
     everywhere = True
 
-    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        angle = float(np.ravel(self["angle"])[0])
-        c, s = np.cos(angle), np.sin(angle)
-        return np.column_stack([c * x[:, 0] - s * x[:, 1], s * x[:, 0] + c * x[:, 1], x[:, 2] + angle]), None
+    def adjust(self, core: Core, now: Now) -> None:
+        for name, row in ABOUT.items():
+            core.geometry.base[row] += float(np.ravel(self.values.get(name, 0.0))[0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.moment import sine
+from trunk_ros.sine import sine
 
 STEP = 0.002  # s
 EDGE = 0.01  # of a dead zone, over which the loop's answer rises: with a jump no two runs would agree

@@ -33,6 +33,7 @@ class JointCoupling(Effect):
     id = "joint_coupling"
     stage, place, regime = "wire", 30, "posture"
     signature = "The residual follows another joint's angle, whether this joint moves or not."
+    remembers = True
     source = (
         "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones; "
         "drag: presliding friction between two wires, Dahl (1968) in its play form."

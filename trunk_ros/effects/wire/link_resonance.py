@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.filters import lowpass, oscillator, rate
 from trunk_ros.effects.periods import periods
 from trunk_ros.effects.wire.swing import free_swings, stops
-from trunk_ros.effects.wire.swinging_links import Masses, pushed_back, swing_link, swing_links
+from trunk_ros.effects.wire.swinging_links import pushed_back, swing_link, swing_links
 from trunk_ros.parameter import Parameter
 
 LEAST_SWINGS, FASTEST = 4.0, 25.0  # in a recording; Hz: of a beam
@@ -85,8 +86,8 @@ class LinkResonance(Effect):
         return forms if motion.masses else tuple(form for form in forms if form != "links")
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        if self.form == "links" and (masses := masses_of(now)):
-            return self._shaken(x, now, masses, state)
+        if self.form == "links" and now.arm is not None and now.arm.has_load:
+            return self._shaken(x, now, now.arm, state)
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
         oscillator(x, now.dt, self._omega, self["damping"], self.form in ("relative", "links"), state, out)
@@ -131,8 +132,8 @@ class LinkResonance(Effect):
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         if self.form == "beam":
             return self._straightened(y, now, state)
-        if self.form == "links" and (masses := masses_of(now)):
-            return self._ahead(y, now, masses, state)
+        if self.form == "links" and now.arm is not None and now.arm.has_load:
+            return self._ahead(y, now, now.arm, state)
         first, second = (None, None) if state is None else state
         speed, first = rate(y, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
@@ -140,7 +141,7 @@ class LinkResonance(Effect):
         damped = 2 * self["damping"] / omega * speed if self.form == "absolute" else 0.0
         return y + damped + acceleration / omega**2, (first, second)
 
-    def _shaken(self, x: Array, now: Now, masses: Masses, state: Any) -> tuple[Array, Any]:
+    def _shaken(self, x: Array, now: Now, arm: Arm, state: Any) -> tuple[Array, Any]:
         """Joint angles under what all joints' acceleration asks of the wires."""
         swings = self._omega > 0.0
         places, angles = np.array(now.columns)[swings], np.ascontiguousarray(now.angles)
@@ -149,18 +150,18 @@ class LinkResonance(Effect):
         out, own, motion = x.copy(), state[0].copy(), state[1].copy()
         before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
         shown = np.empty_like(moved)
-        omega, zeta = self._omega[swings], self["damping"][swings]
+        omega, zeta, straight = self._omega[swings], self["damping"][swings], _straight(arm)[places]
         if len(places) == 1:
-            one = np.ascontiguousarray(moved[:, 0])
-            swing_link(
-                one, now.dt, angles, places[0], masses, omega[0], zeta[0], before[:, 0], motion, shown[:, 0]
-            )
+            row = np.ascontiguousarray(arm.mass_matrix(angles)[:, places[0]])
+            one, alone = np.ascontiguousarray(moved[:, 0]), (straight[0], omega[0], zeta[0])
+            swing_link(one, now.dt, angles, places[0], row, *alone, before[:, 0], motion, shown[:, 0])
         elif len(places):
-            swing_links(moved, now.dt, angles, places, masses, omega, zeta, before, motion, shown)
+            mass = np.concatenate([arm.mass_matrix(motion[:1]), arm.mass_matrix(angles)])
+            swing_links(moved, now.dt, angles, places, mass, straight, omega, zeta, before, motion, shown)
         own[:, swings], out[:, swings] = before, shown
         return out, (own, motion)
 
-    def _ahead(self, y: Array, now: Now, masses: Masses, state: Any) -> tuple[Array, Any]:
+    def _ahead(self, y: Array, now: Now, arm: Arm, state: Any) -> tuple[Array, Any]:
         """The wires' angle for joints at ``y``: ahead by what moves the masses, damped as the wires are."""
         swings = self._omega > 0.0
         places, angles = np.array(now.columns)[swings], np.array(now.angles)
@@ -169,8 +170,8 @@ class LinkResonance(Effect):
         speed, first = rate(angles, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
         omega, lag = self._omega[swings], lag.copy()
-        push = np.empty((len(y), len(places)))
-        pushed_back(np.ascontiguousarray(acceleration), angles, places, masses, omega, push)
+        stiffness = _straight(arm)[places] * omega**2
+        push = pushed_back(acceleration, places, arm.mass_matrix(angles), stiffness)
         ahead = np.empty_like(push)
         lowpass(push, now.dt, 2 * self["damping"][swings] / omega, lag, ahead)
         out = y.copy()
@@ -187,7 +188,6 @@ class LinkResonance(Effect):
         return np.where(rigid, y, (y - self["share"] * out) / rest), state
 
 
-def masses_of(now: Now) -> Masses | None:
-    """The links of the arm that an effect looks at, if their masses are known."""
-    arm = now.arm
-    return Masses(arm.link_length, arm.link_mass, arm.payload) if arm is not None and arm.has_load else None
+def _straight(arm: Arm) -> Array:
+    """(joints,) kg m^2: what each joint turns of the arm with all joints at 0."""
+    return np.asarray(arm.mass_matrix(np.zeros((1, len(arm.joints))))[0].diagonal())

@@ -2,49 +2,36 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.filters import swing_step
-from trunk_ros.inertia import mass_row
 
 TURN = 0.1  # rad that the fastest joint's swing may go on in a step of the integration
 MOST = 64  # steps of one posture
 STANDS = 0.02  # s for which a posture lasts
 
 
-class Masses(NamedTuple):
-    """Links of a planar chain: length m, mass kg (joints,) each at the middle of its link, tip kg."""
-
-    length: Array
-    mass: Array
-    tip: float
-
-
 @compiled
 def swing_links(
-    x: Array, dt: Array, angles: Array, places: np.ndarray, masses: Masses, omega: Array, zeta: Array,
-    before: Array, motion: Array, out: Array,
+    x: Array, dt: Array, angles: Array, places: np.ndarray, mass: Array, straight: Array, omega: Array,
+    zeta: Array, before: Array, motion: Array, out: Array,
 ) -> None:  # fmt: skip
     """M(q) theta'' + d (theta' - x') + k (theta - x) = 0 for joints that swing behind wires at ``x`` (n,
     swinging), with k = M_jj(0) omega^2 and d = 2 zeta omega M_jj(0).
 
     ``angles`` (n, joints) of all joints move straight between samples, so that those that do not swing push
-    by the changes of their slopes; ``places`` (swinging,): which joints swing. ``before`` (3, swinging): x,
-    theta and theta' of the sample before; ``motion`` (2, joints): angles and slopes of it. Coriolis' forces
-    are left out. Trapezoidal rule (Newmark 1959, beta = 1/4): stable whatever the masses.
+    by the changes of their slopes; ``places`` (swinging,): which joints swing. ``mass`` (n + 1, joints,
+    joints): M of the sample before the first and of each, ``straight`` (swinging,): M_jj(0). ``before`` (3,
+    swinging): x, theta and theta' of the sample before; ``motion`` (2, joints): angles and slopes of it.
+    Coriolis' forces are left out. Trapezoidal rule (Newmark 1959, beta = 1/4): stable whatever the masses.
     """
     joints, m = angles.shape[1], len(places)
-    row, straight, fixed = np.empty(joints), np.empty(m), np.ones(joints, dtype=np.bool_)
+    row, fixed = np.empty(joints), np.ones(joints, dtype=np.bool_)
     fixed[places] = False
-    for a in range(m):
-        mass_row(np.zeros(joints), places[a], masses.length, masses.mass, masses.tip, row)
-        straight[a] = row[places[a]]
     hold, damp = straight * omega**2, 2.0 * straight * zeta * omega
     matrix, light, stiff = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
-    posture, slope = np.empty(joints), np.empty(joints)
+    slope = np.empty(joints)
     push, ramp, wire, now, new = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     y, rate = before[1], before[2]
     for i in range(len(x)):
@@ -58,12 +45,11 @@ def swing_links(
             steps = min(max(int(np.ceil(omega.max() * dt[i] / parts / TURN)), 1), MOST)
             h = dt[i] / (parts * steps)
             for part in range(parts):
-                for k in range(joints):
-                    posture[k] = motion[0, k] + slope[k] * (dt[i] * (part + 0.5) / parts)
+                share = (part + 0.5) / parts
                 for a in range(m):
-                    posture[places[a]] = y[a] + rate[a] * (dt[i] * 0.5 / parts)
-                for a in range(m):
-                    mass_row(posture, places[a], masses.length, masses.mass, masses.tip, row)
+                    for k in range(joints):
+                        old, later = mass[i, places[a], k], mass[i + 1, places[a], k]
+                        row[k] = old + share * (later - old)
                     push[a] = 0.0
                     for b in range(m):
                         matrix[a, b] = stiff[a, b] = row[places[b]]
@@ -100,26 +86,23 @@ def swing_links(
 
 @compiled
 def swing_link(
-    x: Array, dt: Array, angles: Array, place: int, masses: Masses, omega: float, zeta: float, before: Array,
-    motion: Array, out: Array,
+    x: Array, dt: Array, angles: Array, place: int, row: Array, straight: float, omega: float, zeta: float,
+    before: Array, motion: Array, out: Array,
 ) -> None:  # fmt: skip
     """The same of one joint alone, exact for the posture of each sample: ``x`` and ``out`` (n,), ``before``
-    (3,).
+    (3,); ``row`` (n, joints): that of the joint in M.
     """
     joints = angles.shape[1]
-    row, swing = np.empty(joints), np.zeros(5)
-    mass_row(np.zeros(joints), place, masses.length, masses.mass, masses.tip, row)
-    straight = row[place]
+    swing = np.zeros(5)
     old, y, rate = before[0], before[1], before[2]
     for i in range(len(x)):
         if dt[i] > 0.0:
-            mass_row(angles[i], place, masses.length, masses.mass, masses.tip, row)
             for k in range(joints):
                 slope = (angles[i, k] - motion[0, k]) / dt[i]
                 if k != place:
-                    rate -= row[k] / row[place] * (slope - motion[1, k])
+                    rate -= row[i, k] / row[i, place] * (slope - motion[1, k])
                 motion[1, k] = slope
-            lighter = np.sqrt(straight / row[place])
+            lighter = np.sqrt(straight / row[i, place])
             swing_step(dt[i], omega * lighter, zeta * lighter, swing)
             ramp = (x[i] - old) / dt[i]
             off, faster = y - old, rate - ramp
@@ -156,18 +139,8 @@ def solve(lower: Array, b: Array) -> None:
         b[i] /= lower[i, i]
 
 
-@compiled
-def pushed_back(
-    acceleration: Array, angles: Array, places: np.ndarray, masses: Masses, omega: Array, out: Array
-) -> None:
-    """How far wires have to be ahead of joints [rad] (n, swinging) for all joints to accelerate as told (n,
-    joints), but for the wires' damping.
+def pushed_back(acceleration: Array, places: np.ndarray, mass: Array, stiffness: Array) -> Array:
+    """How far wires of ``stiffness`` (swinging,) have to be ahead of joints [rad] (n, swinging) for all
+    joints to accelerate as told (n, joints), but for the wires' damping; ``mass`` (n, joints, joints): M.
     """
-    joints = angles.shape[1]
-    row = np.empty(joints)
-    for a in range(len(places)):
-        mass_row(np.zeros(joints), places[a], masses.length, masses.mass, masses.tip, row)
-        stiffness = row[places[a]] * omega[a] ** 2
-        for i in range(len(angles)):
-            mass_row(angles[i], places[a], masses.length, masses.mass, masses.tip, row)
-            out[i, a] = (row * acceleration[i]).sum() / stiffness
+    return np.asarray(np.einsum("njk,nk->nj", mass[:, places], acceleration) / stiffness)

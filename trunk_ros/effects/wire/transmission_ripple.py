@@ -7,8 +7,8 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.periods import periods, positive
-from trunk_ros.moment import sines
 from trunk_ros.parameter import Parameter
+from trunk_ros.sine import sines
 
 LEAST = 1.05  # periods within the motion
 

@@ -18,6 +18,7 @@ class ViscoelasticCreep(Effect):
     signature = (
         "After a move the residual goes on for seconds, against the deflection, while the gearbox stands."
     )
+    remembers = True
     source = (
         "Standard linear solid (Zener), one or two Maxwell branches: Palli et al. (2012), Mechatronics 22(6)."
     )

@@ -12,7 +12,7 @@ from trunk_ros.export.reality.blocks import Block, core_of
 from trunk_ros.export.reality.past import Past
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.model import Model
-from trunk_ros.moment import sines
+from trunk_ros.sine import sines
 
 
 class Servo:

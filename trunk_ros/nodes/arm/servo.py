@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.nodes.bus import Bus, Sample, gearbox_limits
+from trunk_ros.nodes.bus import Bus, Sample, gearbox_limits, within
 from trunk_ros.nodes.graph.elapsed import Elapsed
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
 from trunk_ros.trajectory import Array
@@ -19,8 +19,8 @@ class Servo:
     """Hands what is safe to a bus, and holds the last safe setpoint [rad at the gearbox]. Times are ns."""
 
     def __init__(self, arm: Arm, bus: Bus):
-        self.joints, self.bus = arm.joints, bus
-        self.matcher = JointMatcher(arm.joints)
+        self.arm, self.joints, self.bus = arm, arm.motor_names, bus
+        self.matcher = JointMatcher(self.joints)
         self.lower, self.upper = gearbox_limits(arm)
         self.asked: Array | None = None
         self.shaft: Array | None = None
@@ -68,4 +68,11 @@ class Servo:
             raise MessageError(
                 f"setpoint refused: {self.joints[j]} at {setpoint[j]:.4f} rad is outside "
                 f"{self.lower[j]:.4f} ... {self.upper[j]:.4f}; holding the last safe one"
+            )
+        over = np.abs(within(setpoint, self.arm) - setpoint) > ROUNDING
+        if over.any():
+            j = int(np.argmax(over))
+            raise MessageError(
+                f"setpoint refused: {self.joints[j]} at {setpoint[j]:.4f} rad would move a joint outside its "
+                "limits; holding the last safe one"
             )

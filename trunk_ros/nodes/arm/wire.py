@@ -20,7 +20,8 @@ JUST = 1e-3  # s in which a model that takes over comes to where the joints are
 
 @dataclass(frozen=True)
 class Shown:
-    """What there is to see at a stamp: joints (joints,) rad, rad/s, N m; wires m, N; tip y m, z m, roll rad.
+    """What there is to see at a stamp: joints (joints,) rad, rad/s, N m; wires m, N; tip (7,) x, y, z m and
+    quaternion x, y, z, w; ``true``: where the joints are, whatever their sensors show.
 
     Wires and tip are None where the model does not know them.
     """
@@ -30,6 +31,7 @@ class Shown:
     effort: Array
     wires: tuple[Array, Array] | None
     tip: Array | None
+    true: Array
 
 
 class Wire:
@@ -37,11 +39,13 @@ class Wire:
 
     def __init__(self, model: Model):
         self.joints = model.arm.joints
-        self.matcher = JointMatcher(self.joints)
+        self.motors = model.arm.motor_names
+        self.matcher = JointMatcher(self.motors)
         self._phi = np.full(len(self.joints), np.nan)
         self._elapsed = Elapsed()
         self._last: tuple[int, Array] | None = None
         self._state: State | None = None
+        self._seen: State | None = None
         self._use(model)
         still = np.zeros((2, len(self.joints)))
         self._wire.run(still, np.arange(2.0) / 100)  # compiles, so that no sample is late
@@ -56,7 +60,7 @@ class Wire:
         self._use(model)
         if self._state is not None:
             stamp = self._state.stamp
-            path = np.array([self._state.angles / model.arm.ratio, self._phi])
+            path = np.array([model.arm.asked(self._state.angles), self._phi])
             _, self._state = self._wire.run(path, np.array([stamp - JUST, stamp]))
 
     def complete(self, names: Sequence[str], position: Sequence[float]) -> Array:
@@ -68,7 +72,7 @@ class Wire:
         known = np.isfinite(phi)
         phi = phi if known.all() else np.where(known, phi, self._phi)
         if not known.all() and not np.isfinite(phi).all():
-            raise MessageError(f"no angle yet of {self.joints[int(np.argmin(np.isfinite(phi)))]}")
+            raise MessageError(f"no angle yet of {self.motors[int(np.argmin(np.isfinite(phi)))]}")
         self._phi = phi
         return phi
 
@@ -90,8 +94,10 @@ class Wire:
         last, self._last = self._last, (stamp, shown)
         speed = np.zeros_like(shown) if last is None else (shown - last[1]) * SECOND / (stamp - last[0])
         wires = wire_state(self.model.arm, phi, self._state.angles, effort)
-        tip = self._tip.tip(theta[None], at)[0] if self.model.arm.has_geometry else None
-        return Shown(shown, speed, effort, wires, tip)
+        tip = None
+        if self.model.arm.has_geometry:
+            (tip,), self._seen = self._tip.run(theta[None], at, self._seen)
+        return Shown(shown, speed, effort, wires, tip, theta)
 
 
 def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array, Array] | None:
@@ -101,5 +107,5 @@ def wire_state(arm: Any, phi: Array, theta: Array, effort: Array) -> tuple[Array
     """
     if arm.wire is None:
         return None
-    stretch = arm.wire.cylinder_radius * (arm.ratio * phi - theta)
+    stretch = arm.wire.cylinder_radius * (arm.driven(phi) - theta)
     return stretch, arm.wire.pull_tension + np.abs(effort) / arm.wire.cylinder_radius

@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.chain import Chain, State
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
-from trunk_ros.nodes.bus import between, gearbox_limits
+from trunk_ros.nodes.bus import between, gearbox_limits, within
 from trunk_ros.trajectory import Array
 
 NUDGE = 1e-4  # rad, tells a new model in which direction a joint came
@@ -77,6 +77,7 @@ class Compensation:
         target = wanted + self._fade
         reach = self.top_speed * dt
         self.out = self.out + between(between(target, self.lower, self.upper) - self.out, -reach, reach)
+        self.out = within(self.out, self.model.arm)
         self.limited = (np.abs(self.out - target) > 1e-12) | self._clipped
         return self.out
 

@@ -240,7 +240,8 @@ class Controller:
         """Start from where the arm stands, at 0 where that is not known."""
         known = self.observation.stands(now)
         self.time, waiting = None, self.begin.begun(known is None)
-        stands = np.zeros(len(self.joints)) if known is None else known
+        arm = self.model.arm
+        stands = arm.asked(arm.rest) if known is None else known
         compensation = Compensation(self.model, self.settings.reversal, stands)
         start = compensation.joint_angle(stands)
         limits = limits_of(self.model.arm, self.settings.max_acceleration)

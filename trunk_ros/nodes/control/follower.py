@@ -93,7 +93,7 @@ def state_at(plan: Trajectory, at: float) -> tuple[Array, Array, Array]:
 
 def limits_of(arm: Arm, acceleration: float) -> Limits:
     """What a trajectory may ask of an arm's joints; ``acceleration`` rad/s^2 at most."""
-    return Limits(arm.lower, arm.upper, arm.v_max * np.abs(arm.ratio), np.full(len(arm.joints), acceleration))
+    return Limits(arm.lower, arm.upper, arm.top_speed, np.full(len(arm.joints), acceleration))
 
 
 def check_rest(plan: Trajectory) -> None:

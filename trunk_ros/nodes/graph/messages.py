@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from array import array
 from collections.abc import Sequence
 from typing import Any
@@ -73,12 +72,11 @@ def point(state: State) -> Any:
 
 
 def fill_pose(message: Any, ns: int, frame: str, tip: Array) -> Any:
-    """Put a tip (3,), y m, z m, roll rad about X, into a PoseStamped."""
+    """Put a tip (7,), x, y, z m, quaternion x, y, z, w, into a PoseStamped."""
     set_time(message.header.stamp, ns)
     message.header.frame_id = frame
-    y, z, roll = tip.tolist()
-    message.pose.position.y, message.pose.position.z = y, z
-    message.pose.orientation.x, message.pose.orientation.w = math.sin(roll / 2), math.cos(roll / 2)
+    place, turn = message.pose.position, message.pose.orientation
+    place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = tip.tolist()
     return message
 
 

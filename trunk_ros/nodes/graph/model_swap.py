@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.urdf import joint_limits
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.graph.parameters import MODEL, changed_model
-from trunk_ros.urdf import joint_limits
 
 CLOSE = 1e-6  # rad and relative, for numbers that went through text
 

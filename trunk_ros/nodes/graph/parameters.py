@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.description import RENAMED
+from trunk_ros.arm.parameters import RENAMED
 from trunk_ros.errors import ModelError, TrunkError
 from trunk_ros.model import Declaration, Model, declared_parameters, load_model
 from trunk_ros.nodes.graph.ros import (
@@ -45,14 +45,18 @@ def declare(node: Any, declaration: Declaration, value: Any = None, fixed: bool 
 def descriptor(declaration: Declaration, fixed: bool = False) -> Any:
     """Description as ``ros2 param describe`` shows it; rclpy itself refuses scalars out of bounds."""
     text = declaration.meaning + (f" [{declaration.unit}]" if declaration.unit else "")
-    described = ParameterDescriptor(description=text, read_only=fixed or declaration.fixed)
+    described = ParameterDescriptor(
+        description=text, read_only=fixed or declaration.fixed, dynamic_typing=declaration.free
+    )
     if declaration.bounds is None:
         return described
     low, high = declaration.bounds
     described.additional_constraints = f"{low:g} to {high:g} {declaration.unit}".strip()
     if isinstance(declaration.default, int):
         described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=1)]
-    elif isinstance(declaration.default, float) and math.isfinite(declaration.default):
+    elif (
+        isinstance(declaration.default, float) and not declaration.free and math.isfinite(declaration.default)
+    ):
         ends = {"from_value": float(low), "to_value": float(high)}
         described.floating_point_range = [FloatingPointRange(**ends, step=0.0)]
     return described
@@ -61,13 +65,13 @@ def descriptor(declaration: Declaration, fixed: bool = False) -> Any:
 def declare_model(node: Any, fixed: bool) -> Model:
     """Declare ``model`` and the parameters of the model that the node has; returns it. Raises TrunkError.
 
-    Given parameters that name joints are a complete model; else ``model`` is one, and they change it.
+    Given parameters that name joints or a URDF are a complete model; else they change ``model``.
     """
     name = declare(node, MODEL, fixed=fixed)
     known = {d.name for d in declared_parameters()}
     given = {RENAMED.get(key, key): each.value for key, each in node._parameter_overrides.items()}
     flat = {key: value for key, value in given.items() if key in known}
-    base = {} if "arm.joints" in flat else load_model(name).parameters()
+    base = {} if {"arm.joints", "arm.urdf"} & flat.keys() else load_model(name).parameters()
     model = Model.from_parameters(base | flat)
     if model.any_joints:
         raise TrunkError(f"{node.get_name()}: a live node has to know its joints: name them in arm.joints")

@@ -75,6 +75,12 @@ try:
 except ImportError:  # not among the packages that PyPI has
     FollowJointTrajectory = JointTrajectoryControllerState = None
 
+try:
+    from geometry_msgs.msg import TransformStamped
+    from tf2_msgs.msg import TFMessage
+except ImportError:  # likewise
+    TFMessage = TransformStamped = None
+
 __all__ = [
     "INFO",
     "WARNING",
@@ -119,7 +125,9 @@ __all__ = [
     "SteadyClock",
     "String",
     "SubscriptionEventCallbacks",
+    "TFMessage",
     "Time",
+    "TransformStamped",
     "TransitionCallbackReturn",
     "Trigger",
     "deserialize_message",

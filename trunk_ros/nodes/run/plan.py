@@ -53,6 +53,8 @@ class Plan:
         common: dict[str, Any] = {"rate": self.rate, "supervised": True, "use_sim_time": self.simulated}
         if part == "recorder":
             return common | {"output": str(self.output), "manifest": self.manifest}
+        if part == "wire_elasticity":
+            common["tf"] = True
         return common | self.models[part].parameters()
 
 
@@ -177,12 +179,12 @@ def is_file(name: str) -> bool:
 
 
 def check(trajectory: Trajectory, model: Model, name: str) -> None:
-    """Raise TrajectoryError where the motion, begun at rest at 0, breaks a limit."""
+    """Raise TrajectoryError where the motion, begun where the arm rests, breaks a limit."""
     arm = model.arm
     limits = limits_of(arm, np.inf)
-    rest = np.zeros(len(arm.joints))
+    still = np.zeros(len(arm.joints))
     try:
-        motion = trajectory.for_joints(arm.joints, rest).after(rest, rest, rest)
+        motion = trajectory.for_joints(arm.joints, arm.rest).after(arm.rest, still, still)
         motion.check(limits)
         check_rest(motion)
     except TrajectoryError as error:

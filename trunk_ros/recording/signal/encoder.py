@@ -10,6 +10,7 @@ from scipy.signal import savgol_filter
 
 from trunk_ros.recording.recording import Floats, JointSeries
 from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.resample import stops_to_measure
 
 WINDOWS = (3, 5, 7, 9, 13, 17, 23, 33, 47, 65)  # samples, the longest that fits counts
 CURVED = 2  # order of the polynomial in a window
@@ -57,9 +58,10 @@ def counts(series: JointSeries) -> Floats:
 
 def noises(series: JointSeries) -> Floats:
     """(joints,) standard deviation of what the readings of each joint scatter by where it moves least; 0
-    where that goes on from sample to sample, as motion does.
+    where that goes on from sample to sample, as motion does, and where a recording stops to measure: what was
+    asked for there is known exactly, however it scatters.
     """
-    if len(series.stamp) < CALM:
+    if len(series.stamp) < CALM or stops_to_measure(series.stamp):
         return np.zeros(len(series.joints))
     readings = fill(series.position)
     fourth = np.diff(readings, 4, axis=0)

@@ -43,16 +43,26 @@ def _subdivided(grid: Floats) -> Floats:
     return np.append(starts + share * np.repeat(gaps, parts), grid[-1])
 
 
+def stops_to_measure(stamp: Floats) -> bool:
+    """Whether a recording is so slow that nothing is known of what lies between two samples: then a sample
+    is what was asked for and reached, no noisy reading of a motion.
+    """
+    return len(stamp) > 1 and float(np.median(np.diff(stamp))) > SLOW
+
+
 def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
     """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that
-    fits.
+    fits. What stops to measure holds each sample until the next.
     """
     t, position = series.stamp, fill(series.position)
     if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
         return position, _velocity(series, position)
     inside = np.clip(grid, t[0], t[-1])
     beyond = np.clip(grid - inside, *_one_step(t))[:, None]
-    if len(t) < 4 or float(np.median(np.diff(t))) > SLOW:
+    if stops_to_measure(t):
+        held = position[np.clip(np.searchsorted(t, grid + SAME, side="right") - 1, 0, None)]
+        return held, _slope(grid, held)
+    if len(t) < 4:
         curve = PchipInterpolator(t, position) if len(t) > 1 else None
         values = np.repeat(position, len(grid), axis=0) if curve is None else curve(inside)
         return values, _slope(grid, values)

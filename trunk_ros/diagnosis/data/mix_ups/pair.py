@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
+from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
-from trunk_ros.description import ANY_ANGLE
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import TOPICS

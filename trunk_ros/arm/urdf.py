@@ -8,8 +8,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from trunk_ros.arm import Arm
-from trunk_ros.description import ANY_JOINTS
+from trunk_ros.arm.arm import Arm
+from trunk_ros.arm.description import limits, tree
+from trunk_ros.arm.parameters import ANY_JOINTS
 from trunk_ros.errors import ModelError, TrunkError
 
 RADIUS = 0.012  # m, of the links as drawn
@@ -19,10 +20,13 @@ COLOURS = ("0.25 0.45 0.70 1", "0.85 0.85 0.80 1")
 
 
 def urdf(arm: Arm, name: str = "trunk") -> str:
-    """The arm as URDF text: base upright, z up, axes along X, a link on each joint, ``tip`` at the end.
+    """The arm as URDF text: its own where it has one, else base upright, z up, axes along X, a link on each
+    joint, ``tip`` at the end.
 
     Raises ModelError for a model of any joints.
     """
+    if arm.description is not None:
+        return arm.description.text
     if arm.joints == (ANY_JOINTS,):
         raise ModelError("the model is for any joints: a URDF needs their names, in arm.joints")
     robot = Element("robot", name=name)
@@ -49,34 +53,29 @@ def joint_limits(text: str) -> dict[str, tuple[float, float]]:
     Raises ModelError where the text is no URDF.
     """
     try:
-        robot = ElementTree.fromstring(text.strip())
-        moving = [joint for joint in robot.findall("joint") if joint.get("type") != "fixed"]
-        return {str(joint.get("name")): _ends(joint.find("limit")) for joint in moving}
-    except (ElementTree.ParseError, ValueError) as error:
+        moving = [joint for joint in tree(text).findall("joint") if joint.get("type") != "fixed"]
+        return {
+            str(joint.get("name")): limits(joint.find("limit"), str(joint.get("type"))) for joint in moving
+        }
+    except (ModelError, ValueError) as error:
         raise ModelError(f"robot_description is not URDF: {error}") from None
-
-
-def _ends(limit: Element | None) -> tuple[float, float]:
-    if limit is None or limit.get("lower") is None or limit.get("upper") is None:
-        return -np.inf, np.inf
-    return float(str(limit.get("lower"))), float(str(limit.get("upper")))
 
 
 def _link(robot: Element, name: str, length: float, mass: float, colour: int) -> None:
     link = SubElement(robot, "link", name=name)
-    middle = f"0 0 {length / 2:g}"
+    middle = f"0 0 {length / 2!r}"
     for part in ("visual", "collision"):
         shape = SubElement(link, part)
         SubElement(shape, "origin", xyz=middle, rpy="0 0 0")
-        SubElement(SubElement(shape, "geometry"), "cylinder", radius=f"{RADIUS:g}", length=f"{length:g}")
+        SubElement(SubElement(shape, "geometry"), "cylinder", radius=f"{RADIUS!r}", length=f"{length!r}")
         if part == "visual":
             SubElement(shape, "material", name=f"colour_{colour}")
     inertial = SubElement(link, "inertial")
     SubElement(inertial, "origin", xyz=middle, rpy="0 0 0")
-    SubElement(inertial, "mass", value=f"{mass:g}")
+    SubElement(inertial, "mass", value=f"{mass!r}")
     across = mass * (3 * RADIUS**2 + length**2) / 12
     about = {"ixx": across, "iyy": across, "izz": mass * RADIUS**2 / 2, "ixy": 0.0, "ixz": 0.0, "iyz": 0.0}
-    SubElement(inertial, "inertia", {key: f"{value:g}" for key, value in about.items()})
+    SubElement(inertial, "inertia", {key: repr(float(value)) for key, value in about.items()})
 
 
 def _joint(robot: Element, arm: Arm, j: int, name: str, parent: str, child: str, height: float) -> None:
@@ -84,19 +83,19 @@ def _joint(robot: Element, arm: Arm, j: int, name: str, parent: str, child: str,
     SubElement(joint, "axis", xyz="1 0 0")
     top = arm.v_max * abs(arm.ratio[j])
     ends = {"lower": arm.lower[j], "upper": arm.upper[j], "velocity": top, "effort": 10.0}
-    SubElement(joint, "limit", {key: f"{value:.9g}" for key, value in ends.items()})
+    SubElement(joint, "limit", {key: repr(float(value)) for key, value in ends.items()})
 
 
 def _connect(robot: Element, name: str, kind: str, parent: str, child: str, height: float) -> Element:
     joint = SubElement(robot, "joint", name=name, type=kind)
     SubElement(joint, "parent", link=parent)
     SubElement(joint, "child", link=child)
-    SubElement(joint, "origin", xyz=f"0 0 {height:g}", rpy="0 0 0")
+    SubElement(joint, "origin", xyz=f"0 0 {height!r}", rpy="0 0 0")
     return joint
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Print the URDF of a model: ``python -m trunk_ros.urdf [MODEL]``, by default the nominal arm."""
+    """Print the URDF of a model: ``python -m trunk_ros.arm.urdf [MODEL]``, by default the nominal arm."""
     from trunk_ros.model import load_model
 
     names = sys.argv[1:] if argv is None else argv

@@ -1,4 +1,4 @@
-"""Moments of hanging masses on a planar chain of links."""
+"""A sine that the compiler can make fast."""
 
 from __future__ import annotations
 
@@ -8,28 +8,6 @@ from trunk_ros.compiled import Array, compiled
 
 TO_WHOLE = 6755399441055744.0  # 1.5 * 2^52: adding and taking it away rounds to a whole number
 PI_REST = 1.2246467991473532e-16  # pi less its double
-
-
-@compiled
-def moments(theta: Array, weight: Array, out: Array) -> None:
-    """Moment about each joint, (n, joints), of weights (joints,) [N m] on the links' ends.
-
-    ``theta`` (n, joints) rad; ``out`` (n, joints) is fastest where its columns are contiguous.
-    """
-    steps, joints = theta.shape
-    for k in range(steps):
-        heading = 0.0
-        for j in range(joints):
-            heading += theta[k, j]
-            out[k, j] = heading
-    for j in range(joints):
-        for k in range(steps):
-            out[k, j] = sine(out[k, j])
-    for k in range(steps):
-        moment = 0.0
-        for j in range(joints - 1, -1, -1):
-            moment += out[k, j] * weight[j]
-            out[k, j] = moment
 
 
 @compiled

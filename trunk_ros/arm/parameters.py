@@ -1,4 +1,4 @@
-"""An arm as flat parameters: how it is declared, read and written."""
+"""An arm as flat parameters: how it is declared, and what a value must be."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm import GRAVITY, LOADS, Arm, Wire
+from trunk_ros.arm.arm import GRAVITY, LOADS
 from trunk_ros.compiled import Array
-from trunk_ros.errors import ModelError, printable
-from trunk_ros.recording.messages.layout import MOST_JOINTS
+from trunk_ros.errors import ModelError
 
 ANY_JOINTS = "*"
 ANY_ANGLE = 1e3  # rad: no limit
@@ -31,6 +30,8 @@ class Declaration:
     meaning: str
     fixed: bool = False
     """A node takes it at its start only."""
+    free: bool = False
+    """One number or a list: no ROS type is fixed."""
 
 
 RENAMED = {"model.duration": "recording.duration"}
@@ -77,10 +78,37 @@ def declared_arm() -> list[Declaration]:
         _per_joint("arm.upper", "rad", (-ANY_ANGLE, ANY_ANGLE), "upper joint limit"),
         _per_joint("arm.link_length", "m", large, "length of the link that the joint turns"),
         _per_joint("arm.link_mass", "kg", large, "mass of the link, at its middle"),
+        Declaration(
+            "arm.urdf",
+            "",
+            "",
+            None,
+            "the arm's URDF in place of lengths, masses, limits: FILE, package://…, text",
+        ),
+        Declaration("arm.base", "", "", None, "link of the URDF that the arm begins with; '': its first"),
+        Declaration("arm.tip", "", "", None, "link of the URDF that the arm ends with; '': its farthest"),
         Declaration("arm.payload", 0.0, "kg", large, "mass at the tip"),
-        Declaration("arm.gravity", GRAVITY, "m/s^2", large, "gravity, along -z"),
+        Declaration(
+            "arm.gravity",
+            GRAVITY,
+            "m/s^2",
+            (-1e6, 1e6),
+            "gravity along -z, or a vector in the world",
+            free=True,
+        ),
+        Declaration("arm.mounting", [0.0], "rad", (-10.0, 10.0), "roll, pitch, yaw of the base in the world"),
         Declaration("arm.load", LOADS[0], "", None, f"the moment on the joints: {', '.join(LOADS)}"),
         _per_joint("wire.ratio", "1", (-1e6, 1e6), "joint angle per gearbox angle, in place of the radii"),
+        Declaration(
+            "wire.coupling",
+            [float("nan")],
+            "1",
+            (-1e6, 1e6),
+            "joint angle per motor angle, joint by motor, row by row, in place of wire.ratio",
+        ),
+        Declaration(
+            "wire.motors", [""], "", None, "names of the motors, where they are not those of the joints"
+        ),
         _per_joint(
             "wire.dead_band", "rad", large, "half-width of the nominal play, in place of the wire's formula"
         ),
@@ -106,6 +134,12 @@ def declared_arm() -> list[Declaration]:
             large,
             "length of the recording that effects of time were fitted on",
         ),
+        _per_joint(
+            "recording.error", "rad", large, "what the model left of samples that its fit did not see, rms"
+        ),
+        _per_joint(
+            "recording.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"
+        ),
     ]
 
 
@@ -118,7 +152,7 @@ def checked(declaration: Declaration, value: Any) -> Any:
         return _words(name, value)
     numbers = _numbers(name, value)
     _check_bounds(declaration, numbers)
-    if isinstance(default, list):
+    if isinstance(default, list) or (declaration.free and numbers.size > 1):
         return numbers
     if numbers.size != 1:
         raise ModelError(f"{name} has {numbers.size} values: give 1")
@@ -160,67 +194,6 @@ def shortened(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def arm_from(flat: Mapping[str, Any]) -> Arm:
-    """The arm of checked flat parameters. Raises ModelError for missing or misfitting values."""
-    joints = tuple(printable(joint) for joint in flat.get("arm.joints", [ANY_JOINTS]))
-    if len(set(joints)) != len(joints) or not all(joints) or not joints:
-        raise ModelError(f"arm.joints must be different names, one or more: got {shortened(list(joints))}")
-    if len(joints) > MOST_JOINTS:
-        raise ModelError(f"arm.joints names {len(joints)} joints: {MOST_JOINTS} at most")
-    here = len(joints)
-    wire = _wire(flat, here)
-    arm = Arm(
-        joints=joints,
-        ratio=_array(flat, "wire.ratio", here, wire.ratio if wire else 1.0),
-        dead_band=_array(flat, "wire.dead_band", here, wire.dead_band if wire else 0.0),
-        lower=_array(flat, "arm.lower", here, -ANY_ANGLE),
-        upper=_array(flat, "arm.upper", here, ANY_ANGLE),
-        link_length=_optional(flat, "arm.link_length", here),
-        link_mass=_optional(flat, "arm.link_mass", here),
-        compliance=wire.compliance
-        if wire and not _given(flat, "wire.compliance")
-        else _optional(flat, "wire.compliance", here),
-        payload=flat.get("arm.payload", 0.0),
-        gravity=flat.get("arm.gravity", GRAVITY),
-        wire=wire,
-        load_from=flat.get("arm.load", LOADS[0]),
-        **{name: flat.get(f"servo.{name}", value) for name, (value, *_) in SERVO.items()},
-    )
-    _check_arm(arm)
-    return arm
-
-
-def _check_arm(arm: Arm) -> None:
-    if arm.load_from not in LOADS:
-        raise ModelError(f"arm.load = {shortened(arm.load_from)}: choose from {', '.join(LOADS)}")
-    for joint, ratio, lower, upper in zip(arm.joints, arm.ratio, arm.lower, arm.upper, strict=True):
-        if ratio == 0.0:
-            raise ModelError(f"wire.ratio of {joint} is 0: the gearbox would not move the joint")
-        if lower > upper:
-            raise ModelError(f"arm.lower of {joint} is above its arm.upper: {lower:g} > {upper:g} rad")
-
-
-def arm_parameters(arm: Arm) -> dict[str, Any]:
-    """Flat parameters that give the arm back."""
-    flat: dict[str, Any] = {"arm.joints": list(arm.joints)}
-    arrays = {
-        "arm.lower": arm.lower,
-        "arm.upper": arm.upper,
-        "arm.link_length": arm.link_length,
-        "arm.link_mass": arm.link_mass,
-    }
-    for name in ("ratio", "dead_band", "compliance"):
-        own = getattr(arm, name)
-        if arm.wire is None or not np.array_equal(own, np.broadcast_to(getattr(arm.wire, name), own.shape)):
-            arrays[f"wire.{name}"] = own
-    flat |= {name: values.tolist() for name, values in arrays.items() if len(values)}
-    flat |= {"arm.payload": float(arm.payload), "arm.gravity": float(arm.gravity), "arm.load": arm.load_from}
-    if arm.wire is not None:
-        flat |= {f"wire.{name}": float(getattr(arm.wire, name)) for name in WIRE_SCALARS}
-        flat |= {f"wire.{name}": getattr(arm.wire, name).tolist() for name in WIRE_ARRAYS}
-    return flat | {f"servo.{name}": float(getattr(arm, name)) for name in SERVO}
-
-
 def check_names(given: Iterable[str], known: Iterable[str]) -> None:
     """Raise ModelError for a parameter that does not exist, naming the nearest one."""
     for name in given:
@@ -229,36 +202,3 @@ def check_names(given: Iterable[str], known: Iterable[str]) -> None:
             raise ModelError(
                 f"unknown parameter {shortened(name)}" + (f": did you mean {near[0]!r}?" if near else "")
             )
-
-
-def _wire(flat: Mapping[str, Any], joints: int) -> Wire | None:
-    given = [name for name in (*WIRE_SCALARS, *WIRE_ARRAYS) if _given(flat, f"wire.{name}")]
-    missing = [name for name in (*WIRE_SCALARS, *WIRE_ARRAYS) if name not in given]
-    if not given:
-        return None
-    if missing:
-        more = ", wire.".join(missing)
-        raise ModelError(
-            f"the wire's formula wants wire.{more} as well (or give wire.ratio and wire.dead_band)"
-        )
-    scalars: dict[str, Any] = {name: flat[f"wire.{name}"] for name in WIRE_SCALARS}
-    arrays: dict[str, Any] = {name: _array(flat, f"wire.{name}", joints, 0.0) for name in WIRE_ARRAYS}
-    return Wire(**scalars, **arrays)
-
-
-def _given(flat: Mapping[str, Any], name: str) -> bool:
-    return not bool(np.all(np.isnan(flat.get(name, np.nan))))
-
-
-def _optional(flat: Mapping[str, Any], name: str, joints: int) -> Array:
-    return _array(flat, name, joints, 0.0) if _given(flat, name) else np.empty(0)
-
-
-def _array(flat: Mapping[str, Any], name: str, joints: int, default: float | Array) -> Array:
-    """(joints,) values; one value stands for all joints."""
-    values = np.atleast_1d(flat[name] if _given(flat, name) else default)
-    if values.size not in (1, joints):
-        raise ModelError(f"{name} has {values.size} values for {joints} joints: give one per joint")
-    if not np.all(np.isfinite(values)):
-        raise ModelError(f"{name} = {shortened(values.tolist())}: every value must be a finite number")
-    return np.broadcast_to(values, (joints,)).copy()

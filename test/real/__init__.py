@@ -1,0 +1,1 @@
+"""Real recordings: the project beside what others would use, each fitted to the same rows."""

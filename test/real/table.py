@@ -1,0 +1,91 @@
+"""The table: rms of measured less predicted, a row for each recording, joint and model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from test.real.features import Array, Run, run_of
+from test.real.peers import PEERS
+from test.real.sets import RealSet
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import Recording
+from trunk_ros.simulate import simulate
+from trunk_ros.start import SETTLE
+
+HERE, NOMINAL = "here", "nominal"
+WITHIN = 1.05  # of the best peer
+
+
+@dataclass(frozen=True)
+class Row:
+    """One recording and joint: rms by model, in the joint's unit."""
+
+    recording: str
+    joint: str
+    rms: dict[str, float]
+
+    @property
+    def best(self) -> float:
+        """The least of the peers, doing nothing included."""
+        return min(value for name, value in self.rms.items() if name != HERE)
+
+    @property
+    def reached(self) -> bool:
+        """Whether this project is near enough to the best of the others."""
+        return self.rms[HERE] <= WITHIN * self.best
+
+
+def compared(real: RealSet, home: Path, peers: Sequence[str]) -> list[Row]:
+    """All rows of one set."""
+    read = {name: real.read(home, name) for name in (*real.fitted, *real.judged)}
+    model = diagnose(
+        [read[name] for name in real.fitted], model="direct", until=f"{100 * real.share:g}%"
+    ).model
+    own = [read[real.fitted[0]].require("gearbox_states").joints.index(joint) for joint in real.joints]
+    seen = [_head(run_of(read[name], real.joints), real.share) for name in real.fitted]
+    fitted = {name: PEERS[name](seen, own) for name in peers}
+    out = []
+    for name, rest in real.rows():
+        run = run_of(read[name], real.joints)
+        first = real.share * run.stamp[-1] if rest else run.stamp[0] + SETTLE
+        rows = run.stamp > first
+        said = {
+            HERE: _simulated(read[name], model, real),
+            NOMINAL: _simulated(read[name], load_model("direct"), real),
+        }
+        said |= {peer: predict(run) for peer, predict in fitted.items()}
+        errors = {m: np.sqrt(np.nanmean((p - run.angles)[rows] ** 2, axis=0)) for m, p in said.items()}
+        label = f"{name}, last {100 * (1 - real.share):.0f} %" if rest else name
+        out += [
+            Row(label, joint, {m: float(e[j]) for m, e in errors.items()})
+            for j, joint in enumerate(real.joints)
+        ]
+    return out
+
+
+def _simulated(recording: Recording, model: Model, real: RealSet) -> Array:
+    predicted = simulate(recording, model).series["joint_states"]
+    shown = recording.require("joint_states").stamp
+    there = predicted.select(real.joints).position
+    if len(predicted.stamp) == len(shown):
+        return there
+    return np.column_stack([np.interp(shown, predicted.stamp, column) for column in there.T])
+
+
+def _head(run: Run, share: float) -> Run:
+    return run.part(0, int(np.searchsorted(run.stamp, share * run.stamp[-1], side="right")))
+
+
+def written(real: RealSet, rows: list[Row]) -> str:
+    """A table of one set, in thousandths of the joints' unit; * where this project is not near the best."""
+    names = list(rows[0].rms)
+    lines = [f"| {real.folder} | joint | {' | '.join(names)} |", "|---|---|" + "---|" * len(names)]
+    for row in rows:
+        values = [f"{1e3 * row.rms[n]:.3g}" + ("" if n != HERE or row.reached else " *") for n in names]
+        lines.append(f"| {row.recording} | {row.joint} | {' | '.join(values)} |")
+    return "\n".join(lines)

@@ -1,0 +1,73 @@
+"""How the wires lay when a recording began is told by its first joint angles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.effects.example import arm_of
+from trunk_ros.chain import Chain
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.simulate import simulate
+from trunk_ros.start import first_rows
+
+T = np.arange(0.0, 40.0, 0.5)
+CAME_FROM = np.array([0.3, -0.2])  # rad, joint side
+
+
+def model() -> Model:
+    """A wide play on one joint, and a drag by the other: both remember."""
+    return Model(
+        arm_of(2),
+        {
+            "backlash": {"half_width": np.array([0.1, 0.05])},
+            "coupling_drag": {
+                "weight_1_6": np.array([0.3, 0.0]), "low_1": np.full(2, 0.02), "high_1": np.full(2, 0.4),
+                "source": ["joint_2", ""],
+            },
+        },
+        error=np.full(2, 0.002),
+        reach=np.full(2, 0.3),
+    )  # fmt: skip
+
+
+def recorded() -> tuple[Recording, np.ndarray]:
+    """Joint 2 swings a little while joint 1 stands, after both have come from elsewhere."""
+    asked = np.column_stack([np.zeros_like(T), 0.08 * np.sin(0.3 * T)]) / 0.625
+    path = np.vstack([asked[0] + CAME_FROM / 0.625, asked])
+    shown, _ = Chain(model(), "wire").run(path, np.concatenate([[-1.0], T]))
+    joints = ("joint_1", "joint_2")
+    series = {
+        "gearbox_states": JointSeries(T, joints, asked),
+        "joint_states": JointSeries(T, joints, shown[1:]),
+    }
+    return Recording("run", 0, float(T[-1]), series), shown[1:]
+
+
+def off(settle: float) -> np.ndarray:
+    """(joints,) rms after the first five seconds."""
+    recording, true = recorded()
+    predicted = simulate(recording, model(), settle=settle).series["joint_states"].position
+    return np.asarray(np.sqrt(np.mean((predicted - true)[T >= 5.0] ** 2, axis=0)))
+
+
+def test_the_state_at_the_start_is_what_the_first_angles_say() -> None:
+    assert off(0.0)[0] > 0.05
+    assert off(5.0)[0] < 0.01
+
+
+def test_later_joint_angles_are_never_read() -> None:
+    recording, _ = recorded()
+    shown = recording.series["joint_states"]
+    wrong = np.where((T >= 5.0)[:, None], shown.position + 1.0, shown.position)
+    other = Recording(
+        "run", 0, recording.duration, recording.series | {"joint_states": JointSeries(T, shown.joints, wrong)}
+    )
+    one, two = (simulate(r, model()).series["joint_states"].position for r in (recording, other))
+    assert np.array_equal(one, two)
+
+
+@pytest.mark.parametrize(("settle", "rows"), [(0.0, 0), (5.0, 10), (0.1, 1)])
+def test_first_rows_are_those_within_the_time_and_one_at_least(settle: float, rows: int) -> None:
+    assert first_rows(T, settle) == rows

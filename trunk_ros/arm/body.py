@@ -1,0 +1,210 @@
+"""Rigid links on joints: load, inertia, tip and its Jacobian, by Pinocchio."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.arm.pinocchio import library
+from trunk_ros.compiled import Array
+
+KEPT = 8  # models with a payload that are kept, and motions with their mass matrices
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A tree of links whose joints follow those of the arm: (nv,) q = ``spread`` theta + ``offset``.
+
+    Joints of the arm are revolute (rad, N m) or prismatic (m, N).
+    """
+
+    model: Any
+    """Pinocchio's model, without payload: every joint of one degree of freedom, the others locked."""
+    tip: int
+    """The tip's frame in it."""
+    base: Any
+    """Pose (SE3) of the base link in the model's root."""
+    spread: Array
+    """(nv, joints): 1 where a joint is the arm's, the multiplier where it mimics one."""
+    offset: Array
+    """(nv,) rad or m."""
+    path: tuple[int, ...]
+    """The model's joints on the way from base to tip."""
+    _loaded: dict[Any, tuple[Any, Any]] = field(default_factory=dict, repr=False)
+    _matrices: dict[Any, Array] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def own(self) -> tuple[int, ...]:
+        """The model's joints that are the arm's own, in the arm's order."""
+        rows = [int(np.flatnonzero(column == 1.0)[0]) for column in self.spread.T]
+        by_row = {self.model.joints[i].idx_v: i for i in range(1, self.model.njoints)}
+        return tuple(by_row[row] for row in rows)
+
+    @cached_property
+    def along(self) -> Array:
+        """(joints, 3) unit vectors from each joint to the next on the way to the tip, in the joint's frame; 0
+        where they are at one place, or the joint is not on the way.
+        """
+        placed = [self.model.jointPlacements[i].translation for i in self.path[1:]]
+        reach = dict(
+            zip(self.path, [*placed, self.model.frames[self.tip].placement.translation], strict=True)
+        )
+        links = np.array([reach.get(i, np.zeros(3)) for i in self.own])
+        size = np.linalg.norm(links, axis=1, keepdims=True)
+        return np.asarray(np.where(size > 1e-9, links / np.maximum(size, 1e-9), 0.0))
+
+    @cached_property
+    def axes(self) -> Array:
+        """(joints, 3) unit vectors along which or about which each joint moves, in its frame."""
+        motions = [np.ravel(self.model.joints[i].createData().S) for i in self.own]
+        return np.array([motion[:3] if motion[:3].any() else motion[3:] for motion in motions])
+
+    @cached_property
+    def across(self) -> Array:
+        """(joints, 2, 3) unit vectors across ``along``."""
+        return across(self.along)
+
+    @cached_property
+    def beside(self) -> Array:
+        """(joints, 2, 3) unit vectors across ``axes``."""
+        return across(self.axes)
+
+    @cached_property
+    def slides(self) -> np.ndarray:
+        """(joints,): which are prismatic."""
+        return np.array([bool(np.ravel(self.model.joints[i].createData().S)[:3].any()) for i in self.own])
+
+    @cached_property
+    def mass(self) -> float:
+        """What the joints carry [kg], payload aside."""
+        return float(sum(inertia.mass for inertia in list(self.model.inertias)[1:]))
+
+    def moments(
+        self,
+        theta: Array,
+        gravity: Array,
+        payload: float = 0.0,
+        speed: Array | None = None,
+        acceleration: Array | None = None,
+        links: bool = True,
+    ) -> Array:
+        """What weight and inertia do to the joints, (n, joints) N m or N: -(M q'' + C q' + g), positive where
+        it tends to increase the joint's value.
+
+        ``theta``, ``speed``, ``acceleration`` (n, joints); ``gravity`` (3,) m/s^2 in the base's axes;
+        ``payload`` kg at the tip; without ``links`` it is all that has mass.
+        """
+        pin = library()
+        model, data = self._with(payload, links)
+        model.gravity.linear = self.base.rotation @ np.asarray(gravity, dtype=float)
+        q = self._whole(theta) + self.offset
+        still = np.zeros_like(q)
+        v = still if speed is None else self._whole(speed)
+        a = still if acceleration is None else self._whole(acceleration)
+        out = np.empty_like(q)
+        for k in range(len(q)):
+            out[k] = pin.rnea(model, data, q[k], v[k], a[k])
+        return -out @ self.spread
+
+    def weight_shares(self, theta: Array, gravity: Array) -> Array:
+        """(n, joints, columns): what a kilogram and a kilogram metre along each axis in each link would do to
+        the joints, as ``moments`` has it: the weight is a sum of these, whatever the masses.
+        """
+        pin = library()
+        model, data = self._with(0.0, True)
+        model.gravity.linear = self.base.rotation @ np.asarray(gravity, dtype=float)
+        q, still = self._whole(theta) + self.offset, np.zeros(model.nv)
+        static = np.add.outer(10 * np.arange(model.njoints - 1), np.arange(4)).ravel()
+        out = np.empty((len(q), model.nv, len(static)))
+        for k in range(len(q)):
+            out[k] = pin.computeJointTorqueRegressor(model, data, q[k], still, still)[:, static]
+        return np.asarray(-self.spread.T @ out)
+
+    def mass_matrix(self, theta: Array, payload: float = 0.0) -> Array:
+        """M (n, joints, joints) kg m^2 of joint angles (n, joints)."""
+        q = self._whole(theta) + self.offset
+        key = payload, q.tobytes()  # a search asks for the same motion again and again
+        if key not in self._matrices:
+            pin, (model, data) = library(), self._with(payload, True)
+            out = np.empty((len(q), model.nv, model.nv))
+            for k in range(len(q)):
+                out[k] = pin.crba(model, data, q[k])
+            if len(self._matrices) >= KEPT:
+                self._matrices.clear()
+            self._matrices[key] = np.asarray(self.spread.T @ out @ self.spread)
+        return self._matrices[key]
+
+    def poses(self, theta: Array) -> Array:
+        """Tip (n, 7) in the base link: x, y, z [m] and the quaternion x, y, z, w."""
+        pin = library()
+        model, data = self._with(0.0, True)
+        q, back = self._whole(theta) + self.offset, self.base.inverse()
+        out = np.empty((len(q), 7))
+        for k in range(len(q)):
+            pin.framesForwardKinematics(model, data, q[k])
+            out[k] = pin.SE3ToXYZQUAT(back * data.oMf[self.tip])
+        return out
+
+    def places(self, theta: Array) -> tuple[Array, Array]:
+        """Positions (n, joints + 1, 3) and rotations (n, joints + 1, 3, 3) of the joints' frames and the tip,
+        in the base link.
+        """
+        pin, own, back = library(), self.own, self.base.inverse()
+        model, data = self._with(0.0, True)
+        q = self._whole(theta) + self.offset
+        place, turn = np.empty((len(q), len(own) + 1, 3)), np.empty((len(q), len(own) + 1, 3, 3))
+        for k in range(len(q)):
+            pin.framesForwardKinematics(model, data, q[k])
+            for j, i in enumerate(own):
+                place[k, j], turn[k, j] = data.oMi[i].translation, data.oMi[i].rotation
+            place[k, -1], turn[k, -1] = data.oMf[self.tip].translation, data.oMf[self.tip].rotation
+        return place @ back.rotation.T + back.translation, back.rotation @ turn
+
+    def frames(self, theta: Array, ids: list[int]) -> list[Any]:
+        """Poses (SE3) of frames in the model's root at joint angles (joints,)."""
+        model, data = self._with(0.0, True)
+        library().framesForwardKinematics(model, data, (self._whole(theta[None]) + self.offset)[0])
+        return [data.oMf[i].copy() for i in ids]
+
+    def jacobian(self, theta: Array) -> Array:
+        """(n, 6, joints) of the tip: m and rad along and about the base's axes per rad or m of each joint."""
+        pin = library()
+        model, data = self._with(0.0, True)
+        q, turn = self._whole(theta) + self.offset, np.kron(np.eye(2), self.base.rotation.T)
+        out = np.empty((len(q), 6, model.nv))
+        for k in range(len(q)):
+            out[k] = pin.computeFrameJacobian(model, data, q[k], self.tip, pin.LOCAL_WORLD_ALIGNED)
+        return np.asarray(turn @ out @ self.spread)
+
+    def _whole(self, theta: Array) -> Array:
+        """(n, nv) of the arm's (n, joints)."""
+        return np.ascontiguousarray(np.asarray(theta, dtype=float) @ self.spread.T)
+
+    def _with(self, payload: float, links: bool) -> tuple[Any, Any]:
+        """The model with a mass at the tip, and its scratch space."""
+        key = (float(payload), links)
+        if key not in self._loaded:
+            pin = library()
+            model = self.model.copy()
+            if not links:
+                for inertia in model.inertias:
+                    inertia.setZero()
+            frame = model.frames[self.tip]
+            lump = pin.Inertia(float(payload), np.zeros(3), np.zeros((3, 3)))
+            model.appendBodyToJoint(frame.parentJoint, lump, frame.placement)
+            if len(self._loaded) >= KEPT:
+                self._loaded.clear()
+            self._loaded[key] = model, model.createData()
+        return self._loaded[key]
+
+
+def across(ways: Array) -> Array:
+    """(n, 2, 3) unit vectors across unit vectors (n, 3) and each other; 0 where there is no direction."""
+    aside = np.eye(3)[np.argmin(np.abs(ways), axis=1)]
+    first = np.cross(ways, aside)
+    size = np.linalg.norm(first, axis=1, keepdims=True)
+    first = np.divide(first, size, out=np.zeros_like(first), where=size > 0.0)
+    return np.stack([first, np.cross(ways, first)], axis=1)

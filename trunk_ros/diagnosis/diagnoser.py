@@ -1,0 +1,248 @@
+"""One diagnosis in the making: stage by stage, from spans to findings, model and plots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.diagnosis.against import SERVO, Simulator
+from trunk_ros.diagnosis.context import LEAST, Context
+from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.mix_ups import MixUp
+from trunk_ros.diagnosis.data.other_simulator import shifted
+from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.evidence.determined import determined
+from trunk_ros.diagnosis.evidence.evidence import Evidence
+from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
+from trunk_ros.diagnosis.experiment.design import experiment, proposals
+from trunk_ros.diagnosis.hypothesis import Hypothesis, on_the_arm
+from trunk_ros.diagnosis.judged import judged
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.score import STRONG
+from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
+from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Plots, Unexplained
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects import effect
+from trunk_ros.errors import RecordingError
+from trunk_ros.model import Model, Values
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import TIP_TOPIC
+from trunk_ros.start import SETTLE
+from trunk_ros.transmission import uncoupled
+
+Progress = Callable[[str], None]
+
+
+class Diagnoser:
+    """One diagnosis in the making."""
+
+    def __init__(
+        self,
+        recordings: list[Recording],
+        model: Model,
+        against: Simulator | None,
+        progress: Progress,
+        mixed: Sequence[list[MixUp]] = (),
+        experiments: bool = True,
+        settle: float = SETTLE,
+    ):
+        """``mixed``: what is mixed up in each recording, and left out of it."""
+        self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
+        self.experiments, self.settle = experiments, settle
+        topics = set.intersection(*(set(r.series) for r in recordings))
+        servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
+        tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
+        self.wires = [uncoupled(r, model)[0] for r in recordings]
+        """The recordings with a path of its own to each joint."""
+        path = replace(model, arm=model.arm.uncoupled())
+        spans = [] if servo_alone or tip_alone else [wire_span(r, path) for r in self.wires]
+        key = "gearbox_states" if servo_alone else "joint_states"
+        seen = [s.joints for s in spans] or [common_joints(r, model, r.require(key)) for r in recordings]
+        self.joints = seen[0]
+        if any(joints != self.joints for joints in seen):
+            raise RecordingError("the recordings have different joints: they are not of one arm")
+        self.model, self.path = model.for_joints(self.joints), path.for_joints(self.joints)
+        self.spans = (
+            spans
+            if against is None
+            else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
+        )
+        self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
+        self.result.provenance = {"model_hash": model.hash()}
+        self.effects: dict[str, Values] = {}
+        self.error: dict[str, float] = {}
+        """Joint error [rad] that the fit left of samples that it did not see."""
+        self.lasting: dict[str, float] = {}
+        """Joint noise [rad] that lasts from sample to sample."""
+
+    def run(self) -> Diagnosis:
+        """All stages."""
+        self.result.stages["servo"] = {"compared": False, "joints": {}}  # comes first in what is said
+        self.wire()
+        self.servo()  # with the payload that the wires show
+        self.tip()
+        self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
+        self._say_what_is_mixed_up()
+        self._refuse_if_nothing_was_seen()
+        longest = max(r.duration for r in self.recordings)
+        judged = {s for s, told in self.result.stages.items() if told["compared"]}
+        kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
+        self.result.model = self._with_limits(replace(self.model, effects=kept, duration=longest))
+        self.result.quality = _by_name(self.recordings, self.model, self.mixed)
+        return self.result
+
+    def _with_limits(self, model: Model) -> Model:
+        """The model with what it left, and how far the motors went; as it is where no wire was compared."""
+        if not self.error:
+            return model
+        arm = model.arm
+        wires = np.concatenate([s.gearbox * arm.only(self.joints).ratio for s in self.spans])
+        reach = dict(zip(self.joints, np.std(wires, axis=0), strict=True))
+        return replace(
+            model,
+            error=np.array([self.error.get(joint, 0.0) for joint in arm.joints]),
+            reach=np.array([reach.get(joint, 0.0) for joint in arm.joints]),
+        )
+
+    def _say_what_is_mixed_up(self) -> None:
+        """What was left out for it is not explained."""
+        for one in dict.fromkeys(one for found in self.mixed for one in found if one.certain):
+            rest = Unexplained(one.stage, list(one.joints), "always", 1.0, [], one.statement)
+            self.result.unexplained.insert(0, rest)
+            stage = self.result.stages[one.stage]
+            stage["silent"] = [joint for joint in stage.get("silent", []) if joint not in one.joints]
+
+    def _refuse_if_nothing_was_seen(self) -> None:
+        stages = self.result.stages.values()
+        seen = any(stage.get("joints") or stage.get("tip") for stage in stages)
+        if not seen and not self.result.unexplained:
+            raise RecordingError(
+                f"{', '.join(r.name for r in self.recordings)}: no joint moves for {LEAST} samples or more: "
+                "record a motion that moves the joints, over a longer time"
+            )
+
+    def servo(self) -> None:
+        """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
+        other = self.against
+        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
+        spans = [servo_span(r, self.model) for r in recorded if other is None or other.has_servo]
+        if other is not None and other.has_servo:
+            spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
+        spans = [s for s in spans if s.joints == self.joints]
+        if spans:
+            self.say("servo")
+            arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
+            self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
+
+    def wire(self) -> None:
+        """Gearbox to joint, where the joints have sensors."""
+        if not self.spans:
+            self.result.stages["wire"] = {"compared": False, "joints": {}}
+            return
+        self.say("wire")
+        state = self._stage(WireStage(self.spans, self.path, self.recordings[0].units))
+        if state is not None:
+            noises = zip(self.joints, state.context.noise, strict=True)
+            self.lasting = {joint: noise.std for joint, noise in noises if noise.correlation > 0.0}
+
+    def _stage(self, stage: Stage) -> Fit | None:
+        context = Context.of(stage)
+        if not context.columns:
+            self.result.stages[stage.name] = {
+                "compared": False, "joints": {}, "silent": list(stage.joints)
+            }  # fmt: skip
+            return None
+        done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
+        state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
+        effects = state.hypothesis.model_effects(len(stage.joints))
+        self.effects |= on_the_arm(effects, stage.joints, self.model.arm.joints)
+        if stage.name == "wire":
+            self.error = {stage.joints[c]: e.after for c, e in errors.items()}
+        self.result.stages[stage.name] = {
+            "compared": True,
+            "joints": {
+                stage.joints[c]: {
+                    "unit": self.recordings[0].units.get(stage.joints[c], "rad"),
+                    "rmse_before": e.before,
+                    "rmse_after": e.after,
+                    "noise_floor": e.noise_floor,
+                    "resolution": float(np.hypot(stage.own_steps(c), stage.resolution(c))),
+                    "rmse_before_std": e.before_std,
+                    "rmse_after_std": e.after_std,
+                }
+                for c, e in errors.items()
+            },
+            "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
+            "search": {"joint_steps": context.work.done, "ended_early": done.early},
+        }
+        every = findings(context, state.hypothesis, found, std, determined(state))
+        new = [f for f in every if not is_known(context, f)]
+        rests = left_over(context, state.hypothesis)
+        self.result.unexplained += rests
+        strong = {stage.joints[c] for c, power in powers(context, state.hypothesis).items() if power > STRONG}
+        told = {j for f in new if f.effect == "unknown" for j in f.joints}
+        nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
+        self.result.findings += without_a_name(nameless, new)
+        self._plot(context, state.hypothesis)
+        self._experiment(done.part, {f.effect: found[f.effect] for f in new if f.equivalents})
+        return state
+
+    def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
+        """The motion that tells what was found from its equivalents."""
+        if not self.experiments:
+            return
+        stage = state.context.stage.name
+        self.say(f"{stage}: experiment")
+        done, file = experiment(state, found), f"experiment_{stage}.yaml"
+        if done is not None:
+            told = proposals(done, file, self.recordings[0].units)
+            self.result.experiments += told
+            if any(entry["trajectory"] for entry in told):
+                self.result.trajectories[file] = done.motion
+
+    def _plot(self, context: Context, hypothesis: Hypothesis) -> None:
+        assert self.result.plots is not None
+        for c in context.columns:
+            span: Span = context.views[0].span
+            self.result.plots.signals[context.stage.name, context.joints[c]] = {
+                "stamp": span.stamp,
+                "measured": span.target[:, c],
+                "valid": span.valid[:, c],
+                "before": context.predict(0, context.known, c),
+                "after": context.predict(0, hypothesis, c),
+                "gearbox": span.gearbox[span.rows, c],
+                "velocity": span.velocity[span.rows, c],
+                "noise": context.noise[c].std,
+            }
+
+    def tip(self) -> None:
+        """Joint to tip."""
+        late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
+        model = replace(self.path, effects={**self.path.effects, **self.effects})
+        best = fitted_tip(self.wires, model, late, self.lasting) if self.against is None else None
+        if best is None:
+            self.result.stages["arm"] = {"compared": False, "tip": {}}
+            return
+        self.say("arm")
+        self.result.stages["arm"], found, values = judged_tip(*best)
+        if strays := self.result.stages["arm"]["strays"]:
+            note = f"{TIP_TOPIC}: {strays} poses far from those beside them are left out"
+            self.recordings[0] = replace(self.recordings[0], notes=(*self.recordings[0].notes, note))
+        self.result.findings += found
+        self.effects |= values
+
+
+def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]]) -> dict[str, Any]:
+    """Quality by name of recording; those of one name are numbered."""
+    out: dict[str, Any] = {}
+    for number, recording in enumerate(recordings, start=1):
+        name = recording.name if recording.name not in out else f"{recording.name} ({number})"
+        found = mixed[number - 1] if mixed else []
+        out[name] = quality_of_recording(recording, model, found)
+    return out

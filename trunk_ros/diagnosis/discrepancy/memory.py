@@ -1,0 +1,243 @@
+"""What no formula fits, as banks of shapes over the motion: curves and drags of other joints, plays of the
+joint's own. They are linear in their weights, and have few sources.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.noise import alike
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.effects import effect, registry
+from trunk_ros.effects.bank import WEIGHTS, Bank, choices, motion, words_of
+
+STANDS = 1e-3  # of a joint's angle [rad]: a source that moves less shows nothing
+CUTS = 10  # blocks of time, each left out with those FOLDS further on
+FOLDS = 5
+AGAIN = 2  # times, since what is left tells how many samples are worth one
+PAYS = 0.005  # of what is left of blocks not seen: what a further source must take off it
+ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
+PRECISIONS = (1e-3, 1e8)
+ROUNDED = 1e-12
+TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Source:
+    """One motion in a bank, and the design (rows, WEIGHTS) of its weights on the whitened residual."""
+
+    kind: type[Bank]
+    word: str
+    low: float
+    high: float
+    design: Array
+
+
+def banks() -> list[type[Bank]]:
+    """All banks."""
+    return [kind for kind in registry().values() if issubclass(kind, Bank)]
+
+
+def without_banks(hypothesis: Hypothesis, column: int) -> Hypothesis:
+    """The hypothesis without its banks on a column."""
+    there = [term.effect for term in hypothesis.on(column) if issubclass(effect(term.effect), Bank)]
+    return hypothesis.less(there, column)
+
+
+def sources(context: Context, column: int, like: Hypothesis | None = None) -> list[Source]:
+    """What may be in the banks of a column; those that an hypothesis ``like`` has where there is one."""
+    chosen = None if like is None else list(_used(like, column))
+    found = _possible(context, column) if chosen is None else chosen
+    return [s for kind, word in found if (s := _source(context, column, kind, word)) is not None]
+
+
+def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]:
+    joint, unit = context.joints[column], context.stage.units
+    alike_ = tuple(j for j in context.joints if unit.get(j, "rad") == unit.get(joint, "rad"))
+    for kind in banks():
+        for word in choices(alike_ if kind.own else context.joints, joint, kind.own):
+            yield kind, word
+
+
+def _used(like: Hypothesis, column: int) -> Iterator[tuple[type[Bank], str]]:
+    for term in like.on(column):
+        kind = effect(term.effect)
+        if issubclass(kind, Bank):
+            for word in term.words[column].values():
+                yield kind, word
+
+
+def _source(context: Context, column: int, kind: type[Bank], word: str) -> Source | None:
+    signals = [motion(word, context.now(i, column, 0.0)) for i in range(len(context.views))]
+    together = np.concatenate(signals)
+    if np.ptp(together) < STANDS:
+        return None
+    low, high = kind.range_of(together)
+    parts = []
+    for view, signal in zip(context.views, signals, strict=True):
+        parts.append(kind.shapes(signal, low, high)[view.span.rows])
+    columns = [context.whiten_change([p[:, k] for p in parts], column) for k in range(WEIGHTS)]
+    return Source(kind, word, low, high, np.column_stack(columns))
+
+
+@dataclass(frozen=True)
+class Sums:
+    """What a linear fit needs of a residual and of all sources' designs, by blocks of time."""
+
+    normal: Array
+    """(CUTS, k, k)."""
+    side: Array
+    """(CUTS, k)."""
+    power: Array
+    """(CUTS,)."""
+    count: Array
+    """(CUTS,) rows."""
+
+    @staticmethod
+    def of(found: Sequence[Source], rest: Array) -> Sums:
+        """Of a whitened residual (rows,)."""
+        cuts = np.array_split(np.arange(len(rest)), CUTS)
+        parts = [(np.column_stack([s.design[rows] for s in found]), rest[rows]) for rows in cuts]
+        return Sums(
+            np.array([x.T @ x for x, _ in parts]),
+            np.array([x.T @ y for x, y in parts]),
+            np.array([float(y @ y) for _, y in parts]),
+            np.array([float(len(y)) for _, y in parts]),
+        )
+
+    def weights(self, chosen: Sequence[int], worth: float, seen: np.ndarray) -> Array:
+        """Weights (WEIGHTS times chosen,) of the chosen sources from the blocks ``seen`` (CUTS,), where
+        ``worth`` samples are worth one.
+
+        Each source has a precision of its own, of the largest marginal likelihood (MacKay 1992, Neural
+        Computation 4(3)), and the noise as well.
+        """
+        at = places(chosen)
+        normal = self.normal[seen].sum(axis=0)[np.ix_(at, at)] / worth
+        side, power = self.side[seen].sum(axis=0)[at] / worth, self.power[seen].sum() / worth
+        return likeliest(normal, side, float(power), float(self.count[seen].sum()) / worth)
+
+    def left(self, chosen: Sequence[int], weights: Array) -> Array:
+        """(CUTS,) squares that are left of each block by weights."""
+        at = places(chosen)
+        square = np.einsum("i,bij,j->b", weights, self.normal[:, at][:, :, at], weights)
+        return np.asarray(self.power - 2.0 * self.side[:, at] @ weights + square)
+
+    def unseen(self, chosen: Sequence[int], worth: float) -> Array:
+        """(CUTS,) mean squares that are left of blocks by weights from other blocks."""
+        out = self.power.copy()
+        if chosen:
+            for fold in range(FOLDS):
+                judged = np.arange(CUTS) % FOLDS == fold
+                out[judged] = self.left(chosen, self.weights(chosen, worth, ~judged))[judged]
+        return np.asarray(out / np.maximum(self.count, 1.0))
+
+
+def places(chosen: Sequence[int]) -> np.ndarray:
+    """Where the weights of some sources are among those of all."""
+    return (np.asarray(chosen, dtype=int)[:, None] * WEIGHTS + np.arange(WEIGHTS)).ravel()
+
+
+def likeliest(normal: Array, side: Array, power: float, count: float) -> Array:
+    """Weights (k,) of groups of WEIGHTS each."""
+    groups = len(side) // WEIGHTS
+    precision, sharp = np.full(groups, 1.0), count / max(power, TINY)
+    weights = np.zeros_like(side)
+    for _ in range(ROUNDS):
+        inside = sharp * normal + np.diag(np.repeat(precision, WEIGHTS))
+        spread = inverse(inside)
+        weights = sharp * spread @ side
+        told = WEIGHTS - precision * np.diag(spread).reshape(groups, WEIGHTS).sum(axis=1)
+        size = (weights**2).reshape(groups, WEIGHTS).sum(axis=1)
+        before, precision = precision, np.clip(told / np.maximum(size, TINY), *PRECISIONS)
+        rest = power - 2.0 * float(weights @ side) + float(weights @ normal @ weights)
+        sharp = max(count - float(told.sum()), 0.1 * count) / max(rest, TINY)
+        if np.abs(np.log(precision / before)).max() < SETTLED:
+            break
+    return weights
+
+
+def inverse(matrix: Array) -> Array:
+    """Of a positive matrix (k, k)."""
+    grown = matrix + ROUNDED * float(np.trace(matrix)) / len(matrix) * np.eye(len(matrix))
+    return np.asarray(cho_solve(cho_factor(grown), np.eye(len(matrix))))
+
+
+def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
+    """The sources that are needed, in the order of their need: one after the other the one with which least
+    is left of blocks not seen, as long as that pays.
+    """
+    chosen: list[int] = []
+    best = float(sums.unseen([], worth).mean())
+    while True:
+        room = [k for k in range(len(found)) if k not in chosen and _has_room(found, chosen, found[k].kind)]
+        trials = [(float(sums.unseen([*chosen, k], worth).mean()), k) for k in room]
+        least, k = min(trials, default=(np.inf, 0))
+        if least > (1.0 - PAYS) * best:
+            return chosen
+        best = least
+        chosen.append(k)
+
+
+def _has_room(found: Sequence[Source], chosen: Sequence[int], kind: type[Bank]) -> bool:
+    return sum(found[k].kind is kind for k in chosen) < kind.sources
+
+
+def in_banks(
+    bare: Hypothesis, column: int, found: Sequence[Source], weights_of: Sequence[Array]
+) -> Hypothesis:
+    """The hypothesis with sources and their weights (WEIGHTS,) on a column."""
+    out, taken = bare.copy(), dict[str, int]()
+    for source, weights in zip(found, weights_of, strict=True):
+        kind = source.kind
+        term = out.setdefault(kind.id, Term(kind.id, given=frozenset(p.name for p in kind.parameters)))
+        k = taken[kind.id] = taken.get(kind.id, 0) + 1
+        own = term.own.setdefault(column, {})
+        own |= {f"weight_{k}_{i}": float(w) for i, w in enumerate(weights, start=1)}
+        own |= {f"low_{k}": source.low, f"high_{k}": source.high}
+        term.words.setdefault(column, {})[words_of(kind.sources)[k - 1]] = source.word
+    return out
+
+
+def drawn(context: Context, bare: Hypothesis, column: int, found: Sequence[Source]) -> Hypothesis:
+    """The hypothesis with the banks that its rest on a column needs."""
+    rest = context.whitened(bare, column)
+    sums, worth = Sums.of(found, rest), alike([rest])
+    for _ in range(AGAIN):
+        chosen = chosen_of(sums, found, worth)
+        worth = alike([_left(found, rest, sums, chosen, worth)])
+    return _with(bare, column, found, sums, chosen, worth)
+
+
+def redrawn_banks(context: Context, bare: Hypothesis, column: int, like: Hypothesis) -> Hypothesis:
+    """The hypothesis with the banks of another one, weighed anew."""
+    found = sources(context, column, like)
+    rest = context.whitened(bare, column)
+    if not found or not len(rest):
+        return bare
+    sums, chosen, worth = Sums.of(found, rest), list(range(len(found))), alike([rest])
+    worth = alike([_left(found, rest, sums, chosen, worth)])
+    return _with(bare, column, found, sums, chosen, worth)
+
+
+def _left(found: Sequence[Source], rest: Array, sums: Sums, chosen: list[int], worth: float) -> Array:
+    """(rows,) of a residual that banks of the chosen sources leave."""
+    if not chosen:
+        return rest
+    weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))
+    return np.asarray(rest - np.column_stack([found[k].design for k in chosen]) @ weights)
+
+
+def _with(
+    bare: Hypothesis, column: int, found: Sequence[Source], sums: Sums, chosen: list[int], worth: float
+) -> Hypothesis:
+    if not chosen:
+        return bare
+    weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))
+    return in_banks(bare, column, [found[k] for k in chosen], np.split(weights, len(chosen)))

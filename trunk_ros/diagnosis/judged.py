@@ -1,0 +1,51 @@
+"""One stage searched, and what was found judged on what the fit did not see."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.discrepancy.banked import with_banks
+from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
+from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_evidence, evidence, spreads
+from trunk_ros.diagnosis.evidence.one_arm import contradiction
+from trunk_ros.diagnosis.evidence.veto import harmless
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.long import searched
+from trunk_ros.diagnosis.wire import settled
+from trunk_ros.errors import RecordingError
+
+
+@dataclass(frozen=True)
+class Judged:
+    """The best hypothesis of a stage with all that speaks for it."""
+
+    state: Fit
+    part: Fit
+    """The same on what rivals are fitted to: of long recordings an excerpt."""
+    found: dict[str, Evidence]
+    std: Spread
+    errors: dict[int, Error]
+    early: bool
+    """Whether the work that was granted ended before the search did."""
+
+    @property
+    def context(self) -> Context:
+        """What it is judged in."""
+        return self.state.context
+
+
+def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judged:
+    """Search, veto, evidence, errors. Raises RecordingError where recordings are not of one arm."""
+    wrong = contradiction(context, say)
+    if wrong is not None:
+        raise RecordingError(wrong.statement())
+    done = searched(context, say)
+    say("evidence")
+    state = harmless(done.state)
+    part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
+    found = evidence(part, state)
+    state = with_banks(settled(state, settle))
+    found = found | banks_evidence(state)
+    return Judged(state, part, found, spreads(state), held_out(state), done.early)

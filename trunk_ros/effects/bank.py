@@ -1,0 +1,143 @@
+"""Shapes over the motion of several sources, each times a weight: what is linear and not known by a
+formula.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now, Regime
+from trunk_ros.errors import ModelError
+from trunk_ros.parameter import Parameter
+
+WEIGHTS = 8  # of each source
+STEEPEST = 0.9  # of a joint's own motion: what follows it more closely has no inverse that settles
+
+
+def parameters_of(sources: int, low: str, high: str, weight: str) -> tuple[Parameter, ...]:
+    """Range and weights of each source; the arguments say what they mean."""
+    out: list[Parameter] = []
+    for k in range(1, sources + 1):
+        out += [
+            Parameter(f"weight_{k}_{i}", "1", (-20.0, 20.0), f"{weight} {i}, source {k}", typical=2e-4)
+            for i in range(1, WEIGHTS + 1)
+        ]
+        out.append(Parameter(f"low_{k}", "rad", (-1e6, 1e6), f"{low}, source {k}", typical=0.02, null=0.02))
+        out.append(Parameter(f"high_{k}", "rad", (-1e6, 1e6), f"{high}, source {k}", typical=0.4, null=0.4))
+    return tuple(out)
+
+
+def words_of(sources: int) -> tuple[str, ...]:
+    """Names of the words that say what the sources are."""
+    return ("source", *(f"source_{k}" for k in range(2, sources + 1)))
+
+
+class Bank(Effect):
+    """theta += sum of weight x shape(s), s the motor side's angle (ratio phi) of a joint, or the sum or the
+    difference of two.
+    """
+
+    regime: ClassVar[Regime] = "posture"
+    tried = False
+    scalable = False
+    sources: ClassVar[int]
+    own: ClassVar[bool] = False
+    """Whether a source may be the joint itself, alone or together with another."""
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        moved, state = self.moved(now, state, range(len(self._links)))
+        return x + moved, state
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        moved, state = self.moved(now, state, self._invertible)
+        return y - moved, state
+
+    @classmethod
+    @abstractmethod
+    def ready(cls, low: float, high: float, weights: Array) -> Any:
+        """What ``add`` needs of a source's range and weights (WEIGHTS,)."""
+
+    @classmethod
+    @abstractmethod
+    def add(cls, s: Array, ready: Any, state: Any, out: Array) -> Any:
+        """Add the weighed shapes over a source's motion (n,) to ``out`` (n,); returns their memory."""
+
+    @classmethod
+    def shapes(cls, s: Array, low: float, high: float) -> Array:
+        """(n, WEIGHTS) each shape over a source's motion (n,), from its beginning."""
+        out = np.zeros((WEIGHTS, len(s)))
+        for weights, column in zip(np.eye(WEIGHTS), out, strict=True):
+            cls.add(s, cls.ready(low, high, weights), None, column)
+        return out.T
+
+    @classmethod
+    @abstractmethod
+    def range_of(cls, s: Array) -> tuple[float, float]:
+        """``low`` and ``high`` for a source that moves as (n,)."""
+
+    def check(self, joints: tuple[str, ...]) -> None:
+        super().check(joints)
+        for text, words in self.words.items():
+            for column, word in enumerate(words):
+                choice = choices(joints, joints[column], self.own)
+                if word and word not in choice:
+                    raise ModelError(
+                        f"effects.{self.id}.{text} of {joints[column]} is {word!r}: "
+                        f"choose from {', '.join(choice) or 'nothing: there is no other joint'}"
+                    )
+
+    def moved(self, now: Now, state: Any, links: Any) -> tuple[Array, Any]:
+        """(n, columns) rad that some of the sources add, and the memory of all."""
+        out = np.zeros((len(now.ratio), len(now.stamp)))
+        memory = [None] * len(self._links) if state is None else list(state)
+        for k, (column, word, _, ready) in enumerate(self._links):
+            if k in links:
+                memory[k] = self.add(motion(word, now), ready, memory[k], out[column])
+        return out.T, memory
+
+    @cached_property
+    def _links(self) -> list[tuple[int, str, Array, Any]]:
+        """Column, source, weights (WEIGHTS,) and what ``add`` needs of them."""
+        out = []
+        for k, text in enumerate(words_of(self.sources), start=1):
+            for column, word in enumerate(self.words.get(text, ())):
+                weights = np.array([self[f"weight_{k}_{i}"][column] for i in range(1, WEIGHTS + 1)])
+                if word and np.any(weights):
+                    low, high = float(self[f"low_{k}"][column]), float(self[f"high_{k}"][column])
+                    out.append((column, word, weights, self.ready(low, high, weights)))
+        return out
+
+    @property
+    def _invertible(self) -> list[int]:
+        """The sources whose share can be taken off: those in which a joint does not follow itself too
+        closely.
+        """
+        if not self.own:
+            return list(range(len(self._links)))
+        steep: dict[int, float] = {}
+        for column, _, weights, _ in self._links:
+            steep[column] = steep.get(column, 0.0) + float(np.abs(weights).sum())
+        return [k for k, link in enumerate(self._links) if steep[link[0]] < STEEPEST]
+
+
+def choices(joints: tuple[str, ...], joint: str, own: bool) -> list[str]:
+    """What may be a source for a joint."""
+    others = [other for other in joints if other != joint]
+    return [joint, *(f"{joint}{sign}{o}" for o in others for sign in "+-")] if own else others
+
+
+def motion(word: str, now: Now) -> Array:
+    """(n,) rad, what a source's word stands for."""
+    wires = now.wires
+    if word in now.joints:
+        return np.ascontiguousarray(wires[:, now.joints.index(word)])
+    for column, joint in enumerate(now.joints):
+        if word.startswith(joint) and word[len(joint) + 1 :] in now.joints and word[len(joint)] in "+-":
+            other = wires[:, now.joints.index(word[len(joint) + 1 :])]
+            return np.asarray(wires[:, column] + (other if word[len(joint)] == "+" else -other))
+    raise ModelError(f"{word!r} is no source: the joints are {', '.join(now.joints)}")
