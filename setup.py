@@ -45,7 +45,7 @@ MUJOCO = [
     "mujoco-core>=4.0",
 ]
 SHOW = [
-    "rerun-sdk>=0.31",
+    "rerun-sdk>=0.41",
 ]
 TABLES = [
     "pandas>=2.1",

@@ -15,13 +15,19 @@ def parser() -> Parser:
     """Arguments of ``show``."""
     made = Parser(
         "show",
-        "Show a recording in Rerun: the arm in 3D as measured, with nominal and fitted ghosts; joints, residuals\n"
-        "and findings on the time line. Findings are read from the diagnosis.json beside MODEL.yaml.",
+        "Show a recording in Rerun: the arm in 3D as measured, with nominal and fitted ghosts; joints,\n"
+        "residuals and findings on the time line. Findings come from diagnosis.json beside MODEL.yaml.",
         ["run1 -m verdict/model.yaml", "run1 -m verdict/model.yaml --save run1.rrd"],
     )
     made.add_argument("bag", metavar="BAG", help="recording to show")
-    made.add_argument("--model", required=True, metavar="MODEL.yaml", help="the fitted model: a file, or trunk")
-    made.add_argument("--urdf", metavar="FILE", help="the arm's look (default: the model's or recording's URDF, else links as the model has them)")
+    made.add_argument(
+        "--model", required=True, metavar="MODEL.yaml", help="the fitted model: a file, or trunk"
+    )
+    made.add_argument(
+        "--urdf",
+        metavar="FILE",
+        help="the arm's look (default: the model's or recording's URDF, else links as the model has them)",
+    )
     made.add_argument("--save", metavar="FILE.rrd", help="write a file for Rerun in place of opening it")
     made.add_argument("--overwrite", action="store_true", help="replace FILE.rrd if it exists")
     return made
@@ -30,13 +36,13 @@ def parser() -> Parser:
 def main(argv: list[str]) -> int:
     """The command."""
     asked = parser().parse_args(argv)
+    from trunk_ros.arm.urdf import urdf
     from trunk_ros.diagnosis.data.sensor_faults import without_wild
     from trunk_ros.model import load_model
     from trunk_ros.recording.output import prepare_output
     from trunk_ros.recording.read import read_recording
     from trunk_ros.show.scene import diagnosis_beside, scene
     from trunk_ros.show.viewer import log, the_viewer
-    from trunk_ros.arm.urdf import urdf
 
     rr = the_viewer()
     target = None if asked.save is None else prepare_output(asked.save, asked.overwrite)
@@ -48,13 +54,15 @@ def main(argv: list[str]) -> int:
     arm = model.for_joints(shown.joints).arm
     recorded = None if arm.description is not None else recording.description
     description = _text(asked.urdf) if asked.urdf else recorded or urdf(arm)
-    stream = rr.RecordingStream("trunk_ros", recording_id=f"{recording.name}-{model.hash()[:8]}")
+    stream = rr.RecordingStream("trunk_ros", recording_id=f"{Path(asked.bag).name}-{model.hash()[:8]}")
     if target is None:
         stream.spawn()
     log(rr, stream, shown, description)
     if target is not None:
         _save(stream, target)
-        say(f"{target}: {len(shown.stamp)} samples of {', '.join(shown.joints)}; open it with: rerun {target}")
+        say(
+            f"{target}: {len(shown.stamp)} samples of {', '.join(shown.joints)}; open it with: rerun {target}"
+        )
     return 0
 
 

@@ -21,7 +21,7 @@ from trunk_ros.simulate import simulate
 
 @dataclass(frozen=True)
 class Spell:
-    """One finding on one joint, with the stretches of time [s] in which its regime holds; none: throughout."""
+    """One finding on one joint, and when [s] its regime holds; none: throughout."""
 
     effect: str
     joint: str
@@ -77,7 +77,9 @@ def diagnosis_beside(model: str | Path) -> dict[str, Any] | None:
     return content if isinstance(content, dict) and isinstance(content.get("findings"), list) else None
 
 
-def _spells(diagnosis: Mapping[str, Any], joints: tuple[str, ...], stamp: Array, angles: Array) -> list[Spell]:
+def _spells(
+    diagnosis: Mapping[str, Any], joints: tuple[str, ...], stamp: Array, angles: Array
+) -> list[Spell]:
     return [
         Spell(spoken(str(found["effect"])), joint, str(found["regime"]), _spans(found, stamp, angles[:, c]))
         for found in diagnosis.get("findings", ())

@@ -48,13 +48,13 @@ def _arm(rr: Any, stream: Any, scene: Scene, kind: str, urdf: str) -> None:
         file = Path(folder) / "arm.urdf"
         file.write_text(ghost(urdf, GHOSTS[kind]), encoding="utf-8")
         tree = rr.urdf.UrdfTree.from_file_path(
-            file, f"arm/{kind}", frame_prefix=f"{kind}/", static_transform_entity_path=f"arm/{kind}/static"
+            file, kind, frame_prefix=f"{kind}/", static_transform_entity_path=f"{kind}/static"
         )
         tree.log_urdf_to_recording(stream)
     if missing := set(scene.joints) - {joint.name for joint in tree.joints()}:
         raise ModelError(f"the URDF has no joint {sorted(missing)[0]!r}, which the recording has")
     root = f"{kind}/{tree.root_link().name}"
-    stream.log(f"arm/{kind}/root", rr.Transform3D(parent_frame="tf#/", child_frame=root), static=True)
+    stream.log(f"{kind}/root", rr.Transform3D(parent_frame="tf#/", child_frame=root), static=True)
     for found in tree.joints():
         angle = _angle(scene, kind, found)
         if angle is None:
@@ -63,7 +63,7 @@ def _arm(rr: Any, stream: Any, scene: Scene, kind: str, urdf: str) -> None:
         with warnings.catch_warnings():  # a measured angle may lie beyond a limit, and is shown there
             warnings.simplefilter("ignore", UserWarning)
             moved = found.compute_transform_columns(angle[known].tolist(), clamp=False)
-        stream.send_columns(f"arm/{kind}/joints/{found.name}", [_time(rr, scene.stamp[known])], moved)
+        stream.send_columns(f"{kind}/joints/{found.name}", [_time(rr, scene.stamp[known])], moved)
 
 
 def _angle(scene: Scene, kind: str, joint: Any) -> Array | None:
@@ -120,7 +120,7 @@ def blueprint(rr: Any, scene: Scene) -> Any:
     ]
     every = b.TimeSeriesView(origin="residuals", name="all residuals")
     left = b.Vertical(
-        b.Spatial3DView(origin="/arm", name="arm"),
+        b.Spatial3DView(origin="/", contents=[f"/{kind}/**" for kind in GHOSTS], name="arm"),
         b.TextDocumentView(origin="findings", name="findings"),
         row_shares=[3, 1],
     )

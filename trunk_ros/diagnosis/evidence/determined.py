@@ -128,4 +128,3 @@ def _unit(context: Context, f: Free) -> str:
     if f.column is None:
         return f.parameter.unit
     return unit_of(f.parameter.unit, context.stage.units.get(context.joints[f.column], "rad"))
-

@@ -117,7 +117,9 @@ def _rms(values: Array) -> float:
 def ties(finding: Finding) -> list[str]:
     """Values that the data tell together better than each."""
     return [
-        f"{_at(finding, one['first'])} and {_at(finding, one['second'])}: {one['value']:+.2f}".replace("-", "−")
+        f"{_at(finding, one['first'])} and {_at(finding, one['second'])}: {one['value']:+.2f}".replace(
+            "-", "−"
+        )
         for one in finding.evidence.get("correlations", ())[:MOST_TIES]
     ]
 
@@ -166,9 +168,7 @@ def rivals(finding: Finding, samples: int) -> list[dict[str, Any]]:
 def _why(name: str, loss: float, gain: float) -> str:
     """How much of what there is to explain a rival explains, and what would be seen if it were true."""
     share = min(max(1.0 - float(loss) / gain, 0.0), 0.9999) if gain > 0.0 else 0.0
-    head = (
-        f"explains {math.floor(1000 * share) / 10:g} %" if share > 0.005 else "explains none of it"
-    )
+    head = f"explains {math.floor(1000 * share) / 10:g} %" if share > 0.005 else "explains none of it"
     if name not in registry():
         return head
     text = effect(name).signature.rstrip(".")

@@ -74,7 +74,9 @@ def _record(result: Diagnosis) -> Iterator[Step]:
         motion = result.trajectories.get(file)
         long = f", {quantity(float(ceil(motion.duration)), None, 's')}" if motion else ""
         told = listed([" from ".join(_words(name) for name in pair) for pair in separated if pair])
-        yield Step(f"Record this motion: {file}{long}.", f"It tells {told}; see “Decisive motion”." if told else "")
+        yield Step(
+            f"Record this motion: {file}{long}.", f"It tells {told}; see “Decisive motion”." if told else ""
+        )
 
 
 def _words(name: str | list[str]) -> str:
@@ -96,7 +98,9 @@ def _move(result: Diagnosis) -> Iterator[Step]:
     for stage, said in result.stages.items():
         if said.get("compared") and said.get("silent"):
             still = said["silent"]
-            yield Step(f"Move {listed(still)} further.", f"Nothing can be said of {stage} there: too little motion.")
+            yield Step(
+                f"Move {listed(still)} further.", f"Nothing can be said of {stage} there: too little motion."
+            )
 
 
 def _rest(result: Diagnosis) -> Iterator[Step]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,7 +89,7 @@ def thinned(signal: Signal) -> np.ndarray:
 def _extremes(values: Array, cells: np.ndarray, sign: float) -> np.ndarray:
     """Row of the largest of ``sign * values`` in each cell."""
     known = np.where(np.isfinite(values), sign * values, -np.inf)
-    return np.array([a + int(np.argmax(known[a:b])) for a, b in zip(cells[:-1], cells[1:], strict=True)])
+    return np.array([a + int(np.argmax(known[a:b])) for a, b in pairwise(cells)])
 
 
 def _packed(values: Array) -> str:

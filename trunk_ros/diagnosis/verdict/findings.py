@@ -41,11 +41,7 @@ Spreads = dict[tuple[str, str, int | None], float]
 
 
 def findings(
-    context: Context,
-    hypothesis: Hypothesis,
-    found: dict[str, Evidence],
-    std: Spreads,
-    told: Determined
+    context: Context, hypothesis: Hypothesis, found: dict[str, Evidence], std: Spreads, told: Determined
 ) -> list[Finding]:
     """One finding per effect, with all its joints."""
     out = []
