@@ -32,7 +32,9 @@ def _within(regime: str, stamp: Array, angle: Array) -> np.ndarray:
     speed = np.abs(np.gradient(angle, np.maximum.accumulate(stamp + 1e-9 * np.arange(len(stamp)))))
     top = float(np.quantile(speed, 0.99))
     if regime == "reversal":
-        return np.asarray((reversals(angle)[1] < JUST * float(np.ptp(angle))) & (speed > STILL * top))
+        direction, travel = reversals(angle)
+        turned = np.cumsum(np.abs(np.diff(direction, prepend=direction[0]))) > 0.0
+        return np.asarray(turned & (travel < JUST * float(np.ptp(angle))) & (speed > STILL * top))
     if regime == "low_speed":
         return np.asarray((speed > STILL * top) & (speed < SLOW * top))
     return np.asarray(speed > FAST * top if regime == "high_speed" else speed <= STILL * top)

@@ -30,10 +30,10 @@ def _joined(*files: str) -> Markup:
     return Markup("\n".join((HERE / file).read_text(encoding="utf-8").strip() for file in files))
 
 
-def policy(scripted: bool) -> str:
+def policy(scripted: bool) -> Markup:
     """Content security policy: nothing from elsewhere, no style and no script but these, to the letter."""
     scripts = f"; script-src {allowed(script())}" if scripted else ""
-    return f"default-src 'none'; img-src data:; style-src {allowed(stylesheet())}{scripts}"
+    return Markup(f"default-src 'none'; img-src data:; style-src {allowed(stylesheet())}{scripts}")
 
 
 def allowed(text: str) -> str:
