@@ -44,13 +44,6 @@ class Resistance:
         return Resistance(self.moment[rows], self.lever[rows], self.weighs)
 
 
-def loads(arm: Arm, theta: Array, known: Resistance | None) -> tuple[Array, Array]:
-    """Moment on the joints [N m] and what a kilogram more at the tip adds [N m/kg], (n, joints) each."""
-    if known is None:
-        return arm.load(theta), arm.lever(theta)
-    return known.load(arm, theta), known.per_kilogram(arm, theta)
-
-
 def resistance(arm: Arm, gearbox: JointSeries, grid: Array, phi: Array) -> Resistance | None:
     """What gearbox states tell of the load at gearbox angles ``phi`` (m, joints) on ``grid`` (m,).
 

@@ -104,10 +104,12 @@ class Body:
         still = np.zeros_like(q)
         v = still if speed is None else self._whole(speed)
         a = still if acceleration is None else self._whole(acceleration)
-        out = np.empty_like(q)
-        for k in range(len(q)):
-            out[k] = pin.rnea(model, data, q[k], v[k], a[k])
-        return -out @ self.spread
+        if len(q) == 1:  # a node's tick
+            return np.asarray(-pin.rnea(model, data, q[0], v[0], a[0])[None] @ self.spread)
+        out = np.empty((model.nv, len(q)), order="F")
+        motion = (np.asfortranarray(each.T) for each in (q, v, a))
+        pin.rneaInParallel(1, pin.ModelPool(model, 1), *motion, out)
+        return np.asarray(-out.T @ self.spread)
 
     def weight_shares(self, theta: Array, gravity: Array) -> Array:
         """(n, joints, columns): what a kilogram and a kilogram metre along each axis in each link would do to

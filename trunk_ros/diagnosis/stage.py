@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,6 @@ from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
-from trunk_ros.resistance import loads
 
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.context import Context
@@ -65,6 +65,7 @@ class Stage(ABC):
     def over(self, spans: Sequence[Span]) -> Stage:
         """The same stage and sensors over other spans of the same arm."""
         other = copy(self)
+        other.__dict__.pop("_bears", None)
         other._load(spans)
         return other
 
@@ -75,8 +76,12 @@ class Stage(ABC):
 
     def bears(self, column: int) -> bool:
         """Whether a joint feels any load: one about a vertical axis does not."""
-        seen = [np.abs(each).max(axis=0) for view in self.views for each in (view.load, view.lever)]
-        return any(own[column] > UNLOADED * max(float(each.max()) for each in seen) for own in seen)
+        return self._bears[column]
+
+    @cached_property
+    def _bears(self) -> list[bool]:
+        seen = np.array([np.abs(each).max(axis=0) for v in self.views for each in (v.load, v.lever)])
+        return [bool(felt) for felt in (seen > UNLOADED * seen.max()).any(axis=0)]
 
     def own_steps(self, column: int) -> float:
         """Standard deviation of the steps of a joint's own encoder, or of a coarse sensor."""
@@ -108,10 +113,8 @@ class Stage(ABC):
 
     def _view(self, span: Span) -> View:
         angles, speeds = self.arm.driven(span.gearbox), span.velocity * self.arm.ratio
-        dt, load = np.diff(span.grid, prepend=span.grid[:1]), loads(self.arm, angles, span.resistance)
-        if self.arm.coupling is not None:
-            load = self.arm.carried(load[0]), self.arm.carried(load[1])
-        return View(span, dt, angles, *load, angles, speeds, following(span.valid))
+        dt = np.diff(span.grid, prepend=span.grid[:1])
+        return View(span, dt, angles, self.arm, angles, speeds, following(span.valid))
 
     def _readings(self, column: int) -> list[Array]:
         return [view.span.target[view.span.valid[:, column], column] for view in self.views]

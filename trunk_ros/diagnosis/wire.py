@@ -18,7 +18,6 @@ from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
-from trunk_ros.resistance import loads
 from trunk_ros.stage import Order, State, through
 from trunk_ros.start import Driven, first_rows, history
 
@@ -77,11 +76,7 @@ class WireStage(Stage):
         pairs = list(zip(context.views, paths, strict=True))
         if all(np.abs(view.angles - path).max() < SAME * np.ptp(path) for view, path in pairs):
             return context.views
-        return tuple(self._along(view, path) for view, path in pairs)
-
-    def _along(self, view: View, angles: Array) -> View:
-        load, lever = loads(self.arm, angles, view.span.resistance)
-        return replace(view, angles=angles, load=load, lever=lever)
+        return tuple(replace(view, angles=path) for view, path in pairs)
 
 
 def settled(state: Fit, seconds: float) -> Fit:

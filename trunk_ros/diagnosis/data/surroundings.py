@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -19,14 +22,25 @@ class View:
     span: Span
     dt: Array
     angles: Array
-    load: Array
-    lever: Array
+    arm: Arm
     wires: Array
     speeds: Array
     follows: np.ndarray
-    cuts: dict[int, tuple[Array, Array, Array, Array]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
+    cuts: dict[int, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @cached_property
+    def load(self) -> Array:
+        """(m, joints) moment on the joints."""
+        known = self.span.resistance
+        load = self.arm.load(self.angles) if known is None else known.load(self.arm, self.angles)
+        return load if self.arm.coupling is None else self.arm.carried(load)
+
+    @cached_property
+    def lever(self) -> Array:
+        """(m, joints) what a kilogram more at the tip adds to it."""
+        known = self.span.resistance
+        more = self.arm.lever(self.angles) if known is None else known.per_kilogram(self.arm, self.angles)
+        return more if self.arm.coupling is None else self.arm.carried(more)
 
     def only(self, rows: np.ndarray) -> View:
         """The same with these rows (n,) of the target alone counting."""
@@ -35,14 +49,14 @@ class View:
 
     def now(self, arm: Arm, column: int, payload: float) -> Now:
         """The surroundings of one joint, (m, 1) each."""
-        gearbox, speed, load, lever = self._of(column)
+        gearbox, speed = self._of(column)
         ratio = arm.ratio[column : column + 1]
-        return Now(
+        return Seen(
             self.span.grid,
             self.dt,
             gearbox,
             speed * ratio,
-            load + payload * lever if payload else load,
+            lambda: self._load(column, payload),  # type: ignore[arg-type]
             self.angles,
             self.wires,
             self.span.joints,
@@ -52,13 +66,37 @@ class View:
             arm=replace(arm, payload=arm.payload + payload) if payload else arm,
         )
 
-    def _of(self, column: int) -> tuple[Array, Array, Array, Array]:
-        """Gearbox angle, its speed, load and lever of one joint, (m, 1) each."""
+    def _load(self, column: int, payload: float) -> Array:
+        one = slice(column, column + 1)
+        load = self.load[:, one] + payload * self.lever[:, one] if payload else self.load[:, one]
+        return np.ascontiguousarray(load)
+
+    def _of(self, column: int) -> tuple[Array, Array]:
+        """Gearbox angle and its speed of one joint, (m, 1) each."""
         if column not in self.cuts:
-            both = (self.span.gearbox, self.span.velocity, self.load, self.lever)
-            gearbox, speed, load, lever = (np.ascontiguousarray(a[:, column : column + 1]) for a in both)
-            self.cuts[column] = gearbox, speed, load, lever
+            one, span = slice(column, column + 1), self.span
+            self.cuts[column] = (
+                np.ascontiguousarray(span.gearbox[:, one]),
+                np.ascontiguousarray(span.velocity[:, one]),
+            )
         return self.cuts[column]
+
+
+class Seen(Now):
+    """Surroundings whose load is worked out when an effect asks for it."""
+
+    _load: Any
+
+    @property
+    def load(self) -> Array:
+        """(n, columns) N m."""
+        if callable(self._load):
+            self._load = self._load()
+        return np.asarray(self._load)
+
+    @load.setter
+    def load(self, load: Array | Callable[[], Array]) -> None:
+        self._load = load
 
 
 def following(valid: np.ndarray) -> np.ndarray:
