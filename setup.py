@@ -80,7 +80,7 @@ def share(folder):
     return [(f"share/{NAME}/{path.parent}", [str(path)]) for path in files]
 
 
-DATA = [f"**/*.{suffix}" for suffix in ("html", "j2", "css", "js", "json", "yaml")]
+DATA = [f"**/*.{suffix}" for suffix in ("html", "j2", "css", "js", "json", "yaml", "txt")]
 
 setup(
     name=NAME,

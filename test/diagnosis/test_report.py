@@ -74,7 +74,7 @@ def test_the_first_heading_is_the_verdict_in_one_sentence(page: str) -> None:
     tags = [tag for tag, _ in Page(page).tags]
     assert next(tag for tag in tags if re.fullmatch(r"h\d", tag)) == "h1"
     assert re.search(r"<h1>Missing in the simulation: backlash \(joint_3, \d+%\)\.</h1>", page)
-    fall = r"wire joint_3: 0\.9\d+ → 0\.1\d* mrad \(9\.\d → 1\.0 times the noise\)\."
+    fall = r"wire joint_3: 0\.9\d+ → 0\.1\d* mrad \(10\.0 → 1\.0 times the noise\)\."
     assert re.search(f"Held-out error of the worst signal, {fall}", words(page))
 
 

@@ -57,7 +57,8 @@ def main(argv: list[str]) -> int:
     stream = rr.RecordingStream("trunk_ros", recording_id=f"{Path(asked.bag).name}-{model.hash()[:8]}")
     if target is None:
         stream.spawn()
-    log(rr, stream, shown, description)
+    drawn = description == urdf(arm) and arm.description is None
+    log(rr, stream, shown, description, float(arm.link_length.sum()) if drawn else 0.0)
     if target is not None:
         _save(stream, target)
         say(

@@ -15,7 +15,7 @@ from trunk_ros.show.ghosts import GHOSTS, ghost
 from trunk_ros.show.scene import Scene, Spell
 
 TIME = "time"
-COLOURS = {"measured": (27, 36, 48), "nominal": (138, 147, 157), "fitted": (10, 106, 143)}
+COLOURS = {"measured": (235, 150, 40), "nominal": (138, 147, 157), "fitted": (60, 165, 215)}
 NEVER = ""  # ends a state
 
 
@@ -30,8 +30,10 @@ def the_viewer() -> Any:
     return rerun
 
 
-def log(rr: Any, stream: Any, scene: Scene, urdf: str) -> None:
-    """Everything of a scene into a recording stream; ``urdf`` names the joints as the scene does."""
+def log(rr: Any, stream: Any, scene: Scene, urdf: str, reach: float = 0.0) -> None:
+    """Everything of a scene into a recording stream; ``urdf`` names the joints as the scene does. ``reach`` m
+    of an arm that stands upright, for the first view of it; 0 where it is not known.
+    """
     for kind in GHOSTS:
         _arm(rr, stream, scene, kind, urdf)
     for c, joint in enumerate(scene.joints):
@@ -39,7 +41,7 @@ def log(rr: Any, stream: Any, scene: Scene, urdf: str) -> None:
     for number, spell in enumerate(scene.spells):
         _spell(rr, stream, scene, spell, number)
     stream.log("findings", rr.TextDocument(scene.statement, media_type="text/markdown"), static=True)
-    stream.send_blueprint(blueprint(rr, scene))
+    stream.send_blueprint(blueprint(rr, scene, reach))
 
 
 def _arm(rr: Any, stream: Any, scene: Scene, kind: str, urdf: str) -> None:
@@ -107,7 +109,7 @@ def _time(rr: Any, stamp: Array) -> Any:
     return rr.TimeColumn(TIME, duration=np.asarray(stamp, dtype=float))
 
 
-def blueprint(rr: Any, scene: Scene) -> Any:
+def blueprint(rr: Any, scene: Scene, reach: float) -> Any:
     """3D and findings on the left, a tab for each joint and the lanes of the regimes on the right."""
     b = rr.blueprint
     joints = [
@@ -118,9 +120,16 @@ def blueprint(rr: Any, scene: Scene) -> Any:
         )
         for joint in scene.joints
     ]
+    eye = (
+        b.EyeControls3D(position=(2.0 * reach, 0.0, 0.8 * reach), look_target=(0.0, 0.0, 0.5 * reach))
+        if reach > 0.0
+        else None
+    )
     every = b.TimeSeriesView(origin="residuals", name="all residuals")
     left = b.Vertical(
-        b.Spatial3DView(origin="/", contents=[f"/{kind}/**" for kind in GHOSTS], name="arm"),
+        b.Spatial3DView(
+            origin="/", contents=[f"/{kind}/**" for kind in GHOSTS], name="arm", eye_controls=eye
+        ),
         b.TextDocumentView(origin="findings", name="findings"),
         row_shares=[3, 1],
     )
