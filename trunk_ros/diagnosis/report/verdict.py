@@ -77,7 +77,7 @@ def _named(result: Diagnosis, finding: Finding) -> str:
 
 def _unnamed(result: Diagnosis, finding: Finding) -> str:
     varies = f", which depends on {listed(finding.depends_on)}" if finding.depends_on else ""
-    return f"physics that no name fits ({_place(result, finding.stage, finding.joints)}{varies})"
+    return f"physics that is not in the effect library ({_place(result, finding.stage, finding.joints)}{varies})"
 
 
 def _place(result: Diagnosis, stage: str, joints: list[str]) -> str:
