@@ -77,7 +77,8 @@ def _named(result: Diagnosis, finding: Finding) -> str:
 
 def _unnamed(result: Diagnosis, finding: Finding) -> str:
     varies = f", which depends on {listed(finding.depends_on)}" if finding.depends_on else ""
-    return f"physics that is not in the effect library ({_place(result, finding.stage, finding.joints)}{varies})"
+    where = _place(result, finding.stage, finding.joints)
+    return f"physics that is not in the effect library ({where}{varies})"
 
 
 def _place(result: Diagnosis, stage: str, joints: list[str]) -> str:
