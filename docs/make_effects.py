@@ -19,15 +19,15 @@ STAGES = {
     "wire": "Wire: gearbox angle to joint angle",
     "arm": "Arm: joint angles to tip",
 }
-HEAD = """# Effects
+HEAD = """# Effect library
 
 What a simulation may have left out, in physical order. Made by `make docs` from `trunk_ros/effects/`: what
 stands here is what the code says. [Physics](physics.md) explains the mechanisms,
 [Adding an effect](adding-an-effect.md) how to write one.
 
 Pictures show the nominal arm with the effect less the nominal arm without it, joint 2 of five that all move:
-over time, with the joint angle in grey, and over what the effect depends on. Blue goes up, red goes down,
-grey stands.
+over time, with the joint angle in grey, and over what the effect depends on.
+Blue: joint moving up; red: down; grey: at rest.
 
 """
 
@@ -84,7 +84,7 @@ def parameters(kind: type[Effect]) -> Iterator[str]:
     """The table of an effect's parameters; numbered ones that are all alike share a row."""
     yield "| parameter | unit | bounds | absent at | |"
     yield "|---|---|---|---|---|"
-    many = ("value_", "weight_", "low_", "high_")
+    many = ("moment_", "value_", "weight_", "low_", "high_")
     shown = [p for p in kind.parameters if not p.name.startswith(many)]
     for p in shown:
         low, high = p.bounds

@@ -1,3 +1,3 @@
-"""Wire-driven arms on ROS 2: simulate, compensate, record, and find the physics a simulation left out."""
+"""Tendon-driven arms: names the physical effects that a simulation is missing; ROS 2 nodes around it."""
 
 __version__ = "0.1.0"

@@ -20,30 +20,30 @@ from trunk_ros.errors import TrunkError, one_line
 from trunk_ros.nodes.stop import Stop
 
 COMMANDS: dict[str, tuple[str, str]] = {
-    "diagnose": ("trunk_ros.commands.diagnose", "find what a simulation leaves out, model it, show the fit"),
+    "diagnose": ("trunk_ros.commands.diagnose", "name the effects that a simulation is missing, fit them"),
     "simulate": ("trunk_ros.commands.simulate", "run a model over a recording"),
     "show": ("trunk_ros.commands.show", "see a recording and a model: the arm in 3D, residuals, findings"),
     "evaluate": ("trunk_ros.commands.evaluate", "score models, or other simulators, on recordings"),
     "export": ("trunk_ros.commands.export", "write what was found into a simulator's file: MJCF, URDF, SDF"),
-    "fleet": ("trunk_ros.commands.fleet", "diagnose many recordings of many arms, and say what changes"),
+    "fleet": ("trunk_ros.commands.fleet", "diagnose many recordings of many arms; report what changes"),
     "info": ("trunk_ros.commands.info", "what a recording holds, and what can be diagnosed from it"),
-    "check": ("trunk_ros.commands.check", "whether a model file or a mapping is right"),
-    "effects": ("trunk_ros.commands.effects", "the library of effects"),
+    "check": ("trunk_ros.commands.check", "check a model file, a mapping or a trajectory"),
+    "effects": ("trunk_ros.commands.effects", "the effect library"),
     "import": ("trunk_ros.commands.import_table", "turn a foreign CSV, or a bag of other topics, into a bag"),
     "recover": ("trunk_ros.commands.recover", "repair a bag whose recorder was killed"),
     "paper": ("trunk_ros.commands.paper", "the paper's tables and figures, as printed and as computed"),
     "bringup": ("trunk_ros.nodes.bringup", "run the simulated arm with a trajectory and record it"),
-    "servo_driver": ("trunk_ros.nodes.servo_driver", "node: setpoints to gearbox angles"),
+    "servo_driver": ("trunk_ros.nodes.servo_driver", "node: setpoints to motor-side angles"),
     "wire_elasticity": (
         "trunk_ros.nodes.wire_elasticity",
-        "node: gearbox angles to joint angles, wires and tip",
+        "node: motor-side angles to joint angles, wires and tip",
     ),
     "compensator": ("trunk_ros.nodes.compensator", "node: wanted joint angles to setpoints"),
     "recorder": ("trunk_ros.nodes.recorder", "node: every topic into an MCAP bag"),
     "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
-    "reality": ("trunk_ros.nodes.reality", "node: what a simulator lacks, between it and its controllers"),
+    "reality": ("trunk_ros.nodes.reality", "node: adds what a simulator lacks, on its topics"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
-    "watch": ("trunk_ros.nodes.watch", "node: says within seconds what changes on a running arm"),
+    "watch": ("trunk_ros.nodes.watch", "node: reports within seconds what changes on a running arm"),
 }
 
 

@@ -137,8 +137,8 @@ def test_info_gives_the_reason_why_an_effect_is_not_looked_for(
 ) -> None:
     told = json.loads(said(capsys, "info", str(bag), "-m", "direct", "--json"))["stages"]["wire"]
     reasons = {name: reason for reason, names in told["unseen"].items() for name in names}
-    assert "load is not known" in reasons["load_elasticity"]
-    assert "no dead band" in reasons["tension_error"]
+    assert "load is unknown" in reasons["load_elasticity"]
+    assert "no nominal backlash" in reasons["tension_error"]
 
 
 def test_info_says_what_is_mixed_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

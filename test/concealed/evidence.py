@@ -164,7 +164,7 @@ def evidence(cases: list[Marks]) -> dict[str, Any]:
             **{k: _share([bool(c["false"]) for c in of[k]]) for k in kinds if k.startswith("clean")},
         },
         "unknown": {
-            "said where due": _share([bool(c["hits"]) for c in strange]),
+            "reported as unknown": _share([bool(c["hits"]) for c in strange]),
             "what it depends on right": _share([bool(h["depends_on"]) for h in seen]),
             "a known effect named as well or instead": _share(
                 [any(f != "unknown" for f in c["false"]) for c in strange]

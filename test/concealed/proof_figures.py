@@ -42,7 +42,7 @@ def _calibration(axis: Any, found: dict[str, Any]) -> None:
     axis.plot([0, 1], [0, 1], color=LINE, lw=1)
     some = [(said, e) for said, e in found["calibration"] if e.n]
     _errors(axis, [said for said, _ in some], [e for _, e in some], color=FITTED)
-    axis.set(xlim=(0, 1.03), ylim=(-0.03, 1.05), xlabel="confidence said", ylabel="share that was right")
+    axis.set(xlim=(0, 1.03), ylim=(-0.03, 1.05), xlabel="stated confidence", ylabel="share that was right")
     axis.set_title("Calibration: on the line is as often right as said")
 
 

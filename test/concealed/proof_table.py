@@ -35,12 +35,12 @@ def _strength(bands: list[tuple[float, float, Estimate]]) -> str:
 
 def _calibration(bands: list[tuple[float, Estimate]]) -> str:
     rows = [(f"{said:.2f}", x.text(), x.n) for said, x in bands if x.n]
-    return _rows(("confidence said", "of these right", "findings"), rows)
+    return _rows(("stated confidence", "share right", "findings"), rows)
 
 
 def _confusion(found: dict[str, Any]) -> str:
     pairs = [(a, b, n) for (a, b), n in found["confusion"].most_common() if a != b][:25]
-    return _rows(("hidden", "said", "n"), pairs) if pairs else "None."
+    return _rows(("hidden", "found", "n"), pairs) if pairs else "None."
 
 
 def _lists(cases: list[dict[str, Any]]) -> str:
@@ -146,7 +146,7 @@ def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str, 
         *(["![True error before and after](figures/proof-live.png)"] if beside.live else []),
         "### False alarms on clean arms",
         _named(("arms", "with any finding"), found["false_alarms"]),
-        "### Physics outside the table",
+        "### Effects that are not in the library",
         _named(("what", "share"), found["unknown"]),
         "### Recall over strength",
         _strength(found["strength"]),
@@ -162,7 +162,7 @@ def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str, 
         _confusion(found),
         "![Hidden and said](figures/proof-confusion.png)",
         "### The paper's own table",
-        "Computed by `python -m trunk_ros paper`; [The paper, checked](paper.md) has all of it.",
+        "Computed by `trunk_ros paper`; [The paper, checked](paper.md) has all of it.",
         _paper(beside.paper),
         "### Killed recorders",
         _kill(beside.kill),

@@ -17,8 +17,9 @@ FUNCTION = re.compile(r"\.@(mul|div)\(([0-9.]+)\)$")
 
 
 def topics():
-    """Topics and their types, from the README's table."""
-    rows = re.findall(r"^\| `([a-z_/]+)` \| (\w+)/(\w+) \|", (ROOT / "README.md").read_text(), re.MULTILINE)
+    """Topics and their types, from the table of docs/nodes.md."""
+    page = (ROOT / "docs" / "nodes.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([a-z_/]+)` \| (\w+)/(\w+) \|", page, re.MULTILINE)
     return {f"/{topic}": f"{package}/msg/{name}" for topic, package, name in rows}
 
 

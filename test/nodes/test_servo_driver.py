@@ -79,7 +79,7 @@ def test_before_it_is_known_where_the_shafts_stand_a_setpoint_has_to_name_all_jo
 
     model = load_model("trunk")
     servo = Servo(model.arm, SimulatedBus(model))
-    with pytest.raises(MessageError, match="where the joints stand that it leaves out is not known"):
+    with pytest.raises(MessageError, match="leaves out joints whose position is unknown"):
         servo.ask(["joint_1"], [0.1], 0)
     assert servo.ask(JOINTS, [0.1] * 5, 1) == []
     assert "joint joint_2 missing" in servo.ask(["joint_1"], [0.2], 2)

@@ -83,13 +83,13 @@ def of_model(model: Model) -> list[str]:
     from trunk_ros.arm.parameters import ANY_ANGLE
 
     arm = model.arm
-    rows = [("joint", "ratio", "dead band", "limits")]
+    rows = [("joint", "ratio", "backlash", "limits")]
     for j, joint in enumerate(arm.joints):
         low, high = float(arm.lower[j]), float(arm.upper[j])
         limits = f"{low:+.3f} … {high:+.3f} rad" if max(-low, high) < ANY_ANGLE else "none"
         name = "any joint" if model.any_joints else joint
         rows.append((name, f"{arm.ratio[j]:.6g}", f"{1e3 * arm.dead_band[j]:.3g} mrad", limits))
-    load = f"known, from {arm.load_from}" if arm.has_load else "not known: no effect of load is looked for"
+    load = f"known, from {arm.load_from}" if arm.has_load else "unknown: effects of load are not tried"
     tip = f"links of {', '.join(f'{1e3 * x:g}' for x in arm.link_length)} mm" if len(arm.link_length) else ""
     effects = [f"effect {name}: {_said(values)}" for name, values in model.in_order()]
     return [
@@ -140,7 +140,7 @@ def _columns(quantity: Quantity) -> list[str]:
 def _lacking(mapping: Mapping) -> list[str]:
     """What the wire needs and the mapping does not give."""
     wanted = ("gearbox_states", "joint_states")
-    return [f"no {key}: nothing can be said of the wire" for key in wanted if key not in mapping.topics]
+    return [f"no {key}: the wire cannot be diagnosed" for key in wanted if key not in mapping.topics]
 
 
 def of_trajectory(trajectory: Trajectory) -> list[str]:

@@ -27,7 +27,7 @@ def parser() -> Parser:
     """Arguments of ``diagnose``."""
     out = Parser(
         "diagnose",
-        "Find what a simulation leaves out of recordings of one arm, model it, and show the fit.",
+        "Name the physical effects that a simulation is missing, from recordings of one arm.",
         ["run1 -o verdict", "run1 run2 -m my-arm.yaml -o verdict", "run1 -m direct --until 70% -o verdict"],
     )
     out.add_argument(
@@ -130,7 +130,7 @@ def spoken(result: Diagnosis) -> list[str]:
     for stage, compared in result.stages.items():
         if compared.get("silent"):
             silent = ", ".join(compared["silent"])
-            lines.append(f"  {stage}: nothing can be said of {silent}, which hardly moves")
+            lines.append(f"  {stage}: no verdict on {silent}: hardly moves")
     for name, told in result.quality.items():
         lines += [f"  {name}: {note}" for note in told["notes"]]
     lines += [f"  unexplained: {rest.statement}" for rest in result.unexplained]

@@ -18,14 +18,14 @@ WIDTH = 100
 NEEDS = {
     "load": "the load, from masses in the model or recorded effort",
     "weight": "masses in the model",
-    "dead_band": "dead bands in the model to compare with",
+    "dead_band": "a nominal backlash in the model",
     "several": "more than one joint",
 }
 
 
 def parser() -> Parser:
     """Arguments of ``effects``."""
-    about = "Show the library of effects, or all about one of them."
+    about = "Show the effect library, or one effect in full."
     made = Parser("effects", about, ["", "backlash", "--json"])
     made.add_argument("name", nargs="?", metavar="NAME", help="an effect's ID; all of them by default")
     made.add_argument("--json", action="store_true", help="the same for programs")
@@ -108,7 +108,7 @@ def one(kind: type[Effect]) -> list[str]:
     for name in ("words", "forms", "needs", "includes"):
         lines += _wrapped(name, ", ".join(told[name])) if told[name] else []
     for other in told["confused_with"]:
-        lines += _wrapped(f"told from {other['effect']} by", other["told_apart_by"])
+        lines += _wrapped(f"separated from {other['effect']} by", other["told_apart_by"])
     return lines + _wrapped("source", told["source"])
 
 

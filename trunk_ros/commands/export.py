@@ -48,9 +48,9 @@ def parser() -> Parser:
     )
     add = out.add_argument
     add("model", metavar="MODEL.yaml", help="what diagnose has written")
-    add("--to", required=True, choices=FORMATS)
+    add("--to", required=True, choices=FORMATS, help="the format of FILE")
     add("--into", required=True, metavar="FILE", help="the simulator's file, which stays as it is")
-    add("--output", required=True, metavar="FILE")
+    add("--output", required=True, metavar="FILE", help="the file to write")
     add(
         "--simulation", metavar="SIMULATION.yaml",
         help="what the simulator does already; by default simulation.yaml beside the model, if it is there",

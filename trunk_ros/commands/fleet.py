@@ -108,7 +108,7 @@ def parser() -> Parser:
         help="bags, folders of bags, globs, or a list (CSV or Parquet) with arm,time,path; also URLs "
         "(s3://, gs://, https://) where their fsspec package is installed",
     )  # fmt: skip
-    out.add_argument("--output", required=True, metavar="DIR")
+    out.add_argument("--output", required=True, metavar="DIR", help="folder for page, JSON and Parquet")
     out.add_argument("--model", default="trunk", metavar="MODEL.yaml", help="the nominal arm of the type")
     out.add_argument(
         "--scheduler", metavar="tcp://…", help="a Dask scheduler; by default one is started here"

@@ -143,7 +143,7 @@ def _stage(stage: str, told: dict[str, Any]) -> list[str]:
     lines = [f"  {stage:6}yes: {', '.join(told['joints'])}{sensed}"]
     if told["silent"]:
         lines.append(f"        hardly moves: {', '.join(told['silent'])}")
-    lines.append(f"        looked for: {', '.join(told['effects'])}")
+    lines.append(f"        tried: {', '.join(told['effects'])}")
     return lines + [f"        not {', '.join(names)}: {reason}" for reason, names in told["unseen"].items()]
 
 

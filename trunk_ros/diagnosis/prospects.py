@@ -26,14 +26,14 @@ WANTS = {
     "arm": ("joint_states", TIP),
 }
 LACKS = {
-    "load": "the load is not known: give masses in the model, or record effort",
+    "load": "the load is unknown: give masses in the model, or record effort",
     "weight": "the model has no masses",
-    "dead_band": "the model has no dead band to compare with",
+    "dead_band": "the model has no nominal backlash",
     "several": "there is one joint only",
 }
-RARE = "the recording stops and measures, or always moves alike: nothing is seen of speed and holds"
+RARE = "the recording stops and measures, or always moves alike: it shows nothing of speed and holds"
 MOMENTS = 2000  # of a recording between which a speed is a speed
-ONE_WAY = "no joint turns back: nothing is seen of reversals"
+ONE_WAY = "no joint turns back: the recording shows nothing of reversals"
 
 
 @dataclass

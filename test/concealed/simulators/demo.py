@@ -55,7 +55,7 @@ def show(case: Case, folder: Path, console: Console) -> int:
         ("evaluate", "run", "--against", "sim", "--stage", "wire"),
     )  # fmt: skip
     for words in steps:
-        console.print(f"[bold]$ python -m trunk_ros {' '.join(words)}[/]")
+        console.print(f"[bold]$ trunk_ros {' '.join(words)}[/]")
         with console.status(words[0]):
             trunk(*words, folder=folder)
         console.print((folder / f"{words[0]}.txt").read_text().rstrip(), markup=False)

@@ -178,8 +178,9 @@ def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
             regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
             out[tuple(varies)] = Unexplained(context.stage.name, [joint], regime, share, varies, "")
     for rest in out.values():
-        on = f", and varies with {' and '.join(rest.depends_on)}" if rest.depends_on else ""
-        rest.statement = f"{', '.join(rest.joints)}: {rest.share:.1%} of the misfit is left{on}."
+        on = f" and depends on {' and '.join(rest.depends_on)}" if rest.depends_on else ""
+        unexplained = f"{rest.share:.1%} of the residual's power stays unexplained"
+        rest.statement = f"{', '.join(rest.joints)}: {unexplained}{on}."
     return list(out.values())
 
 

@@ -36,7 +36,7 @@ class Cogging(Effect):
             "phase",
             "rad",
             (-10.0, 10.0),
-            "phase at gearbox angle 0",
+            "phase at motor-side angle 0",
             typical=1.0,
             scan=(0.0, 0.785, 1.571, 2.356, 3.142, 3.927, 4.712, 5.498),
         ),

@@ -17,8 +17,8 @@ class Backlash(Effect):
         Parameter("half_width", "rad", (0.0, 1.0), "added half-width of the dead band", typical=3e-4),
     )
     confused_with = (
-        ("tension_error", "compare joints: a tension error scales the nominal dead bands of all"),
-        ("presliding_hysteresis", "reverse with small amplitudes: a dead band lets nothing through"),
+        ("tension_error", "compare joints: a tension error scales the nominal backlash of all"),
+        ("presliding_hysteresis", "reverse with small amplitudes: backlash lets nothing through"),
     )
 
     def adjust(self, core: Core, now: Now) -> None:

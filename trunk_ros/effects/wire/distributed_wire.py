@@ -28,7 +28,7 @@ class DistributedWire(Effect):
     id = "distributed_wire"
     stage, place, regime = "wire", 100, "reversal"
     signature = (
-        "A dead band in proportion to the pretension; under load the joint sags late, in loops, "
+        "Backlash in proportion to the pretension; under load the joint sags late, in loops, "
         "and past some load more."
     )
     source = (

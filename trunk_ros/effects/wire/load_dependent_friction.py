@@ -11,7 +11,7 @@ class LoadDependentFriction(Effect):
 
     id = "load_dependent_friction"
     stage, place, regime = "wire", 100, "reversal"
-    signature = "A dead band that is wide where the arm reaches out and narrow where it hangs straight."
+    signature = "Backlash that is wide where the arm reaches out and narrow where it hangs straight."
     source = (
         "Euler-Eytelwein, T' = T'' exp(mu alpha) (Ciofu & Stan, eq. (1)): "
         "friction in proportion to the tension."

@@ -55,7 +55,7 @@ class PreslidingHysteresis(Effect):
         Parameter("through", "1", (0.0, 0.9), "share of the motion that gets past what sticks", typical=0.2),
     )  # fmt: skip
     confused_with = (
-        ("backlash", "reverse with small amplitudes: a dead band lets nothing through"),
+        ("backlash", "reverse with small amplitudes: backlash lets nothing through"),
         ("stribeck_friction", "reverse at one speed with several amplitudes"),
     )
 

@@ -12,7 +12,7 @@ class StribeckFriction(Effect):
 
     id = "stribeck_friction"
     stage, place, regime = "wire", 100, "low_speed"
-    signature = "A dead band that is wide in slow motion and narrow in fast motion."
+    signature = "Backlash that is wide in slow motion and narrow in fast motion."
     source = (
         "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), eq. (3): "
         "exp(-abs(v/v_s)^delta)."

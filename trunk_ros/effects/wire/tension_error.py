@@ -10,7 +10,7 @@ class TensionError(Effect):
     id = "tension_error"
     stage, place, regime = "wire", 100, "reversal"
     signature = (
-        "Square waves with the sign of the motion on all joints, in proportion to their nominal dead bands."
+        "Square waves with the sign of the motion on all joints, in proportion to their nominal backlash."
     )
     source = "Ciofu & Stan, eq. (6)-(8): the elongation is proportional to the pull tension T_i."
     parameters = (
@@ -27,9 +27,7 @@ class TensionError(Effect):
     )
     everywhere = True
     needs = ("dead_band",)
-    confused_with = (
-        ("backlash", "compare joints: a backlash is not in proportion to the nominal dead bands"),
-    )
+    confused_with = (("backlash", "compare joints: a backlash is not in proportion to the nominal backlash"),)
 
     def adjust(self, core: Core, now: Now) -> None:
         core.width = core.width + (self["factor"] - 1.0) * core.nominal_width

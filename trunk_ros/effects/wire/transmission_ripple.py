@@ -18,7 +18,7 @@ class TransmissionRipple(Effect):
 
     id = "transmission_ripple"
     stage, place, regime = "wire", 20, "posture"
-    signature = "The residual swings periodically over the gearbox angle, the same in both directions."
+    signature = "The residual swings periodically over the motor-side angle, the same in both directions."
     source = (
         "Tuttle & Seering (1996), IEEE T. Robotics Autom. 12(3): "
         "kinematic error as a sum of sinusoids of the shaft angle."
@@ -37,7 +37,7 @@ class TransmissionRipple(Effect):
             "phase",
             "rad",
             (-10.0, 10.0),
-            "phase at gearbox angle 0",
+            "phase at motor-side angle 0",
             typical=1.0,
             scan=(0.0, 0.785, 1.571, 2.356),
         ),
@@ -46,7 +46,7 @@ class TransmissionRipple(Effect):
             "harmonic_phase",
             "rad",
             (-10.0, 10.0),
-            "phase of it at gearbox angle 0",
+            "phase of it at motor-side angle 0",
             typical=1.0,
             scan=(0.0, 1.571),
         ),

@@ -20,7 +20,7 @@ class UnknownFriction(Curve):
     id = "unknown_friction"
     stage = "wire"
     place = 100
-    signature = "The dead band at a reversal depends on something in a way that no named effect has."
+    signature = "The backlash at a reversal depends on something in a way that no named effect has."
     regime = "reversal"
     parameters = (*RANGE, *(replace(p, typical=TYPICAL) for p in VALUES))
     of = "the dead band"

@@ -31,7 +31,7 @@ class UnknownJumps(Curve):
     id = "unknown_jumps"
     stage = "wire"
     place = 255
-    signature = "The residual's mean jumps between levels at moments that nothing in the motion tells."
+    signature = "The residual's mean jumps between levels at moments that nothing in the motion predicts."
     parameters = (*RANGE, *VALUES, *MOMENTS)
     of = "the angle, by jumps,"
     confused_with: ClassVar[tuple[tuple[str, str], ...]] = (

@@ -10,7 +10,7 @@ class UnknownSlips(UnknownJumps):
 
     id = "unknown_slips"
     place = 60
-    signature = "The residual's mean jumps between levels, as far as the dead band lets it through."
+    signature = "The residual's mean jumps between levels, as far as the backlash lets it through."
     of = "what the wire hands on, by jumps,"
     confused_with: ClassVar[tuple[tuple[str, str], ...]] = (
         ("unknown_jumps", "stand still: what happens before the friction waits for a motion"),

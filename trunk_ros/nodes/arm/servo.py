@@ -57,7 +57,7 @@ class Servo:
         """What joints that a setpoint leaves out are held at. Raises MessageError while that is not known."""
         last = self.shaft if self.asked is None else self.asked
         if last is None:
-            raise MessageError("setpoint refused: where the joints stand that it leaves out is not known yet")
+            raise MessageError("setpoint refused: it leaves out joints whose position is unknown so far")
         return last
 
     def _check(self, setpoint: Array) -> None:

@@ -95,7 +95,7 @@ class BagSource:
     def hint(self) -> str:
         """What may help."""
         whole = self.path.is_dir() and not (self.path / "metadata.yaml").exists()
-        return f" (python -m trunk_ros recover {self.path} may repair it)" if whole else ""
+        return f" (trunk_ros recover {self.path} may repair it)" if whole else ""
 
     @property
     def duration(self) -> float:
