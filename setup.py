@@ -44,6 +44,9 @@ ROS = [
 MUJOCO = [
     "mujoco-core>=4.0",
 ]
+SHOW = [
+    "rerun-sdk>=0.41",
+]
 TABLES = [
     "pandas>=2.1",
 ]
@@ -77,7 +80,7 @@ def share(folder):
     return [(f"share/{NAME}/{path.parent}", [str(path)]) for path in files]
 
 
-DATA = [f"**/*.{suffix}" for suffix in ("html", "j2", "css", "js", "json", "yaml")]
+DATA = [f"**/*.{suffix}" for suffix in ("html", "j2", "css", "js", "json", "yaml", "txt")]
 
 setup(
     name=NAME,
@@ -96,7 +99,7 @@ setup(
         *share("launch"),
     ],
     install_requires=REQUIRES,
-    extras_require={"ros": ROS, "mujoco": MUJOCO, "tables": TABLES, "fleet": FLEET},
+    extras_require={"ros": ROS, "mujoco": MUJOCO, "show": SHOW, "tables": TABLES, "fleet": FLEET},
     entry_points={"console_scripts": scripts()},
     zip_safe=False,
 )

@@ -22,6 +22,7 @@ from trunk_ros.nodes.stop import Stop
 COMMANDS: dict[str, tuple[str, str]] = {
     "diagnose": ("trunk_ros.commands.diagnose", "name the effects that a simulation is missing, fit them"),
     "simulate": ("trunk_ros.commands.simulate", "run a model over a recording"),
+    "show": ("trunk_ros.commands.show", "see a recording and a model: the arm in 3D, residuals, findings"),
     "evaluate": ("trunk_ros.commands.evaluate", "score models, or other simulators, on recordings"),
     "export": ("trunk_ros.commands.export", "write what was found into a simulator's file: MJCF, URDF, SDF"),
     "fleet": ("trunk_ros.commands.fleet", "diagnose many recordings of many arms; report what changes"),

@@ -1,6 +1,8 @@
 """The page: what it says, that it is one safe file, and that its curves show what was found."""
 
 import base64
+import hashlib
+import json
 import re
 import time
 from dataclasses import replace
@@ -13,14 +15,18 @@ import pytest
 
 from test.diagnosis import made
 from trunk_ros.diagnosis.report import render, write
+from trunk_ros.diagnosis.report.regimes import stretches
+from trunk_ros.diagnosis.report.series import thinned
+from trunk_ros.diagnosis.report.signals import signals
 from trunk_ros.diagnosis.report.where import maps
 from trunk_ros.diagnosis.verdict.result import Diagnosis, Unexplained
+from trunk_ros.recording.topics import TOPICS
 
 TRAIN = Path(__file__).parents[3] / "shared" / "concealed" / "dev_two_0" / "train"
 
 PARTS = [
-    "Where", "Before and after", "When", "What was found", "Still unexplained", "What would settle it",
-    "Quality of the data", "To reproduce",
+    "What to do next", "Where", "Before and after", "Over time", "What was found", "Still unexplained",
+    "Decisive motion", "Quality of the data", "To reproduce",
 ]  # fmt: skip
 
 
@@ -50,7 +56,7 @@ def pictures(page: str) -> list[str]:
 
 def words(page: str) -> str:
     """What a reader sees, in one line."""
-    text = re.sub(r"<style>.*?</style>", "", page, flags=re.S)
+    text = re.sub(r"<(style|script)\b.*?</\1>", "", page, flags=re.S)
     return " ".join(re.sub(r"<[^>]+>", " ", text).replace("\N{NO-BREAK SPACE}", " ").split())
 
 
@@ -67,9 +73,16 @@ def page(found: Diagnosis) -> str:
 def test_the_first_heading_is_the_verdict_in_one_sentence(page: str) -> None:
     tags = [tag for tag, _ in Page(page).tags]
     assert next(tag for tag in tags if re.fullmatch(r"h\d", tag)) == "h1"
-    assert re.search(
-        r"<h1>Missing in the simulation: backlash \(joint_3, \d+%\)\. With it, .* falls from", page
-    )
+    assert re.search(r"<h1>Missing in the simulation: backlash \(joint_3, \d+%\)\.</h1>", page)
+    fall = r"wire joint_3: 0\.9\d+ → 0\.1\d* mrad \(10\.0 → 1\.0 times the noise\)\."
+    assert re.search(f"Held-out error of the worst signal, {fall}", words(page))
+
+
+def test_more_than_two_effects_are_counted_in_the_heading_and_listed_below(found: Diagnosis) -> None:
+    others = [replace(found.findings[0], effect=name) for name in ("backlash", "ratio_error", "cogging")]
+    page = render(replace(found, findings=others))
+    assert "<h1>3 effects are missing in the simulation.</h1>" in page
+    assert all(f"<b>{name}</b>" in page for name in ("backlash", "ratio error", "cogging"))
 
 
 def test_nothing_missing_is_said_only_of_what_was_judged() -> None:
@@ -88,14 +101,90 @@ def test_a_joint_that_hardly_moves_is_said_to_be_unknown(found: Diagnosis) -> No
     assert "joint_6 hardly moves" in words(render(replace(found, stages=stages)))
 
 
-def test_the_page_needs_no_other_file_and_runs_no_script(page: str) -> None:
+def test_the_page_needs_no_other_file(page: str) -> None:
+    ids = {attributes.get("id") for _, attributes in Page(page).tags}
     for tag, attributes in Page(page).tags:
-        assert tag not in ("script", "link", "iframe", "object", "embed")
-        assert all(not name.startswith("on") for name in attributes)
-        assert attributes.get("href") is None
+        assert tag not in ("link", "iframe", "object", "embed")
+        assert all(not name.startswith("on") and name != "style" for name in attributes)
+        href = attributes.get("href")
+        assert href is None or (href[0] == "#" and href[1:] in ids)
         assert (attributes.get("src") or "data:").startswith("data:")
     assert "default-src 'none'" in page
     assert "url(" not in page
+
+
+def test_only_the_page_s_own_script_and_style_may_run(found: Diagnosis, page: str) -> None:
+    policy = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)[0]
+    assert "unsafe" not in policy
+    for tag, rule in (("style", "style-src"), ("script", "script-src")):
+        texts = re.findall(f"<{tag}>(.*?)</{tag}>", page, re.S)
+        digests = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts]
+        assert re.findall(f"{rule} 'sha256-([^']*)'", policy) == digests
+    quiet = render(replace(found, plots=None))
+    assert "script" not in Page(quiet).text
+    assert "script-src" not in quiet
+
+
+def test_the_plots_hold_what_was_measured_and_both_residuals(found: Diagnosis, page: str) -> None:
+    held = json.loads(re.findall(r'<script type="application/json" id="series">(.*?)</script>', page)[0])
+    shown = next(s for s in held["signals"] if s["name"] == "wire · joint_3")
+    t, measured, before, after = (
+        np.frombuffer(base64.b64decode(text), "<f4")
+        for text in (shown["time"], shown["measured"], *shown["residuals"])
+    )
+    signal = next(s for s in signals(found) if s.name == "joint_3")
+    rows = np.searchsorted(signal.stamp, t - 1e-3)
+    assert (shown["unit"], shown["residual_unit"]) == ("°", "mrad")
+    assert np.radians(measured) == pytest.approx(signal.measured[rows], abs=1e-6)
+    assert np.nanmax(np.abs(before)) == pytest.approx(1e3 * np.nanmax(np.abs(signal.error_before)), rel=1e-5)
+    assert np.nanmax(np.abs(after)) == pytest.approx(1e3 * np.nanmax(np.abs(signal.error_after)), rel=1e-5)
+    predicted = np.radians(measured - shown["scale"] * before)
+    assert predicted[t > 3] == pytest.approx(signal.before[rows][t > 3], abs=1e-6)
+    assert len(t) < 3000
+
+
+def test_a_spike_of_one_sample_is_not_thinned_away(found: Diagnosis) -> None:
+    spiked = made.backlash()
+    assert spiked.plots is not None
+    spiked.plots.signals["wire", "joint_3"]["measured"][3217] += 0.02
+    signal = next(s for s in signals(spiked) if s.name == "joint_3")
+    assert 3217 in thinned(signal)
+
+
+def test_reversals_are_shaded_where_the_joint_turns() -> None:
+    t = np.arange(0.0, 40.0, 0.01)
+    spans = stretches(t, np.sin(2 * np.pi * t / 20.0), "reversal")
+    assert [start for start, _ in spans] == [pytest.approx(at, abs=0.6) for at in (5.0, 15.0, 25.0, 35.0)]
+    assert all(end - start < 2.0 for start, end in spans)
+    assert stretches(t, np.sin(t), "posture") == []
+
+
+def test_correlated_values_and_those_at_a_bound_are_said(found: Diagnosis) -> None:
+    place = {"effect": "backlash", "parameter": "half_width", "joint": "joint_3"}
+    other = {"effect": "stribeck_friction", "parameter": "amplitude", "joint": "joint_3"}
+    told = {
+        "correlations": [{"first": place, "second": other, "value": -0.97}],
+        "at_bound": [{"place": place, "side": "upper", "bound": 1.0, "unit": "rad"}],
+    }
+    (finding,) = found.findings
+    finding = replace(finding, evidence={**finding.evidence, **told})
+    text = words(render(replace(found, findings=[finding])))
+    assert "half width (joint_3) and stribeck friction amplitude (joint_3): −0.97" in text
+    assert "half width (joint_3), upper bound 57.30 °" in text
+
+
+def test_what_to_do_next_follows_from_what_was_found(found: Diagnosis) -> None:
+    text = words(render(found))
+    assert "Compensate with this model" in text
+    assert "Record trunk/setpoints and trunk/gearbox_states too." in text
+    told = {"separates": ["backlash", "tension_error"], "statement": "x", "trajectory": "a.yaml"}
+    text = words(render(replace(found, experiments=[told])))
+    assert "Record this motion: a.yaml. It tells backlash from tension error" in text
+    late = replace(found.findings[0], effect="sensor_delay")
+    assert "Compensate" not in words(render(replace(found, findings=[late])))
+    quiet = made.diagnosis({}, [])
+    quiet.quality["run1"]["topics"] = dict.fromkeys(TOPICS, quiet.quality["run1"]["topics"]["joint_states"])
+    assert "Nothing to change." in words(render(quiet))
 
 
 @pytest.mark.parametrize(
@@ -132,7 +221,7 @@ def test_a_path_that_is_not_text_does_not_stop_the_report(found: Diagnosis, tmp_
 
 def test_every_part_of_the_report_is_there(page: str) -> None:
     text = words(page)
-    assert re.findall("<h2>(.*)</h2>", page) == PARTS
+    assert re.findall("<h2[^>]*>(.*)</h2>", page) == PARTS
     assert "trunk_ros diagnose run1 --output out" in text
     assert "The end is cut off." in text
     assert "1, longest 400.0 ms at 12.0 s" in text
@@ -153,7 +242,7 @@ def test_rivals_are_listed_nearest_first_with_what_they_would_show(found: Diagno
     assert text.index("presliding hysteresis 0.00") < text.index("friction wear 0.8")
     assert "; would show: a square wave with the sign of the motion that grows with time" in text
     assert "These data cannot tell it from presliding hysteresis." in text
-    assert "No experiment was designed" in text
+    assert "No motion was designed" in text
 
 
 def test_an_experiment_says_what_to_run(found: Diagnosis) -> None:
@@ -174,8 +263,8 @@ def test_what_is_left_is_framed_in_the_map_and_named_in_the_verdict(found: Diagn
     rest = [Unexplained("wire", ["joint_2"], "time", 0.5, ["time"], "joint_2: half of it is left.")]
     page = render(replace(found, stages=stages, unexplained=rest))
     assert page.count(" rest") >= 1
-    assert re.search(r'class="heat2 rest">3\.0', page)
-    assert "on joint_2 a rest is not explained." in words(page)
+    assert re.search(r'class="heat2 rest">0\.300.mrad <small class="times">3\.0', page)
+    assert "Not fully explained on: joint_2." in words(page)
     assert "joint_2: half of it is left." in words(page)
 
 
@@ -227,7 +316,7 @@ def test_joints_that_slide_are_in_millimetres(found: Diagnosis) -> None:
     joints = {name: {**said, "unit": "m"} for name, said in found.stages["wire"]["joints"].items()}
     stages = {**found.stages, "wire": {**found.stages["wire"], "joints": joints}}
     drawn = "".join(pictures(render(replace(found, stages=stages))))
-    assert "error along the motion / mm" in drawn
+    assert "residual along the motion / mm" in drawn
     assert "mrad" not in drawn
 
 

@@ -58,7 +58,7 @@ def test_the_signature_of_a_backlash_turns_from_plus_to_minus_its_width(
     view = view_of(found.findings[0], "joint_3")
     part = contributions(found, found.findings[0])["joint_3"]
     shown = cloud(found, view, signal, part)
-    assert shown.y_label == "error along the motion / mrad"
+    assert shown.y_label == "residual along the motion / mrad"
     assert shown.curve_y[0] == pytest.approx(1.0, abs=0.3)
     assert shown.curve_y[-1] == pytest.approx(-1.0, abs=0.01)
     late = shown.y[shown.x > 10]

@@ -33,6 +33,7 @@ PROVIDERS = {
     "fsspec": ("fsspec", None),
     "control_msgs": (None, "control_msgs"),  # not on PyPI
     "tf2_msgs": (None, "tf2_msgs"),
+    "rerun": ("rerun-sdk", None),  # the extra [show]: pip's, not rosdep's
     "mujoco": ("mujoco-core", None),  # an extra: export says so where it is missing
     "launch": (None, "launch"),
     "launch_ros": (None, "launch_ros"),

@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire
 from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
@@ -180,7 +181,8 @@ class Diagnoser:
             "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
-        new = [f for f in findings(context, state.hypothesis, found, std) if not is_known(context, f)]
+        every = findings(context, state.hypothesis, found, std, determined(state))
+        new = [f for f in every if not is_known(context, f)]
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, power in powers(context, state.hypothesis).items() if power > STRONG}

@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from trunk_ros.diagnosis.report.signals import concerns, signals
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
 from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
-from trunk_ros.diagnosis.report.units import powers, quantity, spoken, times
+from trunk_ros.diagnosis.report.units import listed, powers, quantity, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import place
 from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 from trunk_ros.effects import effect, registry
 
 ALL = "arm"  # owner of shared values
-FEW = 3
+FEW = 6
+MOST_TIES = 8
 
 
 def cards(result: Diagnosis) -> list[dict[str, Any]]:
@@ -28,6 +32,7 @@ def _card(result: Diagnosis, finding: Finding) -> dict[str, Any]:
     gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
     return {
         "name": spoken(finding.effect),
+        "title": listed([spoken(name) for name in finding.candidates], "or"),
         "finding": finding,
         "statement": statement(finding),
         "narrow": figure is not None and len(figure.axes) == 1,
@@ -38,6 +43,9 @@ def _card(result: Diagnosis, finding: Finding) -> dict[str, Any]:
         "sizes": sizes(finding),
         "confidence": round(100 * finding.confidence),
         "strength": times(float(finding.evidence.get("strength", 0.0))),
+        "does": "" if figure is None else does(result, finding),
+        "ties": ties(finding),
+        "at_bound": at_bound(finding),
         "gain": per_sample(gain, samples),
         "rivals": rivals(finding, samples),
         "equivalents": [spoken(name) for name in finding.equivalents],
@@ -76,17 +84,58 @@ def _meaning(name: str, parameter: str) -> str:
     return known.get(parameter, "")
 
 
-def sizes(finding: Finding) -> str:
+def sizes(finding: Finding) -> list[str]:
     """The first value of each joint in a few words, for the list at the top."""
     kept = []
     for owner, held in finding.parameters.items():
         name = next((n for n, v in held.items() if not isinstance(v.get("value"), str)), None)
         if name is not None:
-            text = _value(name, held[name])
-            kept.append((owner, f"{spoken(name)} {text}"))
-    shared = [text for owner, text in kept if owner == ALL]
-    own = [text if len(kept) == 1 else f"{owner}: {text}" for owner, text in kept]
-    return "; ".join(shared or own[:FEW]) + (" …" if not shared and len(own) > FEW else "")
+            kept.append((owner, name, _value(name, held[name])))
+    shared = [f"{spoken(name)} {text}" for owner, name, text in kept if owner == ALL]
+    if shared or len(kept) == 1:
+        return shared or [f"{spoken(name)} {text}" for _, name, text in kept]
+    more = ["…"] if len(kept) > FEW else []
+    return [f"{owner}: {spoken(name)} {text}" for owner, name, text in kept[:FEW]] + more
+
+
+def does(result: Diagnosis, finding: Finding) -> str:
+    """What it does to its signals, rms of the largest, in a unit."""
+    mine = contributions(result, finding)
+    held = {s.name: s for s in signals(result) if s.name in mine and concerns(finding, s.stage, s.name)}
+    sizes = {
+        s.unit: max(_rms(mine[n][s.valid]) for n, s in held.items() if s.valid.any())
+        for s in held.values()
+        if s.valid.any()
+    }
+    return listed([rounded(size, unit) for unit, size in sizes.items() if size > 0.0])
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def ties(finding: Finding) -> list[str]:
+    """Values that the data tell together better than each."""
+    return [
+        f"{_at(finding, one['first'])} and {_at(finding, one['second'])}: {one['value']:+.2f}".replace(
+            "-", "−"
+        )
+        for one in finding.evidence.get("correlations", ())[:MOST_TIES]
+    ]
+
+
+def at_bound(finding: Finding) -> list[str]:
+    """Values at a bound of what is believed possible."""
+    return [
+        f"{_at(finding, one['place'])}, {one['side']} bound {quantity(one['bound'], None, one['unit'])}"
+        for one in finding.evidence.get("at_bound", ())
+    ]
+
+
+def _at(finding: Finding, place: dict[str, str]) -> str:
+    """A value's name; with its effect where that is another one."""
+    other = "" if place["effect"] == finding.effect else f"{spoken(place['effect'])} "
+    return f"{other}{spoken(place['parameter'])} ({'shared' if place['joint'] == ALL else place['joint']})"
 
 
 def samples_of(result: Diagnosis, finding: Finding) -> int:
@@ -119,9 +168,7 @@ def rivals(finding: Finding, samples: int) -> list[dict[str, Any]]:
 def _why(name: str, loss: float, gain: float) -> str:
     """How much of what there is to explain a rival explains, and what would be seen if it were true."""
     share = min(max(1.0 - float(loss) / gain, 0.0), 0.9999) if gain > 0.0 else 0.0
-    head = (
-        f"explains {math.floor(1000 * share) / 10:g} % of it" if share > 0.005 else "explains nothing of it"
-    )
+    head = f"explains {math.floor(1000 * share) / 10:g} %" if share > 0.005 else "explains none of it"
     if name not in registry():
         return head
     text = effect(name).signature.rstrip(".")

@@ -18,10 +18,13 @@ from trunk_ros.diagnosis.report.errors import (
     ratios,
     shown_over_time,
 )
+from trunk_ros.diagnosis.report.next_steps import next_steps
+from trunk_ros.diagnosis.report.script import as_data, policy, script, stylesheet
+from trunk_ros.diagnosis.report.series import series
 from trunk_ros.diagnosis.report.signals import Signal, signals
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import listed, spoken
-from trunk_ros.diagnosis.report.verdict import sentence, verdict_word
+from trunk_ros.diagnosis.report.verdict import gain, headline, verdict_word
 from trunk_ros.diagnosis.report.where import maps, not_compared
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 
@@ -45,7 +48,14 @@ def content(result: Diagnosis) -> dict[str, Any]:
     """What the template fills in."""
     shown = shown_over_time(result)
     return {
-        "sentence": sentence(result),
+        "headline": headline(result),
+        "gain": gain(result),
+        "steps": next_steps(result),
+        "contents": contents(result, bool(shown)),
+        "policy": policy(bool(shown)),
+        "stylesheet": stylesheet(),
+        "script": script(),
+        "series": as_data(series(result)) if shown else None,
         "verdict": result.verdict,
         "simulation": result.simulation,
         "verdict_word": verdict_word(result),
@@ -67,6 +77,19 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "numbers": numbers(result),
         "provenance": provenance(result),
     }
+
+
+def contents(result: Diagnosis, over_time: bool) -> list[tuple[str, str]]:
+    """Anchors and titles of the parts that the page has."""
+    return [
+        ("where", "Where"),
+        *([("time", "Over time")] if over_time else []),
+        *([("found", "What was found")] if result.findings else []),
+        ("rest", "Still unexplained"),
+        ("settle", "Decisive motion"),
+        ("data", "Quality of the data"),
+        ("again", "To reproduce"),
+    ]
 
 
 def runs(result: Diagnosis) -> list[tuple[str, str]]:

@@ -76,10 +76,10 @@ def _panel(axis: Axes, held: Cloud) -> None:
 def reading(result: Diagnosis, finding: Finding) -> str:
     """How to read the plot."""
     over = {view_of(finding, s.name) for s in signals(result) if concerns(finding, s.stage, s.name)}
-    text = "Grey: what the model without it leaves. Line: what it adds."
+    text = "Grey dots: residual without this effect. Line: this effect's contribution."
     if any(v.along for v in over):
-        text += " Errors count along the motion: below zero the joint lags."
+        text += " Residuals are signed along the motion: below zero the joint lags."
     if any(v.window for v in over):
-        text += " Shown is the stretch of time in which it does most."
+        text += " Shown: the stretch of time in which it does most."
     signature = str(finding.evidence.get("signature", ""))
     return f"{text} What to look for: {signature[0].lower()}{signature[1:]}" if signature else text

@@ -29,7 +29,7 @@ RC: Any = {  # newer matplotlib types the keys, older does not know the type
     "xtick.labelsize": 8.0, "ytick.labelsize": 8.0, "xtick.major.size": 2.5, "ytick.major.size": 2.5,
     "xtick.minor.size": 0.0, "ytick.minor.size": 0.0, "legend.frameon": False, "legend.fontsize": 8.5,
     "text.parse_math": False,  # names from a recording are data, a $ among them is a $
-    "text.usetex": False, "savefig.facecolor": "white", "svg.fonttype": "none", "svg.hashsalt": "trunk_ros",
+    "text.usetex": False, "savefig.transparent": True, "svg.fonttype": "none", "svg.hashsalt": "trunk_ros",
 }  # fmt: skip
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', 'DejaVu Sans', sans-serif"
 SHARP = 190  # dots per inch of what is drawn as pixels

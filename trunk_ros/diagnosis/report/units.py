@@ -48,6 +48,18 @@ def quantity(value: object, std: float | None = None, unit: str = "1", relative:
     return f"{text}{NBSP}{label}".strip().replace("-", "−")
 
 
+def fall(before: float, after: float, unit: str) -> str:
+    """``4.65 → 0.095 mrad``: both in the multiple that suits the first."""
+    factor, label = multiple(before, unit)
+    return f"{significant(factor * before, 3)} → {significant(factor * after, 2)}{NBSP}{label}".strip()
+
+
+def rounded(value: float, unit: str) -> str:
+    """``4.65 mrad``: three digits, for tables at a glance."""
+    factor, label = multiple(value, unit)
+    return f"{significant(factor * value, 3)}{NBSP}{label}".strip()
+
+
 def significant(number: float, digits: int = DIGITS) -> str:
     """A number with so many significant digits, without an exponent where it can be."""
     if number == 0.0 or not math.isfinite(number):

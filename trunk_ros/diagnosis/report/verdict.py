@@ -4,27 +4,53 @@ from __future__ import annotations
 
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import entries
-from trunk_ros.diagnosis.report.units import listed, quantity, spoken, times
+from trunk_ros.diagnosis.report.units import fall, listed, quantity, spoken, times
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding
 
+FEW = 2  # findings that a sentence can hold
 ABOVE = 1.15  # times the noise: what is more is said to be left
 
 
-def sentence(result: Diagnosis) -> str:
-    """What the busy reader needs to know."""
-    rows = ratios(result)
-    if not rows and result.unexplained:
+def headline(result: Diagnosis) -> str:
+    """What the busy reader needs to know; more than FEW findings are counted, for the list below to name."""
+    if not ratios(result) and result.unexplained:
         return f"Nothing can be said before the data are put right: {result.unexplained[0].statement}"
-    if not rows:
+    if not ratios(result):
         return "Nothing can be said: no signal moved enough, or was measured enough, to be judged."
     if result.verdict == "no_mismatch":
         return _no_mismatch(result)
     if not result.findings:
         where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
-        return f"The recording departs from the simulation on {where}, and nothing explains it."
-    gain = _gain(rows, len(result.findings)) + _rest(result)
-    return f"Missing in the simulation: {listed(_missing(result))}. {gain}"
+        return f"The recording departs from the simulation on {where}, and no effect explains it."
+    if len(result.findings) > FEW:
+        return f"{len(result.findings)} effects are missing in the simulation."
+    return f"Missing in the simulation: {listed(_missing(result))}."
+
+
+def gain(result: Diagnosis) -> str:
+    """By how much the findings lower the error on unseen data, in units first, and what is left."""
+    rows = ratios(result)
+    if not rows or not result.findings:
+        return ""
+    worst, left = max(rows, key=lambda r: r.before), max(rows, key=lambda r: r.after)
+    text = f"Held-out error of the worst signal, {_signal(worst)}: {_fall(result, worst)}."
+    if left is not worst and left.after > ABOVE:
+        text += f" The largest that remains, {_signal(left)}: {_fall(result, left)}."
+    if not result.unexplained:
+        return text
+    where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
+    return f"{text} Not fully explained on: {where}."
+
+
+def _signal(row: Ratio) -> str:
+    return f"{row.stage} {row.name}"
+
+
+def _fall(result: Diagnosis, row: Ratio) -> str:
+    said = entries(result, row.stage)[row.name]
+    sizes = fall(said["rmse_before"], said["rmse_after"], str(said.get("unit", "rad")))
+    return f"{sizes} ({times(row.before)} → {times(row.after)} times the noise)"
 
 
 def _no_mismatch(result: Diagnosis) -> str:
@@ -51,22 +77,8 @@ def _named(result: Diagnosis, finding: Finding) -> str:
 
 def _unnamed(result: Diagnosis, finding: Finding) -> str:
     varies = f", which depends on {listed(finding.depends_on)}" if finding.depends_on else ""
-    return f"physics that no name fits ({_place(result, finding.stage, finding.joints)}{varies})"
-
-
-def _gain(rows: list[Ratio], findings: int) -> str:
-    worst = max(rows, key=lambda r: r.before)
-    left = max(rows, key=lambda r: r.after)
-    found = "With it" if findings == 1 else "With them"
-    sizes = f"from {times(worst.before)} to {times(left.after)} times the noise"
-    return f"{found}, the worst error on unseen data falls {sizes}"
-
-
-def _rest(result: Diagnosis) -> str:
-    if not result.unexplained:
-        return "."
-    where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
-    return f"; on {where} a rest is not explained."
+    where = _place(result, finding.stage, finding.joints)
+    return f"physics that is not in the effect library ({where}{varies})"
 
 
 def _place(result: Diagnosis, stage: str, joints: list[str]) -> str:

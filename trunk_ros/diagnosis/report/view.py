@@ -94,7 +94,7 @@ def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
         scale * curve[0],
         factor * curve[1],
         x_label,
-        f"error{side} / {unit}",
+        f"residual{side} / {unit}",
         log,
     )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import concerns, entries
-from trunk_ros.diagnosis.report.units import spoken, times
+from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import ABOVE
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 
@@ -21,6 +21,8 @@ class Cell:
 
     heat: int
     text: str
+    noise: str
+    """The same in times the noise; empty where there is nothing to compare."""
     found: list[str]
     rest: bool = False
 
@@ -66,10 +68,14 @@ def _cell(result: Diagnosis, stage: str, name: str, ratio: Ratio | None) -> Cell
     found = [spoken(f.effect) for f in result.findings if concerns(f, stage, name)]
     if ratio is None:
         silent = name in result.stages[stage].get("silent", [])
-        return Cell(-1, SILENT if silent else "not measured", found)
+        return Cell(-1, SILENT if silent else "not measured", "", found)
     rest = any(u.stage == stage and (name in u.joints or not u.joints) for u in result.unexplained)
     changed = abs(ratio.after - ratio.before) > 0.05 * ratio.before
-    text = f"{times(ratio.before)} → {times(ratio.after)}" if changed else times(ratio.before)
+    said = entries(result, stage)[name]
+    unit = str(said.get("unit", "rad"))
+    noise = f"{times(ratio.before)} → {times(ratio.after)}" if changed else times(ratio.before)
+    before, after = said["rmse_before"], said["rmse_after"]
+    text = fall(before, after, unit) if changed else rounded(before, unit)
     if stage == "arm" and not changed:  # a tip's coordinate that an arm effect leaves alone
         found = []
-    return Cell(sum(ratio.before > limit for limit in HEAT), text, found, rest and ratio.after > ABOVE)
+    return Cell(sum(ratio.before > limit for limit in HEAT), text, noise, found, rest and ratio.after > ABOVE)

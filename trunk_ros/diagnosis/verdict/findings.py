@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -40,18 +41,18 @@ Spreads = dict[tuple[str, str, int | None], float]
 
 
 def findings(
-    context: Context, hypothesis: Hypothesis, found: dict[str, Evidence], std: Spreads
+    context: Context, hypothesis: Hypothesis, found: dict[str, Evidence], std: Spreads, told: Determined
 ) -> list[Finding]:
     """One finding per effect, with all its joints."""
     out = []
     for name in hypothesis:
         whole = not issubclass(effect(name), Curve)
         for term in [hypothesis[name]] if whole else curve_words.by_variable(hypothesis[name]):
-            out.append(_finding(context, term, found[name], std))
+            out.append(_finding(context, term, found[name], std, told.of(name)))
     return sorted(out, key=lambda f: -f.evidence["strength"])
 
 
-def _finding(context: Context, term: Term, found: Evidence, std: Spreads) -> Finding:
+def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: Determined) -> Finding:
     kind = effect(term.effect)
     joints = [context.joints[c] for c in _touched(context, kind, term)]
     where, parameters = ", ".join(joints) if joints else "the arm", {}
@@ -83,6 +84,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads) -> Fin
             "rivals": found.rivals,
             "form": term.form,
             "signature": kind.signature,
+            **asdict(told),
         },
         curve=curve,
     )

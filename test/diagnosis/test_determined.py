@@ -1,0 +1,61 @@
+"""Correlations of fitted values, and values at a bound: from the fit's own normal matrix."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.evidence.determined import AtBound, Determined, Place, correlation, determined
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.model import load_model
+
+
+def test_two_values_are_correlated_as_their_columns_are_against_each_other() -> None:
+    jacobian = np.random.default_rng(0).standard_normal((50, 2)) @ np.array([[1.0, 0.9], [0.0, 0.3]])
+    a, b = (column / np.linalg.norm(column) for column in jacobian.T)
+    assert correlation(jacobian.T @ jacobian)[0, 1] == pytest.approx(-float(a @ b), abs=1e-9)
+
+
+def test_correlations_are_those_of_repeated_fits() -> None:
+    rng = np.random.default_rng(1)
+    jacobian = rng.standard_normal((40, 3)) @ rng.standard_normal((3, 3))
+    noise = rng.standard_normal((40, 4000))
+    found = np.corrcoef(np.linalg.lstsq(jacobian, noise, rcond=None)[0])
+    assert np.abs(correlation(jacobian.T @ jacobian) - found).max() < 0.06
+
+
+def test_the_scale_of_a_value_does_not_matter_and_one_that_is_not_seen_is_not_judged() -> None:
+    jacobian = np.random.default_rng(2).standard_normal((30, 3))
+    jacobian[:, 2] = 0.0
+    scaled = jacobian * np.array([1e-6, 1e4, 1.0])
+    here, there = (correlation(j.T @ j) for j in (jacobian, scaled))
+    assert here[:2, :2] == pytest.approx(there[:2, :2])
+    assert np.isnan(here[2]).all()
+
+
+def told(hidden: float, start: float) -> tuple[Determined, str]:
+    """Of a fit of a zero offset to a joint whose zero is off by ``hidden`` rad; the bound is 10 rad."""
+    made = recorded({"zero_offset": {"offset": on(2, hidden)}}, 20.0)
+    model = load_model("trunk").for_joints(made.joints)
+    context = Context.of(WireStage([wire_span(made, model)], model, made.units))
+    term = Term("zero_offset", own={1: {"offset": start}})
+    return determined(refit(context, Hypothesis({"zero_offset": term}))), context.joints[1]
+
+
+def test_a_value_that_the_data_push_against_its_bound_is_said_to_be_there() -> None:
+    beyond, joint = told(hidden=10.3, start=9.9)
+    assert beyond.at_bound == [AtBound(Place("zero_offset", "offset", joint), "upper", 10.0, "rad")]
+    inside, _ = told(hidden=9.7, start=9.9)
+    assert inside.at_bound == []
+
+
+def test_a_diagnosis_says_both_of_each_finding() -> None:
+    (finding,) = diagnose(recorded({"ratio_error": {"relative": on(2, 0.02)}}, 20.0)).findings
+    assert finding.evidence["at_bound"] == []
+    assert all(abs(one["value"]) >= 0.9 for one in finding.evidence["correlations"])

@@ -1,0 +1,117 @@
+"""What to do with a diagnosis, the most useful first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil
+from shlex import quote
+from typing import Any
+
+from trunk_ros.diagnosis.report.units import listed, quantity, spoken
+from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.recording.topics import TOPICS
+
+NEEDS = {"servo": ("setpoints", "gearbox_states"), "wire": ("gearbox_states", "joint_states"),
+         "arm": ("joint_states", "tip_pose")}  # fmt: skip
+BETWEEN = {"servo": "the servos", "wire": "the transmission", "arm": "the tip"}
+LATE = "sensor_delay"  # of a reading: the joint itself is not late, there is nothing to compensate
+
+
+@dataclass(frozen=True)
+class Step:
+    """``do`` in bold, ``why`` beside it, ``commands`` to paste."""
+
+    do: str
+    why: str = ""
+    commands: tuple[str, ...] = ()
+
+
+def next_steps(result: Diagnosis) -> list[Step]:
+    """Put the data right, use the model, record what decides, measure what is missing, look at the rest."""
+    return [
+        *_mixed_up(result),
+        *_use(result),
+        *_record(result),
+        *_topics(result),
+        *_move(result),
+        *_rest(result),
+    ] or [Step("Nothing to change.", "Check the simulation on another motion:", (_scored("trunk", result),))]
+
+
+def _mixed_up(result: Diagnosis) -> Iterator[Step]:
+    said = [one for held in result.quality.values() for one in held.get("mix_ups", ()) if one["certain"]]
+    for statement in dict.fromkeys(str(one["statement"]).rstrip(".") for one in said):
+        yield Step("Put the data right and diagnose again.", f"{statement}.")
+
+
+def _use(result: Diagnosis) -> Iterator[Step]:
+    if result.simulation and result.findings:
+        yield Step(
+            "Put what was found into your simulator.",
+            "Formats: MJCF, URDF, SDF.",
+            ("trunk_ros export model.yaml --to mjcf --into arm.xml -o arm_real.xml",),
+        )
+    elif any(f.effect != LATE and f.stage != "arm" for f in result.findings):
+        yield Step(
+            "Compensate with this model",
+            "(model.yaml, beside this page), and score it on a recording that the fit did not see:",
+            ("trunk_ros compensator --ros-args --params-file model.yaml", _scored("model.yaml", result)),
+        )
+
+
+def _scored(model: str, result: Diagnosis) -> str:
+    given = result.provenance.get("model", model) if model == "trunk" else model
+    return f"trunk_ros evaluate another_run -m {quote(str(given))}"
+
+
+def _record(result: Diagnosis) -> Iterator[Step]:
+    pairs: dict[str, list[list[Any]]] = {}
+    for one in result.experiments:
+        if one.get("trajectory"):
+            pairs.setdefault(one["trajectory"], []).append(one.get("separates", []))
+    for file, separated in pairs.items():
+        motion = result.trajectories.get(file)
+        long = f", {quantity(float(ceil(motion.duration)), None, 's')}" if motion else ""
+        told = listed([" from ".join(_words(name) for name in pair) for pair in separated if pair])
+        yield Step(
+            f"Record this motion: {file}{long}.", f"It tells {told}; see “Decisive motion”." if told else ""
+        )
+
+
+def _words(name: str | list[str]) -> str:
+    return spoken(name) if isinstance(name, str) else " with ".join(map(spoken, name))
+
+
+def _topics(result: Diagnosis) -> Iterator[Step]:
+    seen = {key for held in result.quality.values() for key in held.get("topics", {})}
+    lost: dict[str, list[str]] = {}
+    for stage, keys in NEEDS.items():
+        absent = [TOPICS[key] for key in keys if key not in seen]
+        if seen and absent and not result.stages.get(stage, {}).get("compared"):
+            lost.setdefault(listed(absent), []).append(BETWEEN[stage])
+    for topics, what in lost.items():
+        yield Step(f"Record {topics} too.", f"Without it {listed(what)} cannot be judged.")
+
+
+def _move(result: Diagnosis) -> Iterator[Step]:
+    for stage, said in result.stages.items():
+        if said.get("compared") and said.get("silent"):
+            still = said["silent"]
+            yield Step(
+                f"Move {listed(still)} further.", f"Nothing can be said of {stage} there: too little motion."
+            )
+
+
+def _rest(result: Diagnosis) -> Iterator[Step]:
+    nameless = any(f.effect == "unknown" for f in result.findings)
+    told = {one["statement"] for held in result.quality.values() for one in held.get("mix_ups", ())}
+    joints = dict.fromkeys(
+        joint for rest in result.unexplained if rest.statement not in told for joint in rest.joints
+    )
+    if joints or nameless:
+        where = f" of {listed(list(joints))}" if joints else ""
+        yield Step(
+            f"Look at the residual{where} under “Over time”.",
+            "An effect that the library lacks is one file: docs/adding-an-effect.md.",
+        )
