@@ -66,7 +66,7 @@ proof: setup
 # Pins what setup.py and requirements/dev.in ask for. One lock for every CPython: it is made for the oldest.
 lock: setup
 	$(PYTHON) -m pip install --quiet uv
-	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --extra fleet --extra mujoco --extra tables --upgrade --quiet --no-header \
+	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --extra fleet --extra mujoco --extra tables --extra show --upgrade --quiet --no-header \
 		--no-emit-index-url --no-emit-find-links --generate-hashes \
 		--python-version 3.11 --python-platform x86_64-manylinux_2_28 --output-file requirements/lock.txt
 

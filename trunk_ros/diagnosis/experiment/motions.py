@@ -74,9 +74,8 @@ def limits_of(context: Context) -> Limits:
     """
     arm, views = context.arm, context.views
     seen = np.concatenate([view.span.gearbox * arm.ratio for view in views])
-    recorded = [
-        (view.span.velocity[b:] * arm.ratio, view.span.grid[b:]) for view in views for b in [view.span.before]
-    ]
+    spans = [(view.span, slice(view.span.before, None)) for view in views]
+    recorded = [(span.velocity[rows] * arm.ratio, span.grid[rows]) for span, rows in spans]
     speed = np.concatenate([np.abs(velocity) for velocity, _ in recorded])
     bend = np.concatenate([_bend(*each) for each in recorded])
     done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))

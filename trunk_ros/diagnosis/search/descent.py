@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -11,6 +12,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import beats, score
 
+OFTEN = 2  # times that a search may come to a structure
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
@@ -42,8 +44,8 @@ class Desk:
     vain: dict[Hashable, State] = field(default_factory=dict)
     kept: dict[Hashable, object] = field(default_factory=dict)
     """Results of trials on single columns, by all that they depend on."""
-    been: set[Hashable] = field(default_factory=set)
-    """Structures that the search has stood on."""
+    been: Counter[Hashable] = field(default_factory=Counter)
+    """How often the search has stood on a structure."""
 
     def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
         """Whether a group was tried in a state that is nearly the same."""
@@ -86,15 +88,14 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
 
 
 def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
-    """Whether the search has not stood on a structure: noise that is estimated anew could lead it round in
-    circles.
+    """Whether the search has not stood on a structure too often: noise that is estimated anew could lead it
+    round in circles.
     """
     there = structure(trial.hypothesis)
     if there == structure(best.hypothesis):
         return True
-    new = (there, best.context.claims) not in desk.been
-    desk.been.add((there, best.context.claims))
-    return new
+    desk.been[there, best.context.claims] += 1
+    return desk.been[there, best.context.claims] <= OFTEN
 
 
 def renewed(now: Fit) -> Fit:
@@ -103,8 +104,10 @@ def renewed(now: Fit) -> Fit:
 
 
 def relooked(now: Fit) -> Fit:
-    """With the values that it has, in the angles that it leads to."""
+    """In the angles that it leads to; what joints share is fitted anew, as a trial on one joint left it."""
     context = now.context.seen_with(now.hypothesis)
+    if any(set(term.shared) - term.given for term in now.hypothesis.values()):
+        return refit(context, now.hypothesis)
     return now if context is now.context else costed(context, now.hypothesis)
 
 
