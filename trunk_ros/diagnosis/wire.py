@@ -115,7 +115,7 @@ def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Arr
             shapes, valid = shapes[span.rows], span.valid[:, column]
             off = span.target[valid, column] - shown[valid]
             seen = shapes[valid]
-            normal = seen.T @ seen + 1e-9 * len(seen) * np.eye(seen.shape[1])
+            normal = seen.T @ seen + 1e-9 * max(len(seen), 1) * np.eye(seen.shape[1])
             shown = shown + shapes @ np.linalg.solve(normal, seen.T @ off)
     return shown
 
