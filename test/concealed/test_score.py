@@ -30,8 +30,10 @@ def _answers(case: Case, job: score.Job, arguments: list[str]) -> None:
         keys = ("effect", "stage", "joints", "regime")
         found = [{key: one[key] for key in keys} | said | {"evidence": {}, "curve": {}} for one in case.truth]
         out.mkdir()
-        told = dict.fromkeys(("unexplained", "experiments"), []) | dict.fromkeys(("stages", "quality"), {})
-        told |= {"schema": "trunk_ros/diagnosis/1", "verdict": "explained", "findings": found}
+        told = {
+            "schema": "trunk_ros/diagnosis/1", "verdict": "explained", "findings": found,
+            "stages": {}, "unexplained": [], "experiments": [], "quality": {},
+        }  # fmt: skip
         (out / "diagnosis.json").write_text(json.dumps(told))
     else:
         topics = {"joint_states": {**case.test.topics["joint_states"], "position": case.test.theta_clean}}
