@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import listed, powers, quantity, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import place
+from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 from trunk_ros.effects import effect, registry
 
@@ -32,7 +33,8 @@ def _card(result: Diagnosis, finding: Finding) -> dict[str, Any]:
     gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
     return {
         "name": spoken(finding.effect),
-        "title": listed([spoken(name) for name in finding.candidates], "or"),
+        "title": ("less " if is_excess(finding) else "")
+        + listed([spoken(name) for name in finding.candidates], "or"),
         "finding": finding,
         "statement": statement(finding),
         "narrow": figure is not None and len(figure.axes) == 1,

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import beats, score
 
-OFTEN = 2  # times that a search may come to a structure
+OFTEN = 1  # times that a search may come to a structure
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
