@@ -37,7 +37,7 @@ lint: setup
 
 # The nodes' tests start many processes, so nothing runs beside them.
 pytest: setup
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 120 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
 	$(PYTHON) -m pytest -q --timeout 300 test/nodes
 
 # Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
