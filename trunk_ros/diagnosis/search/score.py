@@ -37,7 +37,7 @@ LIKELY = 5.0
 """In favour of each joint for what acts on all joints alike."""
 FORMULAS = 0.0002
 """Of a joint's misfit: what the formulas of named effects may be off by."""
-CURVED = 0.02
+CURVED = 0.002
 """Likewise, by what is smooth."""
 FAR_OFF = 0.2
 """Of a ratio: so far off it was not known, and what it makes is no misfit of formulas."""

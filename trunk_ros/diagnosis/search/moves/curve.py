@@ -8,10 +8,11 @@ from functools import partial
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.search.candidates import own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, state_of
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 
+CLEARER = 0.02  # of what the names explain: what a curve must explain beyond them
 FEW = 2  # effects of a joint's own from which on a curve may do instead
 
 
@@ -37,12 +38,20 @@ def _on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
         key = ("curve", column, *state_of(now, [column]))
         if named and (_leaves(now, column) or len(local) >= FEW) and key not in desk.kept:
             trial = min(_curved(now, column, local), key=score, default=now)
-            if beats(trial, now):
+            if beats(trial, now) and _is_clear(now, trial, column, local):
                 now = trial
             else:
                 desk.kept[key] = None
     if now is not best:
         yield now
+
+
+def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:
+    """Whether a curve explains clearly more than one or two names do, if it is to take their place."""
+    if not local or len(local) > FEW:
+        return True
+    without = fit(now.context, now.hypothesis.less(local, column), [column]).cost[column]
+    return now.cost[column] - trial.cost[column] > CLEARER * (without - now.cost[column])
 
 
 def _leaves(best: Fit, column: int) -> bool:
