@@ -85,4 +85,4 @@ def test_rviz_shows_topics_and_frames_that_the_launch_file_makes():
     assert view()["tip"]["Topic"]["Value"] == "/trunk/tip_error"
     assert {each.name: each.default for each in TipError.OWN}["predicted"] == "fitted/trunk/tip_pose"
     frame = {each.name: each.default for each in WireElasticity.OWN}["base_frame"]
-    assert f'"--frame-id", "{frame}"' in launch
+    assert f'"--frame-id", "{frame or "base_link"}"' in launch
