@@ -157,7 +157,8 @@ class Peer:
         return self.node.get_clock().now().to_msg()
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Leave the graph: what the executor still holds would stay in it, for who gets the domain next."""
+        self.executor.shutdown()
         self.node.destroy_node()
         self.context.try_shutdown()
 

@@ -41,7 +41,6 @@ def plant() -> str:
     )
 
 
-@pytest.mark.xfail(strict=False, reason="tip poses of replay --through differ since they have quaternions")
 def test_the_node_says_again_what_was_recorded(run):
     done = trunk("replay", run, "--through", "wire_elasticity", "--tolerance", "1e-12")
     assert done.returncode == 0, done.stderr

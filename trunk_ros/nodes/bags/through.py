@@ -115,11 +115,8 @@ def as_recording(bag: str, model: Model, shown: list[tuple[int, Shown]]) -> Reco
 
 
 def pose_series(time: Any, tip: Any) -> PoseSeries:
-    """Tips (n, 3), y m, z m, roll rad about X, as the node publishes them."""
-    none = np.zeros(len(tip))
-    places = np.stack([none, tip[:, 0], tip[:, 1]], axis=1)
-    turns = np.stack([np.sin(tip[:, 2] / 2), none, none, np.cos(tip[:, 2] / 2)], axis=1)
-    return PoseSeries(time, places, turns, "")
+    """Tips (n, 7), x, y, z m and quaternion x, y, z, w, as the node publishes them."""
+    return PoseSeries(time, tip[:, :3], tip[:, 3:], "")
 
 
 def beyond(found: list[Difference], tolerance: float) -> list[str]:
