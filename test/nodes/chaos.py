@@ -26,15 +26,13 @@ from typing import Any
 import numpy as np
 
 from test.nodes import hostile
+from test.nodes.domains import own_domain
 from test.nodes.graph import (
     JOINTS,
     ROOT,
     Peer,
-    clean_shared_memory,
     environment,
-    new_domain,
     seconds,
-    segments,
 )
 from test.nodes.graph import words as said_by
 from trunk_ros.model import load_model
@@ -199,11 +197,9 @@ class Foes:
 @contextmanager
 def arm_on(folder: Path, seed: int) -> Iterator[tuple[Peer, Arm, Watch, Foes]]:
     """A live arm on a domain of its own, and the peer that watches and disturbs it."""
-    domain, before = new_domain(), {path.name for path in segments()}
     with ExitStack() as left:
-        left.callback(clean_shared_memory, before)
-        peer = Peer(domain)
-        left.callback(peer.close)
+        domain = left.enter_context(own_domain())
+        peer = left.enter_context(Peer(domain))
         arm = Arm(domain, folder, random.Random(seed))
         left.callback(arm.close)
         yield peer, arm, Watch(peer), Foes(peer, random.Random(seed + 1))

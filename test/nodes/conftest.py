@@ -4,20 +4,19 @@ from collections.abc import Iterator
 
 import pytest
 
-from test.nodes.graph import Peer, clean_shared_memory, new_domain, segments
+from test.nodes.domains import own_domain
+from test.nodes.graph import Peer
 
 
 @pytest.fixture
 def domain() -> Iterator[int]:
     """A ROS_DOMAIN_ID; segments of nodes that were killed are removed afterwards."""
-    before = {path.name for path in segments()}
-    yield new_domain()
-    clean_shared_memory(before)
+    with own_domain() as domain:
+        yield domain
 
 
 @pytest.fixture
 def peer(domain: int) -> Iterator[Peer]:
     """The test's own node on the domain."""
-    there = Peer(domain)
-    yield there
-    there.close()
+    with Peer(domain) as there:
+        yield there

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-import fcntl
 import inspect
-import itertools
 import os
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from test.nodes.domains import own_domain
+
 ROOT = Path(__file__).resolve().parents[2]
-DOMAINS = itertools.count(os.getpid())
-TAKEN: deque[int] = deque()  # locks of the latest domains of this process
-AT_ONCE = 15  # domains that a process holds
 JOINTS = [f"joint_{number}" for number in range(1, 6)]
-SHARED_MEMORY = Path("/dev/shm")
 PATIENCE = 60.0  # s; how fast a machine is decides nothing, this only ends what hangs
 
 
@@ -35,30 +29,14 @@ def environment(domain: int) -> dict[str, str]:
     return kept | {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
-def new_domain() -> int:
-    """A ROS_DOMAIN_ID that no other test on this machine uses at the moment."""
-    for number in itertools.islice(DOMAINS, 61):
-        domain = 30 + number % 61
-        lock = os.open(Path(tempfile.gettempdir(), f"trunk_ros_domain_{domain}"), os.O_CREAT | os.O_RDWR)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(lock)
-            continue
-        TAKEN.append(lock)
-        if len(TAKEN) > AT_ONCE:
-            os.close(TAKEN.popleft())
-        return domain
-    raise RuntimeError("all ROS domains from 30 to 90 are taken by other tests")
-
-
 def trunk(
     *arguments: Any, domain: int | None = None, timeout: float = 4 * PATIENCE
 ) -> subprocess.CompletedProcess[str]:
     """Run a command to its end."""
     command = [sys.executable, "-m", "trunk_ros", *map(str, arguments)]
-    env = environment(new_domain() if domain is None else domain)
-    return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=timeout)
+    with ExitStack() as stack:
+        env = environment(stack.enter_context(own_domain()) if domain is None else domain)
+        return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=timeout)
 
 
 @contextmanager
@@ -156,6 +134,12 @@ class Peer:
         """The stamp of this moment."""
         return self.node.get_clock().now().to_msg()
 
+    def __enter__(self) -> Peer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
         """Leave the graph: what the executor still holds would stay in it, for who gets the domain next."""
         self.executor.shutdown()
@@ -176,24 +160,6 @@ class Received:
         from trunk_ros.nodes.graph.progress import Progress
 
         return Progress.from_json(self.said[-1].data).received.get(topic, 0) if self.said else 0
-
-
-def clean_shared_memory(before: set[str]) -> None:
-    """Remove Fast DDS segments that killed processes left: new ones that no process has mapped."""
-    new = [path for path in segments() if path.name not in before]
-    mapped = ""
-    for maps in Path("/proc").glob("[0-9]*/maps"):
-        with suppress(OSError):
-            mapped += maps.read_text()
-    for path in new:
-        segment = path.name.removeprefix("sem.").removesuffix("_mutex").removesuffix("_el")  # that it guards
-        if segment not in mapped:
-            path.unlink(missing_ok=True)
-
-
-def segments() -> list[Path]:
-    """Fast DDS' files in shared memory."""
-    return [*SHARED_MEMORY.glob("fastrtps_*"), *SHARED_MEMORY.glob("sem.fastrtps_*")]
 
 
 def words(statuses: list[Any], node: str) -> str:

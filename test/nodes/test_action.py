@@ -11,16 +11,14 @@ import numpy as np
 import pytest
 
 from test.nodes import generated
+from test.nodes.domains import own_domain
 from test.nodes.graph import (
     JOINTS,
     Peer,
-    clean_shared_memory,
     hears,
     needs_ros,
-    new_domain,
     rests,
     running,
-    segments,
     words,
 )
 
@@ -54,7 +52,7 @@ def control_msgs(tmp_path_factory):
 class Client:
     """The test's ends of the compensator's topics and of its action."""
 
-    def __init__(self, domain):
+    def __init__(self, peer):
         from control_msgs.action import FollowJointTrajectory
         from control_msgs.msg import JointTrajectoryControllerState
         from rclpy.action import ActionClient
@@ -62,7 +60,7 @@ class Client:
         from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState, JointTrajectory
 
         self.kind = FollowJointTrajectory
-        self.peer = Peer(domain)
+        self.peer = peer
         self.client = ActionClient(self.peer.node, FollowJointTrajectory, "trunk/follow_joint_trajectory")
         self.trajectory = self.peer.publisher(JointTrajectory, "trunk/joint_trajectory")
         self.references = self.peer.listen(JointState, "trunk/reference")
@@ -121,18 +119,15 @@ class Client:
 @pytest.fixture(scope="module")
 def arm(control_msgs):
     """The simulated arm, and a client."""
-    before = {path.name for path in segments()}
-    domain = new_domain()
     with ExitStack() as stack:
+        domain = stack.enter_context(own_domain())
         for name in ("servo_driver", "wire_elasticity"):
             stack.enter_context(running(name, domain=domain))
         stack.enter_context(running("compensator", *PATIENT, domain=domain))
-        client = Client(domain)
+        client = Client(stack.enter_context(Peer(domain)))
         client.ready()
         client.result(client.send([0.05] * 5, 0.5))
         yield client
-        client.peer.close()
-    clean_shared_memory(before)
 
 
 def test_a_goal_is_followed_with_feedback_and_reached(arm):
@@ -215,28 +210,25 @@ def test_a_trajectory_on_the_topic_ends_the_goal_under_way(arm):
 
 
 @pytest.fixture
-def stuck(control_msgs, domain):
+def stuck(control_msgs, domain, peer):
     """A compensator whose arm does not move, and a client."""
     from trunk_ros.nodes.graph.messages import joint_state
     from trunk_ros.nodes.graph.ros import JointState
 
     with running("compensator", *PATIENT, domain=domain) as process:
-        client = Client(domain)
+        client = Client(peer)
         client.process = process
-        outs = [
-            client.peer.publisher(JointState, topic) for topic in ("trunk/gearbox_states", "joint_states")
-        ]
+        outs = [peer.publisher(JointState, topic) for topic in ("trunk/gearbox_states", "joint_states")]
 
         def stay():
-            now = client.peer.node.get_clock().now().nanoseconds
+            now = peer.node.get_clock().now().nanoseconds
             for out in outs if client.alive else outs[1:]:
                 out.publish(joint_state(now, JOINTS, np.zeros(5)))
 
         client.alive = True
-        client.peer.node.create_timer(0.01, stay)
+        peer.node.create_timer(0.01, stay)
         client.ready()
         yield client
-        client.peer.close()
 
 
 def test_leaving_the_path_or_missing_the_goal_gives_it_up_and_holds(stuck):

@@ -157,10 +157,10 @@ def test_a_recorder_of_a_namespace_keeps_to_it(peer, beside, tmp_path):
 def test_a_topic_of_two_types_is_recorded_as_one_and_that_is_said(domain, peer, tmp_path):
     from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState, String
 
-    other = Peer(domain)
     said = peer.listen(DiagnosticArray, "diagnostics")
-    outs = [peer.publisher(JointState, "shared"), other.publisher(String, "shared")]
-    with running("recorder", "--ros-args", "-p", f"output:={tmp_path / 'bag'}", domain=domain) as process:
+    recorder = running("recorder", "--ros-args", "-p", f"output:={tmp_path / 'bag'}", domain=domain)
+    with Peer(domain) as other, recorder as process:
+        outs = [peer.publisher(JointState, "shared"), other.publisher(String, "shared")]
         told = "/shared is recorded as "
         peer.until(lambda: told in words(said, "recorder"))
         assert [array.status[0].level for array in said if told in array.status[0].message][-1] == b"\2"
@@ -169,4 +169,3 @@ def test_a_topic_of_two_types_is_recorded_as_one_and_that_is_said(domain, peer, 
     assert "none lost" not in out
     assert "/shared: also published as " in out
     assert len(outs) == 2
-    other.close()

@@ -11,7 +11,8 @@ import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from sensor_msgs.msg import JointState
 
-from test.nodes.graph import Peer, new_domain
+from test.nodes.domains import own_domain
+from test.nodes.graph import Peer
 from test.packaging.imports import ROOT
 from trunk_ros.__main__ import COMMANDS
 
@@ -64,9 +65,8 @@ def test_an_installed_tool_runs_from_the_workspace(workspace, executables, sourc
 
 @pytest.fixture
 def peer():
-    peer = Peer(new_domain())
-    yield peer
-    peer.close()
+    with own_domain() as domain, Peer(domain) as peer:
+        yield peer
 
 
 @pytest.fixture

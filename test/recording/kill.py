@@ -23,7 +23,7 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
-from test.nodes.graph import clean_shared_memory, segments
+from test.nodes.domains import clean_shared_memory, segments
 from trunk_ros.recording.read import read_recording
 
 RECORDER = f"recorder_{os.getpid()}"  # nobody else's on the same domain
