@@ -35,10 +35,10 @@ lint: setup
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m mypy
 
-# The nodes' tests start many processes, so nothing runs beside them.
+# The nodes' tests start many processes, so only two of them run at a time.
 pytest: setup
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
-	$(PYTHON) -m pytest -q --timeout 300 test/nodes
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n 2 --dist loadfile test/nodes
 
 # Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
 coverage: setup

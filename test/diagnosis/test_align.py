@@ -169,7 +169,20 @@ def test_what_is_lost_in_bursts_is_no_misfit_where_there_is_no_noise(most: int) 
         assert thin.notes == ()
         span = wire(thin)
         assert worst(WireStage([span], TRUNK, {})) < 6 * whole
-        assert span.valid.mean() > 0.25
+        assert span.valid.mean() > 0.55  # of 0.84, which are outside of gaps
+
+
+def test_what_is_lost_in_bursts_hides_nothing_and_adds_nothing() -> None:
+    clean = diagnose([lossy(recorded(seconds=20.0, noise=0.0), 0.14, 11, 1)])
+    assert clean.verdict == "no_mismatch"
+    ratio = {"relative": np.full(5, 0.02)}
+    worn = recorded({"backlash": {"half_width": on(2, 2e-3)}, "ratio_error": ratio}, 20.0)
+    found = diagnose([lossy(worn, 0.14, 11, 1)])
+    assert {(f.effect, *f.joints) for f in found.findings} == {
+        ("ratio_error", *TRUNK.arm.joints),
+        ("backlash", "joint_2"),
+    }
+    assert found.model.effects["backlash"]["half_width"] == pytest.approx(on(2, 2e-3), abs=1e-4)
 
 
 def stopping(recording: Recording) -> Recording:

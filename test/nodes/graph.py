@@ -19,7 +19,7 @@ from test.nodes.domains import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 JOINTS = [f"joint_{number}" for number in range(1, 6)]
-PATIENCE = 60.0  # s; how fast a machine is decides nothing, this only ends what hangs
+PATIENCE = 120.0  # s; how fast a machine is decides nothing, this only ends what hangs
 
 
 def environment(domain: int) -> dict[str, str]:

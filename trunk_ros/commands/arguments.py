@@ -92,6 +92,13 @@ def add_settle(parser: Parser) -> None:
     )  # fmt: skip
 
 
+def add_namespace(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
+    """``--namespace``, for the commands that read the bag of one arm."""
+    parser.add_argument(
+        "--namespace", metavar="NS", help="of the arm, such as /left, where a bag holds several"
+    )
+
+
 def _seconds(text: str) -> float:
     value = float(text)
     if not 0.0 <= value < float("inf"):

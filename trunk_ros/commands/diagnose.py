@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser, add_settle
+from trunk_ros.commands.arguments import Parser, add_namespace, add_settle
 from trunk_ros.commands.console import say
 from trunk_ros.commands.progress import progress
 from trunk_ros.errors import ArgumentError
@@ -47,7 +47,7 @@ def parser() -> Parser:
     out.add_argument("--against", metavar="SIM_BAG", help="another simulator's recording of the same motion")
     out.add_argument("--from-time", metavar="T", help="begin there: in s, or in %% of the recording")
     out.add_argument("--until", metavar="T", help="end there: in s, or in %% of the recording")
-    out.add_argument("--namespace", metavar="NS", help="of the arm, such as /left, where bags hold several")
+    add_namespace(out)
     add_settle(out)
     out.add_argument("--overwrite", action="store_true", help="replace DIR if it holds an earlier diagnosis")
     return out

@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, add_namespace
 from trunk_ros.errors import ArgumentError
 
 STAGES = ("servo", "wire", "arm")
@@ -59,6 +59,7 @@ def parser() -> Parser:
         "--against", nargs="+", action="extend", default=[], metavar="SIM_BAG",
         help="a simulator's recordings of the same motions, one for each BAG; before: the first simulator",
     )  # fmt: skip
+    add_namespace(out)
     add("--stage", nargs="+", action="extend", choices=STAGES, help="only these; all by default")
     add("--settle", type=seconds, default=5.0, metavar="S",
         help="s at the start that do not count, at most a quarter of a recording (default 5)")  # fmt: skip

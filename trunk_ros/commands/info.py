@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, add_namespace
 from trunk_ros.commands.console import columns, say
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ def parser() -> Parser:
         metavar="MODEL.yaml",
         help="a file, or trunk or direct; by default the one that fits",
     )
+    add_namespace(made)
     made.add_argument("--json", action="store_true", help="the same for programs")
     return made
 
@@ -44,7 +45,7 @@ def main(argv: list[str]) -> int:
     from trunk_ros.recording.read import read_recording
 
     try:
-        recording = read_recording(asked.bag)
+        recording = read_recording(asked.bag, namespace=asked.namespace)
     except RecordingError as error:
         topics = foreign_topics(asked.bag)
         if not topics or "no readable message of an arm" not in str(error):

@@ -6,7 +6,7 @@ import os
 import sys
 from pathlib import Path
 
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, add_namespace
 from trunk_ros.commands.console import say
 from trunk_ros.errors import ArgumentError
 
@@ -28,6 +28,7 @@ def parser() -> Parser:
         metavar="FILE",
         help="the arm's look (default: the model's or recording's URDF, else links as the model has them)",
     )
+    add_namespace(made)
     made.add_argument("--save", metavar="FILE.rrd", help="write a file for Rerun in place of opening it")
     made.add_argument("--overwrite", action="store_true", help="replace FILE.rrd if it exists")
     return made
@@ -49,7 +50,7 @@ def main(argv: list[str]) -> int:
     if target is None:
         _refuse_without_a_screen()
     model = load_model(asked.model)
-    recording = without_wild(read_recording(asked.bag))
+    recording = without_wild(read_recording(asked.bag, namespace=asked.namespace))
     shown = scene(recording, model, diagnosis_beside(asked.model))
     arm = model.for_joints(shown.joints).arm
     recorded = None if arm.description is not None else recording.description

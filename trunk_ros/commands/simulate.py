@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser, add_settle
+from trunk_ros.commands.arguments import Parser, add_namespace, add_settle
 from trunk_ros.commands.console import say
 from trunk_ros.recording.topics import SOURCES
 
@@ -24,6 +24,7 @@ def parser() -> Parser:
         "--from", dest="source", choices=SOURCES, default="gearbox_states",
         help="what drives the model; from setpoints the gearbox is predicted too (default: gearbox_states)",
     )  # fmt: skip
+    add_namespace(made)
     add_settle(made)
     made.add_argument("--overwrite", action="store_true", help="replace OUT_BAG if it exists")
     return made
@@ -41,7 +42,7 @@ def main(argv: list[str]) -> int:
 
     prepare_output(asked.output, asked.overwrite)
     model = load_model(asked.model)
-    recording = without_wild(read_recording(asked.bag))
+    recording = without_wild(read_recording(asked.bag, namespace=asked.namespace))
     say(*(f"{asked.bag}: {note}" for note in recording.notes))
     predicted = simulate(recording, model, asked.source, asked.settle)
     settled = str(asked.settle if "joint_states" in recording.series else 0.0)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.effect import Effect, Now, Regime
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 KNOTS = 24
 VARIABLES = ("position", "speed", "time", "load")
@@ -83,6 +85,8 @@ class Curve(Effect):
     @classmethod
     def spline(cls, knots: Array, values: Array) -> CubicSpline:
         """The curve through ``values`` (KNOTS, ...) at ``knots`` (KNOTS,)."""
+        from scipy.interpolate import CubicSpline  # of few models: importing it takes a node 0.3 s
+
         return CubicSpline(knots, values, bc_type="natural")
 
     @classmethod

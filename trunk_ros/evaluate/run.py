@@ -29,7 +29,7 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
         shared = shared_out(arguments.bag, arguments.against)
         for bag, called_so, simulators in zip(arguments.bag, names, shared, strict=True):
             status.update(f"{bag}")
-            recording = read_recording(bag)
+            recording = read_recording(bag, namespace=arguments.namespace)
             predictions = [of_model(recording, name, model) for name, model in models]
             read: list[Recording] = [read_recording(path) for path in simulators]
             predictions += [

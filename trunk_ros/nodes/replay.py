@@ -216,7 +216,7 @@ def compare(given: argparse.Namespace, ros: list[str]) -> int:
     """The node and what was recorded of it, side by side."""
     start_ros(ros)
     try:
-        return through(given.bag, given.through, given.model, given.tolerance)
+        return through(given.bag, given.through, given.model, given.tolerance, given.namespace)
     finally:
         rclpy.try_shutdown()
 

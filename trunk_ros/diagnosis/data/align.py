@@ -34,6 +34,7 @@ UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, t
 SETTLING = 0.3  # s in which a servo forgets how it began
 MOVED = 3e-4  # rad
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
+WITHOUT = 0.01  # share of the samples at both ends of a range that may be outliers
 STANDS = 1e-4  # rad, more than the encoder's steps
 FIRST = 1200  # samples that the angle at the start is the median of: of fewer the error shows in a long stand
 LONG = 100  # samples that a joint has to stand before it moves for them to tell anything
@@ -96,7 +97,8 @@ def wire_span(recording: Recording, model: Model) -> Span:
     least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
     small = np.maximum(noises(measured) / 2, UNSEEN)
-    valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, least, small)[rows]
+    past = np.minimum(least, np.maximum(BANDS * _loop(u[rows], target, valid), MOVED))
+    valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
     known = resistance(arm, gearbox, grid, phi)
@@ -219,6 +221,20 @@ def _forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array) 
         if unseen.any():
             far = np.maximum.accumulate(np.abs(u[first:] - u[first]), axis=0)
             out[first:] |= (far < least) & unseen
+    return out
+
+
+def _loop(u: Array, target: Array, valid: np.ndarray) -> Array:
+    """(joints,) rad: half the width of what a line leaves of each joint's angle over its input, infinite
+    where it does not move. Its play is no wider: what else is off, and noise, makes it more.
+    """
+    out = np.full(u.shape[1], np.inf)
+    for j, seen in enumerate(valid.T):
+        moved = u[seen, j] - np.mean(u[seen, j]) if seen.any() else np.empty(0)
+        if len(moved) and np.ptp(moved) > MOVED:
+            left = target[seen, j] - float(moved @ target[seen, j] / (moved @ moved)) * moved
+            low, high = np.quantile(left, [WITHOUT, 1.0 - WITHOUT])
+            out[j] = (high - low) / 2.0
     return out
 
 

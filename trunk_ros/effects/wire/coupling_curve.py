@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import WEIGHTS, Bank, parameters_of, words_of
 
 BEYOND = 0.25  # of its range that a curve goes on straight beyond its ends
 NARROW = 1e-9  # rad
-CUBICS = CubicSpline(np.arange(WEIGHTS), np.eye(WEIGHTS), bc_type="natural").c
-"""(4, pieces, WEIGHTS) cubics between knots one apart, highest power first, per value."""
 
 
 class CouplingCurve(Bank):
@@ -36,7 +34,7 @@ class CouplingCurve(Bank):
 
     @classmethod
     def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, Array]:
-        return low, max(high, low + NARROW), np.ascontiguousarray(CUBICS @ weights)
+        return low, max(high, low + NARROW), np.ascontiguousarray(cubics() @ weights)
 
     @classmethod
     def add(cls, s: Array, ready: tuple[float, float, Array], state: Any, out: Array) -> None:
@@ -45,6 +43,14 @@ class CouplingCurve(Bank):
     @classmethod
     def range_of(cls, s: Array) -> tuple[float, float]:
         return float(s.min()), float(s.max())
+
+
+@cache
+def cubics() -> Array:
+    """(4, pieces, WEIGHTS) cubics between knots one apart, highest power first, per value."""
+    from scipy.interpolate import CubicSpline  # of few models: importing it takes a node 0.3 s
+
+    return np.asarray(CubicSpline(np.arange(WEIGHTS), np.eye(WEIGHTS), bc_type="natural").c)
 
 
 @compiled

@@ -1,10 +1,16 @@
 """Something that comes back in time, whatever the arm does, and that no name fits."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.curve import KNOTS, Curve
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 
 class UnknownCycle(Curve):
@@ -25,6 +31,8 @@ class UnknownCycle(Curve):
 
     @classmethod
     def spline(cls, knots: Array, values: Array) -> CubicSpline:
+        from scipy.interpolate import CubicSpline
+
         return CubicSpline(knots, np.concatenate([values[:-1], values[:1]]), bc_type="periodic")
 
     @classmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, add_namespace
 from trunk_ros.nodes.bags.through import NODES
 
 
@@ -40,6 +40,7 @@ def parser() -> argparse.ArgumentParser:
         "--through", choices=list(NODES), help="compare what this node says with what was recorded"
     )
     again.add_argument("--model", metavar="MODEL", help="of that node; by default what the bag says it had")
+    add_namespace(again)
     again.add_argument(
         "--tolerance", type=float, metavar="X", help="exit with 1 where a quantity differs by more [SI]"
     )

@@ -30,11 +30,13 @@ NODES = ("wire_elasticity",)
 INPUT = "gearbox_states"
 
 
-def through(bag: str, name: str, model: str | None, tolerance: float | None) -> int:
+def through(
+    bag: str, name: str, model: str | None, tolerance: float | None, namespace: str | None = None
+) -> int:
     """Recompute, compare and print; 0, or 1 where a tolerance is given and exceeded. Raises TrunkError."""
-    recorded = read_recording(bag)
+    recorded = read_recording(bag, namespace=namespace)
     asked, of = believed(recorded, name, model)
-    said = answers(Wire(asked), bag, name)
+    said = answers(Wire(asked), bag, name, namespace)
     found = differences(recorded, as_recording(bag, asked, said.shown))
     if not found:
         raise RecordingError(f"{bag}: holds nothing that {name} publishes: there is nothing to compare")
@@ -71,11 +73,11 @@ class Answers:
     refused: int = 0
 
 
-def answers(wire: Wire, bag: str, name: str) -> Answers:
+def answers(wire: Wire, bag: str, name: str, namespace: str | None) -> Answers:
     """Tell the node's model what was recorded. Raises RecordingError where there is nothing for it."""
     found = Answers()
     with BagSource(bag) as source:
-        chosen, _ = choose(bag, {topic.name: topic.kind for topic in source.topics})
+        chosen, _ = choose(bag, {topic.name: topic.kind for topic in source.topics}, namespace)
         if INPUT not in chosen:
             raise RecordingError(f"{bag}: no topic {TOPICS[INPUT]}: {name} needs it")
         for _, _, data in source.messages({chosen[INPUT]}):
