@@ -43,6 +43,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "tip_error": ("trunk_ros.nodes.tip_error", "node: the tip's path beside a model's, for RViz"),
     "reality": ("trunk_ros.nodes.reality", "node: adds what a simulator lacks, on its topics"),
     "replay": ("trunk_ros.nodes.replay", "node: a bag back onto topics"),
+    "compose": ("trunk_ros.nodes.compose", "several of these nodes in one process"),
     "watch": ("trunk_ros.nodes.watch", "node: reports within seconds what changes on a running arm"),
 }
 

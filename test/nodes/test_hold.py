@@ -216,8 +216,12 @@ def test_an_arm_that_does_not_say_where_it_stands_is_not_moved(domain, peer, end
         ends.go(0.1, 0.5)
         peer.until(lambda: "do not say where all joints stand" in words(ends.said, "compensator"))
         assert not ends.setpoints
-        ends.state(ends.gearbox, JOINTS, [0.2] * 5)
-        peer.until(lambda: ends.setpoints or ends.go(0.1, 0.5))
+
+        def stand_and_go():
+            ends.state(ends.gearbox, JOINTS, [0.2] * 5)
+            ends.go(0.1, 0.5)
+
+        peer.answered(stand_and_go, lambda: ends.setpoints)
     np.testing.assert_allclose(ends.setpoints[0].position, 0.2, atol=1e-3)
 
 

@@ -217,7 +217,7 @@ def test_what_a_killed_recorder_left_is_repaired_by_the_next(recorder):
     assert bag_messages(path)["/diagnostics"]
 
 
-@pytest.mark.parametrize("number", range(int(os.environ.get("KILLS", "5"))))
+@pytest.mark.parametrize("number", range(int(os.environ.get("KILLS", "3"))))
 def test_killed_at_any_moment_it_has_lost_at_most_the_last_second(domain, monkeypatch, tmp_path, number):
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     kill_once(tmp_path / "bag", random.Random(number))

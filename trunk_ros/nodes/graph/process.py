@@ -1,11 +1,12 @@
-"""The life of a process: ROS arguments in, signals to a flag, one node until its end."""
+"""The life of a process: ROS arguments in, signals to a flag, nodes until their end."""
 
 from __future__ import annotations
 
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from typing import Any
 
 from trunk_ros.errors import TrunkError
@@ -28,25 +29,43 @@ def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
     if "-h" in argv or "--help" in argv:
         print(usage(kind))
         return 0
-    stop = Stop()
+    return run_nodes([kind], argv)
+
+
+def run_nodes(kinds: Sequence[Callable[[], TrunkNode]], argv: list[str]) -> int:
+    """The same of several on one executor: where one ends, all end."""
+    stop, nodes = Stop(), list[TrunkNode]()
     start_ros(argv)
     try:
-        node = kind()
-        if node.value("autostart"):
-            start(node)
         executor = EventsExecutor()
-        executor.add_node(node)
-        serve(executor, node, lambda: stop.asked or node.fault)
-        retire(node)
-        serve_for(DELIVERY, executor, node)
-        end(node, DELIVERY)
-        if node.fault:
-            raise TrunkError(f"{node.get_name()}: {node.fault}")
+        for kind in kinds:
+            nodes.append(kind())
+        for node in nodes:
+            if node.value("autostart"):
+                start(node)
+            executor.add_node(node)
+        serve(executor, nodes[0], lambda: stop.asked or any(node.fault for node in nodes))
+        for node in nodes:
+            retire(node)
+        serve_for(DELIVERY, executor, nodes[0])
     finally:
         leave_in_time()
-        stop.ignore()
-        rclpy.try_shutdown()
+        try:
+            let_go(nodes)
+        finally:
+            stop.ignore()
+            rclpy.try_shutdown()
     return 0
+
+
+def let_go(nodes: Sequence[TrunkNode]) -> None:
+    """Let each node end, whatever becomes of the others. Raises TrunkError where one had to."""
+    with ExitStack() as ends:
+        for node in reversed(nodes):
+            ends.callback(end, node, DELIVERY)
+    faults = [f"{node.get_name()}: {node.fault}" for node in nodes if node.fault]
+    if faults:
+        raise TrunkError("; ".join(faults))
 
 
 def leave_in_time() -> None:
