@@ -3,6 +3,7 @@
 ros2 launch trunk_ros trunk.launch.py model:=found.yaml record:=/tmp/run
 """
 
+import json
 import shlex
 import sys
 
@@ -22,18 +23,24 @@ ARGUMENTS = {
     "namespace": ("", "pushed in front of all names"),
     "frame_prefix": ("auto", "pushed in front of all frames; auto: the namespace, so that two arms share tf"),
     "use_sim_time": ("false", "take the time from /clock"),
+    "composed": ("false", "true: all of these nodes in one process"),
     "record": ("", "folder of a bag to record the namespace into; empty: no recording"),
     "state_publisher": (
         "auto",
         "robot_state_publisher, for RViz and tf: true, false, auto where installed; elsewhere: one is there",
     ),
 }
-CHOICES = {"simulate": ["true", "false"], "state_publisher": ["true", "false", "auto", "elsewhere"]}
+CHOICES = {
+    "simulate": ["true", "false"],
+    "composed": ["true", "false"],
+    "state_publisher": ["true", "false", "auto", "elsewhere"],
+}
+Parameters = dict[str, str | bool]  # of a node
 PATIENCE = "30"  # s that a node may take to end in good order, on a busy machine, before it is made to
 
 
 def generate_launch_description() -> LaunchDescription:
-    """All nodes, each in a process of its own."""
+    """All nodes, each in a process of its own unless ``composed``."""
     declared = [
         DeclareLaunchArgument(name, default_value=default, description=description, choices=CHOICES.get(name))
         for name, (default, description) in ARGUMENTS.items()
@@ -47,8 +54,11 @@ def nodes(context: LaunchContext) -> list[Node]:
     publisher = given["state_publisher"]
     ours = publisher == "true" or (publisher == "auto" and installed("robot_state_publisher"))
     described = state_publisher(given) if ours else []
-    simulated = simulation(given, not ours and publisher != "elsewhere")
-    return [*simulated, compensator(given), *recorder(given), *described]
+    parts = simulation(given, not ours and publisher != "elsewhere")
+    parts |= {"compensator": {"model": given["model"]}} | recorder(given)
+    if given["composed"] == "true":
+        return [composed(given, parts), *described]
+    return [*(node(given, name, parameters) for name, parameters in parts.items()), *described]
 
 
 def text(value: str) -> ParameterValue:
@@ -56,7 +66,17 @@ def text(value: str) -> ParameterValue:
     return ParameterValue(value, value_type=str)
 
 
-def node(given: dict[str, str], name: str, parameters: dict[str, object]) -> Node:
+def composed(given: dict[str, str], parts: dict[str, Parameters]) -> Node:
+    """All of them in one process. JSON is YAML that says what is text."""
+    rules = [
+        f"{name}:{key}:={json.dumps(value)}" for name, own in parts.items() for key, value in own.items()
+    ]
+    return node(
+        given, "compose", {}, [*parts, "--ros-args", *(word for rule in rules for word in ("-p", rule))]
+    )
+
+
+def node(given: dict[str, str], name: str, own: Parameters, arguments: list[str] | None = None) -> Node:
     """One of our nodes. Without it the others are of no use: where it ends, all end."""
     common = {
         "rate": ParameterValue(LaunchConfiguration("rate"), value_type=float),
@@ -66,7 +86,10 @@ def node(given: dict[str, str], name: str, parameters: dict[str, object]) -> Nod
         package="trunk_ros",
         executable=name,
         namespace=given["namespace"],
-        parameters=[common | parameters],
+        parameters=[
+            common | {key: text(each) if isinstance(each, str) else each for key, each in own.items()}
+        ],
+        arguments=arguments or [],
         output="screen",
         on_exit=Shutdown(reason=f"{name} has ended: it says above why"),
         sigterm_timeout=PATIENCE,
@@ -74,23 +97,18 @@ def node(given: dict[str, str], name: str, parameters: dict[str, object]) -> Nod
     )
 
 
-def simulation(given: dict[str, str], describes: bool) -> list[Node]:
+def simulation(given: dict[str, str], describes: bool) -> dict[str, Parameters]:
     """What stands in for motors, wires and sensors; ``describes``: it publishes robot_description."""
     if given["simulate"] == "false":
-        return []
-    model = {"model": text(given["plant_model"])}
-    shown = model | {"publish_description": describes, "frame_prefix": text(frame_prefix(given))}
-    return [node(given, "servo_driver", model), node(given, "wire_elasticity", shown)]
+        return {}
+    model: Parameters = {"model": given["plant_model"]}
+    shown = model | {"publish_description": describes, "frame_prefix": frame_prefix(given)}
+    return {"servo_driver": model, "wire_elasticity": shown}
 
 
-def compensator(given: dict[str, str]) -> Node:
-    """The model run backward."""
-    return node(given, "compensator", {"model": text(given["model"])})
-
-
-def recorder(given: dict[str, str]) -> list[Node]:
+def recorder(given: dict[str, str]) -> dict[str, Parameters]:
     """Only where a folder is given."""
-    return [node(given, "recorder", {"output": text(given["record"])})] if given["record"] else []
+    return {"recorder": {"output": given["record"]}} if given["record"] else {}
 
 
 def frame_prefix(given: dict[str, str]) -> str:

@@ -11,6 +11,7 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
+import yaml
 
 from test.nodes.graph import JOINTS, ROOT, environment, needs_ros, running
 from trunk_ros.__main__ import COMMANDS
@@ -142,6 +143,26 @@ def test_two_arms_have_frames_of_their_own(described):
     for space, frames in spaces.items():
         assert module.frame_prefix({"namespace": space, "frame_prefix": "auto"}) == frames
     assert module.frame_prefix({"namespace": "left", "frame_prefix": "a_"}) == "a_"
+
+
+def test_composed_they_are_one_process_with_the_same_parameters(described):
+    from trunk_ros.nodes.compose import split
+
+    module = described(TRUNK, composed="true", record="20260101", model="it's mine.yaml")
+    (started,) = [call.kwargs for call in module.Node.call_args_list if call.kwargs["package"] == "trunk_ros"]
+    assert started["executable"] == "compose"
+    assert started["parameters"][0].keys() == {"rate", "use_sim_time"}
+    words = started["arguments"]
+    names = words[: words.index("--ros-args")]
+    assert names == ["servo_driver", "wire_elasticity", "compensator", "recorder"]
+    own, common = split(names, words[len(names) :])
+    assert common == ["--ros-args"]
+    given = {name: dict(rule.split(":=", 1) for rule in rules[2::3]) for name, rules in own.items()}
+    read = {name: {key: yaml.safe_load(text) for key, text in each.items()} for name, each in given.items()}
+    assert read["recorder"] == {"output": "20260101"}
+    assert read["compensator"] == {"model": "it's mine.yaml"}
+    assert read["wire_elasticity"].keys() == {"model", "publish_description", "frame_prefix"}
+    assert started["on_exit"] is module.Shutdown.return_value
 
 
 def test_where_a_node_of_ours_ends_all_end(described):
