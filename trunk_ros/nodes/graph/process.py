@@ -19,7 +19,7 @@ from trunk_ros.nodes.stop import Stop
 
 DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
 MOMENT = 0.05  # s after which it is noticed that somebody asks to end
-LEAVING = 10.0  # s that the middleware has to end in
+LEAVING = 20.0  # s that the middleware has to end in
 LONG = 1e5  # s; without a timeout the events executor does not see that the future is done, and while
 # callbacks queue up it sees no timeout
 
@@ -49,10 +49,10 @@ def run_nodes(kinds: Sequence[Callable[[], TrunkNode]], argv: list[str]) -> int:
             retire(node)
         serve_for(DELIVERY, executor, nodes[0])
     finally:
-        leave_in_time()
         try:
             let_go(nodes)
         finally:
+            leave_in_time()
             stop.ignore()
             rclpy.try_shutdown()
     return 0
