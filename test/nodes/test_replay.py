@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from test.nodes.graph import Peer, bag_messages, ended, needs_ros, running, trunk
+from test.nodes.graph import PATIENCE, Peer, bag_messages, ended, needs_ros, running, trunk
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 
@@ -48,7 +48,7 @@ def test_every_message_comes_again_byte_for_byte(domain, peer, bag):
         "replay", bag, *PATIENT, "--rate", 4, "--remap", "/joint_states:=/elsewhere", domain=domain
     ) as process:
         peer.until(lambda: len(gearbox) == COUNT and len(joints) == COUNT)
-        out, _ = process.communicate(timeout=60)
+        out, _ = process.communicate(timeout=PATIENCE)
     assert f"{2 * COUNT} messages on 2 topics" in out
     there = bag_messages(bag)
     assert gearbox == there["/trunk/gearbox_states"]
@@ -88,9 +88,12 @@ def test_it_is_not_faster_than_the_recording(domain, peer, bag):
         JointState, "/trunk/gearbox_states", lambda _: heard.append(time.monotonic()), 1000
     )
     part = (*PATIENT, "--rate", 0.25, "--topics", "trunk/gearbox_states")
+    begun = time.monotonic()
     with running("replay", bag, *part, domain=domain):
         peer.until(lambda: len(heard) == COUNT)
-    assert heard[-1] - heard[0] > 1.5  # of 4 s: the first may be late, the last cannot be early
+    assert (
+        heard[-1] - begun > 3.9
+    )  # of 4 s, and the start: however late the first comes, the last is not early
 
 
 def test_it_plays_a_part_and_tells_the_time(domain, peer, bag):
@@ -120,7 +123,9 @@ def test_step_by_step_each_line_gives_one_message(domain, peer, bag):
     from trunk_ros.nodes.graph.ros import DiagnosticArray
 
     gearbox, said = raw(peer, "/trunk/gearbox_states"), peer.listen(DiagnosticArray, "diagnostics")
-    with running("replay", bag, "--step", "--topics", "/trunk/gearbox_states", domain=domain) as process:
+    with running(
+        "replay", bag, "--step", *PATIENT, "--topics", "/trunk/gearbox_states", domain=domain
+    ) as process:
         peer.more(said, 3)  # seconds of its own
         assert not gearbox
         process.stdin.write("\n\n\n")
