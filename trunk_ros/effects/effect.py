@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -185,6 +186,14 @@ class Effect(ABC):
         """Change the core's settings in place of acting on the signal."""
         return None
 
+    def upstream(self) -> Effect | None:
+        """The part of an effect behind the stage's core that lies before it, if any."""
+        return None
+
+    def downstream(self) -> Effect:
+        """The part of an effect behind the stage's core that does lie behind it."""
+        return self
+
     def check(self, joints: tuple[str, ...]) -> None:
         """Raise ModelError where the words do not fit the arm's joints."""
         for text, words in self.words.items():
@@ -232,6 +241,12 @@ class Effect(ABC):
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         """The parameters that a form uses."""
         return cls.parameters
+
+    @classmethod
+    @cache
+    def carried(cls) -> tuple[Parameter, ...]:
+        """Masses at the tip among the parameters."""
+        return tuple(p for p in cls.parameters if p.carried)
 
     @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:
