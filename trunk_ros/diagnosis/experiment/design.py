@@ -137,12 +137,14 @@ class Design:
 
 
 def _told(peaks: Array, sides: range) -> list[int]:
-    """The sides of a pair to design for: the first if a motion tells it, or all that one tells, or the one
-    that shows most.
+    """The sides of a pair to design for: the first if a motion tells it, or all that one tells and the first
+    as well if it shows at all, or the one that shows most.
     """
     order = sorted(sides, key=lambda k: -float(peaks[k]))
     sure = [k for k in order if peaks[k] >= SURE]
-    return [sides[0]] if sides[0] in sure else sure or order[:1]
+    if sides[0] in sure:
+        return [sides[0]]
+    return [*sure, *sides[:1]] if sure else order[:1]
 
 
 def _at(part: Stretch, x: Array) -> Stretch:
