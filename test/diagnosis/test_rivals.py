@@ -1,4 +1,4 @@
-"""A rival is judged by all that it predicts: where it moves a joint, what that joint pulls at moves as well."""
+"""A rival is judged by all that it predicts: where it moves a joint, what that joint pulls at moves too."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ class Curve(Effect):
 
     @classmethod
     def onto(cls, x: Array, low: Array, high: Array) -> Array:
-        """Where on a curve from ``low`` to ``high`` each ``x`` lies."""
+        """Where on a curve from ``low`` to ``high`` (columns,) each ``x`` (n, columns) lies."""
         return x
 
     @classmethod
