@@ -8,6 +8,7 @@ is refitted to the new motion together with the recordings at hand.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -186,7 +187,7 @@ def statement(
     form = duel.base[duel.truth].form
     truth = f"the {form} {duel.truth}" if form else duel.truth
     told = (
-        f"Play {file} ({there.duration:.0f} s) on the arm that was recorded, and look at {where}: if it is "
+        f"Play {file} ({ceil(there.duration)} s) on the arm that was recorded, and look at {where}: if it is "
         f"{truth}, the joint reads {gap} {'higher' if seen.gap > 0 else 'lower'} than if it is {duel.other} "
         f"({times}; {seen.rms:.2g} times rms over the whole motion)."
     )
