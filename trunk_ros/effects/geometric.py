@@ -25,7 +25,7 @@ class Sideways(Effect):
     def sideways(self, directions: Array) -> Array:
         """(joints, 3) sum of the two, along ``directions`` (joints, 2, 3)."""
         sizes = np.stack([self[parameter.name] for parameter in self.parameters], axis=1)
-        return np.einsum("jk,jkx->jx", sizes, directions)
+        return np.asarray(np.einsum("jk,jkx->jx", sizes, directions))
 
 
 class FrameError(Effect):
