@@ -26,6 +26,11 @@ class Plant:
         reading = plant.step(setpoints, 0.01)   # what the sensors show 0.01 s later
     """
 
+    _gearbox: Array
+    _velocity: Array
+    _theta: Array
+    _anew: np.ndarray
+
     def __init__(self, model: Model, environments: int = 1):
         """Raises ModelError where the model names no joints, has motors that move several joints, or an
         effect that cannot act on many environments.
