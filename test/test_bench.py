@@ -9,9 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from test.bench import __main__ as bench
+from test.bench import reality
 from test.bench.compare import changes
 from test.bench.row import Row
 
@@ -35,7 +37,7 @@ def test_a_target_is_reached_from_one_side() -> None:
 
 def test_the_figures_are_written_with_their_targets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def measure() -> Iterator[Row]:
-        yield Row("speed", 2.0, "1/s", at_least=1.0)
+        yield Row("speed", np.float64(2.0), "1/s", at_least=1.0)
 
     section = ModuleType("test.bench.made_up", "Made up.")
     section.measure = measure  # type: ignore[attr-defined]
@@ -46,6 +48,19 @@ def test_the_figures_are_written_with_their_targets(tmp_path: Path, monkeypatch:
     assert written["sections"]["made_up"]["rows"] == [
         {"name": "speed", "value": 2.0, "unit": "1/s", "target": "≥ 1", "reached": True}
     ]
+
+
+def test_a_real_section_ends_in_a_file_with_what_it_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, few in (("ENVIRONMENTS", (1, 8)), ("STEPS", 2), ("REPEATS", 1)):
+        monkeypatch.setattr(reality, name, few)
+    assert bench.main(["reality", "--output", str(tmp_path / "bench.json")]) == 0
+    written = json.loads((tmp_path / "bench.json").read_text())
+    assert written["schema"] == "trunk_ros/bench/1"
+    rows = written["sections"]["reality"]["rows"]
+    assert all(row["value"] > 0.0 for row in rows)
+    assert {type(row["reached"]) for row in rows} == {bool, type(None)}
 
 
 def test_an_unknown_section_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,6 +3,8 @@
 import importlib.util
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -138,6 +140,17 @@ def test_the_readme_has_the_five_lines_of_the_page() -> None:
     shown = re.search(r"```python\n.*?```", (DOCS / "python.md").read_text(encoding="utf-8"), re.DOTALL)
     assert shown
     assert shown[0] in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    pytest.importorskip("mkdocstrings")
+    pytest.importorskip("material")
+    words = ["build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
+    done = subprocess.run([sys.executable, "-m", "mkdocs", *words], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    api = (tmp_path / "site" / "api" / "index.html").read_text(encoding="utf-8")
+    assert "trunk_ros.diagnosis.diagnose.diagnose" in api
+    assert "environments, joints" in api
 
 
 def without_code(page: Path) -> str:

@@ -122,7 +122,8 @@ def joint_range(arm: Arm, joint: int) -> tuple[float, float]:
 
 
 def merge(joints: tuple[str, ...], paths: list[Array]) -> Trajectory:
-    """One trajectory of joints that come to rest at times of their own.
+    """One trajectory of joints that come to rest at times of their own; ``paths``: (k, 2) of each joint, time
+    [s] and angle [rad].
 
     Each joint's quintics are cut at all joints' times; the pieces are the same quintics, so nothing is lost.
     """

@@ -24,6 +24,7 @@ class Passes:
 
     def agree(self, better: Array, before: Array, besides: float = 0.0) -> bool:
         """Whether the next pass would change less than was agreed, going by how the changes shrank so far.
+        Both (n, joints) rad.
 
         ``besides``: rad that changed elsewhere.
         """

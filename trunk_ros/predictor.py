@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 if TYPE_CHECKING:
+    from trunk_ros.export.reality.plant import Plant
     from trunk_ros.model import Model
     from trunk_ros.recording.recording import Recording
 
@@ -34,3 +35,11 @@ class Predictor:
         kept = measured.stamp[here] >= after
         rms = np.sqrt(np.nanmean(error[kept] ** 2, axis=0))
         return dict(zip(predicted.joints, rms.tolist(), strict=True))
+
+    def plant(self, environments: int = 1) -> Plant:
+        """The arm tick by tick, as many of it at once as asked for: ``reset`` and ``step`` take setpoints
+        (environments, joints) [rad, motor side] to joint readings. Raises ModelError as ``Plant`` does.
+        """
+        from trunk_ros.export.reality.plant import Plant
+
+        return Plant(cast("Model", self), environments)

@@ -36,7 +36,7 @@ class Resistance:
         return arm.load(theta) + own if self.weighs else own
 
     def per_kilogram(self, arm: Arm, theta: Array) -> Array:
-        """What a kilogram at the tip adds to the load [N m/kg]."""
+        """(n, joints) N m/kg of load that a kilogram at the tip adds; ``theta`` (n, joints) joint angles."""
         return arm.lever(theta) + self.lever if self.weighs else self.lever
 
     def part(self, rows: slice | np.ndarray) -> Resistance:
@@ -66,7 +66,7 @@ def swung(arm: Arm, grid: Array, phi: Array) -> Resistance:
 
 def carried(arm: Arm, gearbox: JointSeries, grid: Array, theta: Array) -> Resistance:
     """The motors' torque without friction; the computed weight where a joint's torque does not tell, and
-    for arms without masses the torque as it is.
+    for arms without masses the torque as it is. ``theta`` (n, joints) rad, at ``grid`` (n,) s.
     """
     moment = measured_load(gearbox, arm.ratio, arm).moment
     measured = np.column_stack([np.interp(grid, gearbox.stamp, column) for column in moment.T])

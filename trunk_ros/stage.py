@@ -91,7 +91,9 @@ def wire_pass(
 def friction(
     x: Array, now: Now, order: Order, core: Core, state: Any, old: Memory, new: Memory
 ) -> tuple[Array, Any]:
-    """What the wire hands on to the joint, and the friction element's memory."""
+    """What the wire hands on to the joint, (n, columns) rad, and the friction element's memory; ``x``:
+    gearbox angles, likewise.
+    """
     core.old, core.new = old, new
     for e in order.core + order.path:
         e.adjust(core, now)

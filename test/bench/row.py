@@ -27,14 +27,14 @@ class Row:
     def reached(self) -> bool | None:
         """Whether the target is reached; None where there is none."""
         if self.at_least is not None:
-            return self.value >= self.at_least
-        return None if self.at_most is None else self.value <= self.at_most
+            return bool(self.value >= self.at_least)
+        return None if self.at_most is None else bool(self.value <= self.at_most)
 
     def fields(self) -> dict[str, Any]:
         """The row for a JSON file."""
         return {
             "name": self.name,
-            "value": self.value,
+            "value": float(self.value),
             "unit": self.unit,
             "target": self.target or None,
             "reached": self.reached,

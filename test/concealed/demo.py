@@ -162,7 +162,10 @@ class Demo:
         """Where the diagnosis proposes a motion that decides between equivalents, the hidden arm plays it;
         the verdict on both runs.
         """
-        told = [one for one in verdict["experiments"] if one["trajectory"]]
+        doubts = verdict["experiments"]
+        for one in doubts:
+            self.console.print(f"  proposed: {one['statement']}")
+        told = [one for one in doubts if one["trajectory"]]
         if not told:
             return verdict
         motion = self.folder / told[0]["trajectory"]
@@ -174,7 +177,7 @@ class Demo:
         )
         decided = self.step("diagnose both runs", lambda: self.diagnose("run_1", "run_decisive"))
         self.say(decided)
-        for one in told:
+        for one in doubts:
             self.console.print(f"  [bold]{outcome(one['separates'], decided['findings'])}[/]")
         return decided
 

@@ -1,10 +1,11 @@
-"""``show``: a recording beside a model, in 3D and over time, in the viewer Rerun."""
+"""``show``: a recording beside a model, in 3D and over time, in Rerun or Foxglove."""
 
 from __future__ import annotations
 
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 from trunk_ros.commands.arguments import Parser, add_namespace
 from trunk_ros.commands.console import say
@@ -16,8 +17,13 @@ def parser() -> Parser:
     made = Parser(
         "show",
         "Show a recording in Rerun: the arm in 3D as measured, with nominal and fitted ghosts; joints,\n"
-        "residuals and findings on the time line. Findings come from diagnosis.json beside MODEL.yaml.",
-        ["run1 -m verdict/model.yaml", "run1 -m verdict/model.yaml --save run1.rrd"],
+        "residuals and findings on the time line. Findings come from diagnosis.json beside MODEL.yaml.\n"
+        "--save FILE.mcap writes the same for Foxglove or Lichtblick, with its layout beside it.",
+        [
+            "run1 -m verdict/model.yaml",
+            "run1 -m verdict/model.yaml --save run1.rrd",
+            "run1 -m verdict/model.yaml --save run1.mcap",
+        ],
     )
     made.add_argument("bag", metavar="BAG", help="recording to show")
     made.add_argument(
@@ -28,9 +34,11 @@ def parser() -> Parser:
         metavar="FILE",
         help="the arm's look (default: the model's or recording's URDF, else links as the model has them)",
     )
-    add_namespace(made)
-    made.add_argument("--save", metavar="FILE.rrd", help="write a file for Rerun in place of opening it")
-    made.add_argument("--overwrite", action="store_true", help="replace FILE.rrd if it exists")
+add_namespace(made)
+    made.add_argument(
+        "--save", metavar="FILE", help="write FILE.rrd for Rerun, or FILE.mcap for Foxglove; open nothing"
+    )
+    made.add_argument("--overwrite", action="store_true", help="replace what --save writes if it exists")
     return made
 
 
@@ -40,50 +48,84 @@ def main(argv: list[str]) -> int:
     from trunk_ros.arm.urdf import urdf
     from trunk_ros.diagnosis.data.sensor_faults import without_wild
     from trunk_ros.model import load_model
-    from trunk_ros.recording.output import prepare_output
     from trunk_ros.recording.read import read_recording
     from trunk_ros.show.scene import diagnosis_beside, scene
-    from trunk_ros.show.viewer import log, the_viewer
 
-    rr = the_viewer()
-    target = None if asked.save is None else prepare_output(asked.save, asked.overwrite)
-    if target is None:
-        _refuse_without_a_screen()
+    targets = _targets(asked.save, asked.overwrite)
+    foxglove = len(targets) == 2
+    rr = None if foxglove else _viewer(bool(targets))
     model = load_model(asked.model)
     recording = without_wild(read_recording(asked.bag, namespace=asked.namespace))
     shown = scene(recording, model, diagnosis_beside(asked.model))
     arm = model.for_joints(shown.joints).arm
     recorded = None if arm.description is not None else recording.description
     description = _text(asked.urdf) if asked.urdf else recorded or urdf(arm)
-    stream = rr.RecordingStream("trunk_ros", recording_id=f"{Path(asked.bag).name}-{model.hash()[:8]}")
-    if target is None:
-        stream.spawn()
     drawn = description == urdf(arm) and arm.description is None
-    log(rr, stream, shown, description, float(arm.link_length.sum()) if drawn else 0.0)
-    if target is not None:
-        _save(stream, target)
-        say(
-            f"{target}: {len(shown.stamp)} samples of {', '.join(shown.joints)}; open it with: rerun {target}"
+    reach = float(arm.link_length.sum()) if drawn else 0.0
+    if foxglove:
+        _save_foxglove(targets, shown, description, reach, recording.start_ns)
+    else:
+        name = f"{Path(asked.bag).name}-{model.hash()[:8]}"
+        _to_rerun(rr, targets, name, shown, description, reach)
+    for opened in targets[:1]:
+        where = (
+            f"Foxglove or Lichtblick, with the layout {targets[1]}" if foxglove else f"Rerun: rerun {opened}"
         )
+        say(f"{opened}: {len(shown.stamp)} samples of {', '.join(shown.joints)}; open it in {where}")
     return 0
 
 
-def _save(stream: object, target: Path) -> None:
-    """Whole or not at all."""
-    draft = target.with_name(f".{target.name}.part")
-    try:
-        target.absolute().parent.mkdir(parents=True, exist_ok=True)
-        stream.save(draft)  # type: ignore[attr-defined]
-        stream.flush()  # type: ignore[attr-defined]
-        stream.disconnect()  # type: ignore[attr-defined]
-        os.replace(draft, target)
-    finally:
-        draft.unlink(missing_ok=True)
+def _targets(save: str | None, overwrite: bool) -> list[Path]:
+    """The files to write: none, Rerun's, or Foxglove's and its layout."""
+    from trunk_ros.recording.output import prepare_output
+
+    if save is None:
+        return []
+    path = Path(save)
+    if path.suffix not in (".rrd", ".mcap"):
+        raise ArgumentError(f"show: --save {save}: give FILE.rrd for Rerun or FILE.mcap for Foxglove")
+    names = [path] if path.suffix == ".rrd" else [path, path.with_suffix(".layout.json")]
+    return [prepare_output(name, overwrite) for name in names]
+
+
+def _viewer(saves: bool) -> Any:
+    from trunk_ros.show.viewer import the_viewer
+
+    rr = the_viewer()
+    if not saves:
+        _refuse_without_a_screen()
+    return rr
+
+
+def _to_rerun(rr: Any, targets: list[Path], name: str, shown: Any, urdf: str, reach: float) -> None:
+    """Open the viewer, or write its file, whole or not at all."""
+    from trunk_ros.recording.output import new_file
+    from trunk_ros.show.viewer import log
+
+    stream = rr.RecordingStream("trunk_ros", recording_id=name)
+    if not targets:
+        stream.spawn()
+        log(rr, stream, shown, urdf, reach)
+        return
+    log(rr, stream, shown, urdf, reach)
+    with new_file(targets[0], overwrite=True) as draft:
+        stream.save(draft)
+        stream.flush()
+        stream.disconnect()
+
+
+def _save_foxglove(targets: list[Path], shown: Any, urdf: str, reach: float, start_ns: int) -> None:
+    from trunk_ros.recording.output import new_file
+    from trunk_ros.show.foxglove import save_foxglove
+
+    mcap, layout = targets
+    with new_file(layout, overwrite=True) as beside, new_file(mcap, overwrite=True) as draft:
+        save_foxglove(draft, beside, shown, urdf, reach, start_ns)
 
 
 def _refuse_without_a_screen() -> None:
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise ArgumentError("show: no screen here; --save FILE.rrd writes a file that `rerun FILE.rrd` opens")
+        raise ArgumentError("show: no screen here; --save FILE.rrd or FILE.mcap writes a file")
 
 
 def _text(path: str) -> str:

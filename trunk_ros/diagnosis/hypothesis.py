@@ -87,7 +87,7 @@ class Hypothesis(dict[str, Term]):
         return np.array([_encode(f.parameter, self._home(f)[f.parameter.name]) for f in free])
 
     def put(self, free: list[Free], x: Array) -> Hypothesis:
-        """A copy with these values."""
+        """A copy with the values ``x`` (free,), on the scales of their parameters."""
         out = self.copy()
         for f, value in zip(free, x, strict=True):
             out._home(f)[f.parameter.name] = _decode(f.parameter, float(value))

@@ -35,8 +35,8 @@ VALUES = tuple(
 
 class Curve(Effect):
     """+= curve(x), x being position (ratio phi), speed, time, load, another joint's angle or its speed.
-    Beyond its ends a curve goes on straight for half of its range, the less the more it winds on its way
-    there, and a straight line for three of them; one over time is held.
+    Outside the observed range a curve is extrapolated linearly, by half its range (less for wavy curves,
+    three ranges for straight lines); curves over time are held constant.
     """
 
     signature = "The residual depends on something in a way that no named effect has."
@@ -79,7 +79,7 @@ class Curve(Effect):
 
     @classmethod
     def onto(cls, x: Array, low: Array, high: Array) -> Array:
-        """Where on a curve from ``low`` to ``high`` each ``x`` lies."""
+        """Where on a curve from ``low`` to ``high`` (columns,) each ``x`` (n, columns) lies."""
         return x
 
     @classmethod

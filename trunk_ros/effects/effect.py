@@ -175,7 +175,9 @@ class Effect(ABC):
         return self.values[name]
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        """Pass a signal through the phenomenon; ``state`` is None at the start of a recording."""
+        """Pass ``x`` (n, columns) [rad, m at sliding joints] through the phenomenon; returns the same shape
+        and the state after it. ``state`` is None at the start of a recording.
+        """
         return x, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
@@ -234,7 +236,9 @@ class Effect(ABC):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        """Start values of one parameter; override where they depend on the recording."""
+        """Start values of one parameter, in its unit; override where they depend on the recording. ``rest``
+        (n,) rad: what is not explained yet.
+        """
         return parameter.scan or (parameter.typical,)
 
     @classmethod

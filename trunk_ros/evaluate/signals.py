@@ -10,20 +10,16 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import in_gaps
 from trunk_ros.diagnosis.tip.data import oriented
 from trunk_ros.recording.recording import JointSeries, PoseSeries
+from trunk_ros.recording.signal.measured import Measured
 from trunk_ros.recording.signal.resample import longest_gap
 
 STILL = 1e-6  # m that a tip may move along an axis that nothing moves it along
 
 
 @dataclass(frozen=True)
-class Signal:
-    """Measured less predicted of one quantity, (n,), NaN where one of them is not known."""
+class Signal(Measured):
+    """With ``error`` (n,), measured less predicted, NaN where one of them is not known."""
 
-    stage: str
-    name: str
-    unit: str
-    stamp: Array
-    measured: Array
     error: Array
 
 

@@ -2,36 +2,33 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from trunk_ros.errors import TrunkError
-from trunk_ros.export.markup import commented, numbers, parse, to_text, turned, written
-from trunk_ros.export.sheet import Writer
-from trunk_ros.model import Model, Values
+from trunk_ros.export.joints import JointWriter
+from trunk_ros.export.markup import numbers, turned, written
+from trunk_ros.model import Values
 
 CONTROLLER = "JointPositionController"
 
 
-class SdfWriter(Writer):
+class SdfWriter(JointWriter):
     """Writes into an SDF file. Play, compliance and lag are said beside the gains of a joint's position
     controller; without one they are left.
     """
 
-    def __init__(self, model: Model, path: Path):
-        """Raises TrunkError for a file that is no SDF, or has none of the joints."""
-        super().__init__(model)
-        self.root = parse(path.read_text(encoding="utf-8"), str(path))
-        self.found = {str(joint.get("name")): joint for joint in self.root.iter("joint")}
-        if self.root.tag != "sdf" or not set(self.joints) & set(self.found):
-            raise TrunkError(f"{path}: no SDF with any of the joints {', '.join(self.joints)}")
-        self.remarks += [f"{joint}: not in the file" for joint in self.joints if joint not in self.found]
+    kind, tag, joints_at = "SDF", "sdf", ".//joint"
 
-    def text(self) -> str:
-        commented(self.root, self.lines)
-        return to_text(self.root)
+    def limit(self, joint: str) -> Element | None:
+        return self._part(joint, "limit")
+
+    def told(self, limit: Element, key: str) -> str | None:
+        known = limit.find(key)
+        return None if known is None else known.text
+
+    def tell(self, limit: Element, key: str, text: str) -> None:
+        child(limit, key).text = text
 
     def backlash(self, values: Values) -> Values:
         """Friction over the controller's gain is a play."""
@@ -75,36 +72,6 @@ class SdfWriter(Writer):
             return True
 
         return self.each(values, "compliance", write)
-
-    def hard_stop(self, values: Values) -> Values:
-        """The axis' limit."""
-        key = "upper" if values.get("form", "upper") == "upper" else "lower"
-
-        def write(joint: str, end: float) -> bool:
-            limit = self._part(joint, "limit")
-            if limit is None:
-                return False
-            known = limit.find(key)
-            nearest = (
-                end if known is None else (min if key == "upper" else max)(end, float(known.text or end))
-            )
-            child(limit, key).text = written([nearest])
-            self.note("joint", joint, f"hard_stop at {end:.4g} rad: limit")
-            return True
-
-        return self.each(values, key, write)
-
-    def velocity_saturation(self, values: Values) -> Values:
-        """The axis' top speed."""
-        if not set(self.joints) <= set(self.found):
-            return values
-        for k, joint in enumerate(self.joints):
-            limit = self._part(joint, "limit")
-            assert limit is not None
-            top = float(values["v_max"]) * abs(float(self.model.arm.ratio[k]))
-            child(limit, "velocity").text = written([top])
-            self.note("joint", joint, f"velocity_saturation {values['v_max']:.4g} rad/s at the motor: limit")
-        return {}
 
     def base_tilt(self, values: Values) -> Values:
         """The pose of the model."""

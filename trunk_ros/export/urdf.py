@@ -2,60 +2,32 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from trunk_ros.errors import TrunkError
-from trunk_ros.export.markup import commented, numbers, parse, to_text, turned, written
-from trunk_ros.export.sheet import Writer
-from trunk_ros.model import Model, Values
+from trunk_ros.export.joints import JointWriter
+from trunk_ros.export.markup import numbers, turned, written
+from trunk_ros.model import Values
 
 
-class UrdfWriter(Writer):
+class UrdfWriter(JointWriter):
     """Writes into a URDF file."""
 
-    def __init__(self, model: Model, path: Path):
-        """Raises TrunkError for a file that is no URDF, or has none of the joints."""
-        super().__init__(model)
-        self.root = parse(path.read_text(encoding="utf-8"), str(path))
-        found = {str(joint.get("name")): joint for joint in self.root.findall("joint")}
-        if self.root.tag != "robot" or not set(self.joints) & set(found):
-            raise TrunkError(f"{path}: no URDF with any of the joints {', '.join(self.joints)}")
-        self.found = found
-        self.remarks += [f"{joint}: not in the file" for joint in self.joints if joint not in found]
+    kind, tag, joints_at = "URDF", "robot", "joint"
 
-    def text(self) -> str:
-        commented(self.root, self.lines)
-        return to_text(self.root)
+    def limit(self, joint: str) -> Element | None:
+        found = self.found.get(joint)
+        if found is None:
+            return None
+        limit = found.find("limit")
+        return SubElement(found, "limit", effort="0", velocity="0") if limit is None else limit
 
-    def hard_stop(self, values: Values) -> Values:
-        """The joint's limit."""
-        key = "upper" if values.get("form", "upper") == "upper" else "lower"
+    def told(self, limit: Element, key: str) -> str | None:
+        return limit.get(key)
 
-        def write(joint: str, end: float) -> bool:
-            limit = self._limit(joint)
-            if limit is None:
-                return False
-            known = limit.get(key)
-            nearest = (min if key == "upper" else max)(end, float(known)) if known else end
-            limit.set(key, written([nearest]))
-            self.note("joint", joint, f"hard_stop at {end:.4g} rad: limit")
-            return True
-
-        return self.each(values, key, write)
-
-    def velocity_saturation(self, values: Values) -> Values:
-        """The joint's top speed."""
-        if not set(self.joints) <= set(self.found):
-            return values
-        for k, joint in enumerate(self.joints):
-            limit = self._limit(joint)
-            assert limit is not None
-            limit.set("velocity", written([float(values["v_max"]) * abs(float(self.model.arm.ratio[k]))]))
-            self.note("joint", joint, f"velocity_saturation {values['v_max']:.4g} rad/s at the motor: limit")
-        return {}
+    def tell(self, limit: Element, key: str, text: str) -> None:
+        limit.set(key, text)
 
     def ratio_error(self, values: Values) -> Values:
         """The reduction of a transmission, where the file has one."""
@@ -113,10 +85,3 @@ class UrdfWriter(Writer):
             if parent is not None and parent.get("link") == link:
                 return each
         return None
-
-    def _limit(self, joint: str) -> Element | None:
-        found = self.found.get(joint)
-        if found is None:
-            return None
-        limit = found.find("limit")
-        return SubElement(found, "limit", effort="0", velocity="0") if limit is None else limit

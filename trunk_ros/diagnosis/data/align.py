@@ -209,8 +209,9 @@ def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: A
 
 
 def _forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array) -> np.ndarray:
-    """(m, joints): where the state of the play is unknown after a gap in which a joint turned, or may have
-    turned to and fro, until it has moved on. Turns by less than ``small`` (joints,) rad do not count.
+    """(m, joints): where it is unknown how a joint sits within its backlash: after a gap in which it turned,
+    or may have turned to and fro, until it has moved on. Turns by less than ``small`` (joints,) rad do not
+    count.
     """
     out = np.zeros(u.shape, dtype=bool)
     longest = min(usual(stamp), longest_gap(stamp))

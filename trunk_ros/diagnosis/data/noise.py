@@ -128,7 +128,9 @@ def strides_within(step: float) -> int:
 
 
 def noise_of(residuals: list[Array], masks: list[np.ndarray], longest: int = 16) -> Noise:
-    """Noise of one signal; white where ``longest`` is 1 sample."""
+    """Noise of one signal, by the residuals (n,) of each recording and where they count (n,); white where
+    ``longest`` is 1 sample.
+    """
     seen = differences_of(residuals, masks, longest)
     return seen.noise(seen.correlation if len(seen.strides) > 1 else 0.0)
 

@@ -161,12 +161,24 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         fits = _rivals(state, name, bare)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
+        for rival in [rival for rival, loss in out.rivals.items() if loss < limit]:
+            own = by_its_own_angles(state, out.fitted[rival])
+            if own is not None:
+                out.rivals[rival], out.fitted[rival] = float(own.total - state.total), own.hypothesis
         near = [rival for rival, loss in out.rivals.items() if loss < limit]
         before = {rival: len(_without(bare.hypothesis, rival, columns)) for rival in near}
         told = [rival for rival in near if len(_without(out.fitted[rival], rival, columns)) < before[rival]]
         out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:RIVALS]
     out.confidence = likely(limit or 1.0, sum(gain.values()), list(out.rivals.values()))
     return out
+
+
+def by_its_own_angles(state: Fit, rival: Hypothesis) -> Fit | None:
+    """A rival refitted with the joint angles that it predicts itself; None where couplings and loads see the
+    same in ``state``.
+    """
+    seen = state.context.seen_with(rival)
+    return None if seen is state.context else refit(seen, rival)
 
 
 def strength(state: Fit, name: str) -> float:

@@ -8,6 +8,7 @@ is refitted to the new motion together with the recordings at hand.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -141,12 +142,14 @@ class Design:
 
 
 def _told(peaks: Array, sides: range) -> list[int]:
-    """The sides of a pair to design for: the first if a motion tells it, or all that one tells, or the one
-    that shows most.
+    """The sides of a pair to design for: the first if a motion tells it, or all that one tells and the first
+    as well if it shows at all, or the one that shows most.
     """
     order = sorted(sides, key=lambda k: -float(peaks[k]))
     sure = [k for k in order if peaks[k] >= SURE]
-    return [sides[0]] if sides[0] in sure else sure or order[:1]
+    if sides[0] in sure:
+        return [sides[0]]
+    return [*sure, *sides[:1]] if sure else order[:1]
 
 
 def _at(part: Stretch, x: Array) -> Stretch:
@@ -188,7 +191,7 @@ def statement(
     form = duel.base[duel.truth].form
     truth = f"the {form} {duel.truth}" if form else duel.truth
     told = (
-        f"Play {file} ({there.duration:.0f} s) on the arm that was recorded, and look at {where}: if it is "
+        f"Play {file} ({ceil(there.duration)} s) on the arm that was recorded, and look at {where}: if it is "
         f"{truth}, the joint reads {gap} {'higher' if seen.gap > 0 else 'lower'} than if it is {duel.other} "
         f"({times}; {seen.rms:.2g} times rms over the whole motion)."
     )

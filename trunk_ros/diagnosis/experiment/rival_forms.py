@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trunk_ros.diagnosis.evidence.evidence import Evidence
+from trunk_ros.diagnosis.evidence.evidence import Evidence, by_its_own_angles
 from trunk_ros.diagnosis.experiment.discrimination import Duel, Other
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -32,7 +32,9 @@ def forms_of(state: Fit, there: Hypothesis, name: str, limit: float) -> list[Oth
     trials = [in_form(there, name, form) for form in kind.forms if kind.own_parameters(form)]
     if kind.texts:
         trials += [from_source(there, name, joint, context.joints) for joint in context.joints]
-    fits = sorted((refit(context, trial) for trial in trials or [there]), key=lambda fit: fit.total)
+    tried = [refit(context, trial) for trial in trials or [there]]
+    tried = [by_its_own_angles(state, fit.hypothesis) or fit for fit in tried]
+    fits = sorted(tried, key=lambda fit: fit.total)
     close = [fit for fit in fits[1:FORMS] if fit.total - state.total < limit]
     return [Other(context, fit.hypothesis, fit.total - state.total) for fit in [fits[0], *close]]
 

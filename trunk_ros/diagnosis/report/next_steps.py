@@ -8,7 +8,7 @@ from math import ceil
 from shlex import quote
 from typing import Any
 
-from trunk_ros.diagnosis.report.units import listed, quantity, spoken
+from trunk_ros.diagnosis.report.units import listed, spoken
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.recording.topics import TOPICS
 
@@ -72,7 +72,7 @@ def _record(result: Diagnosis) -> Iterator[Step]:
             pairs.setdefault(one["trajectory"], []).append(one.get("separates", []))
     for file, separated in pairs.items():
         motion = result.trajectories.get(file)
-        long = f", {quantity(float(ceil(motion.duration)), None, 's')}" if motion else ""
+        long = f", {ceil(motion.duration)} s" if motion else ""
         told = listed([" from ".join(_words(name) for name in pair) for pair in separated if pair])
         yield Step(
             f"Record this motion: {file}{long}.", f"It tells {told}; see “Decisive motion”." if told else ""

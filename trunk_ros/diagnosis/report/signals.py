@@ -12,19 +12,17 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding
 from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
+from trunk_ros.recording.signal.measured import Measured
 
 STILL = 2e-4  # of a joint's range: less is no reversal
 
 
 @dataclass(frozen=True)
-class Signal:
-    """One measured signal of a stage: arrays (n,), in ``unit``; gearbox and its velocity in rad, rad/s."""
+class Signal(Measured):
+    """With what was predicted before and after: arrays (n,), in ``unit``; gearbox and its velocity in rad,
+    rad/s.
+    """
 
-    stage: str
-    name: str
-    unit: str
-    stamp: Array
-    measured: Array
     before: Array
     after: Array
     valid: np.ndarray

@@ -1,4 +1,4 @@
-"""The signature plot of a finding: what the model without it leaves, and the fitted curve on top."""
+"""The signature plot of a finding: the residual without it, and its contribution as a line."""
 
 from __future__ import annotations
 

@@ -135,6 +135,7 @@ def _parameters(
 
 
 def value_of(value: float, std: float | None, unit: str) -> dict[str, Any]:
+    """A parameter as diagnosis.json has it; ``std`` null where the data do not tell it."""
     return {"value": value, "std": std if std is not None and np.isfinite(std) else None, "unit": unit}
 
 
@@ -146,6 +147,7 @@ def title(kind: type[Effect]) -> str:
 
 
 def statement_of(kind: type[Effect], where: str, parameters: dict[str, dict[str, dict[str, Any]]]) -> str:
+    """A finding in a sentence: where, what, how much."""
     values = [f"{owner} {_said(name, v)}" for owner, named in parameters.items() for name, v in named.items()]
     what = f"{title(kind)[0].lower()}{title(kind)[1:]}"
     return f"{where}: {what}" + (f" ({'; '.join(values)})." if values else ".")

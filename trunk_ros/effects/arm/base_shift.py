@@ -1,14 +1,16 @@
 """The base, or the frame that the tip is measured in, stands elsewhere."""
 
-import numpy as np
+from typing import ClassVar
 
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Core
+from trunk_ros.effects.geometric import FrameError
 from trunk_ros.parameter import Parameter
 
 AXES = ("x", "y", "z")
 
 
-class BaseShift(Effect):
+class BaseShift(FrameError):
     """The tip is moved along the base's axes, in every posture by the same."""
 
     id = "base_shift"
@@ -21,9 +23,8 @@ class BaseShift(Effect):
         )
         for k, axis in enumerate(AXES)
     )
-    everywhere = True
+    rows: ClassVar = {axis: row for row, axis in enumerate(AXES)}
     confused_with = (("tool_offset", "turn the last link: the tool's offset turns with it"),)
 
-    def adjust(self, core: Core, now: Now) -> None:
-        for row, axis in enumerate(AXES):
-            core.geometry.base[row] += float(np.ravel(self.values.get(axis, 0.0))[0])
+    def frame(self, core: Core) -> Array:
+        return core.geometry.base

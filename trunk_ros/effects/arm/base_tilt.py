@@ -1,14 +1,16 @@
 """The base stands tilted."""
 
-import numpy as np
+from typing import ClassVar
 
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Core
+from trunk_ros.effects.geometric import FrameError
 from trunk_ros.parameter import Parameter
 
 ABOUT = {"angle": 3, "angle_y": 4, "angle_z": 5}
 
 
-class BaseTilt(Effect):
+class BaseTilt(FrameError):
     """The tip turns about the base's X axis by ``angle``; out of the plane, also about Y and Z."""
 
     id = "base_tilt"
@@ -23,8 +25,7 @@ class BaseTilt(Effect):
         )
         for name, axis in zip(ABOUT, "XYZ", strict=True)
     )
-    everywhere = True
+    rows: ClassVar = ABOUT
 
-    def adjust(self, core: Core, now: Now) -> None:
-        for name, row in ABOUT.items():
-            core.geometry.base[row] += float(np.ravel(self.values.get(name, 0.0))[0])
+    def frame(self, core: Core) -> Array:
+        return core.geometry.base

@@ -1,15 +1,17 @@
 """The tool, or the marker that is measured, sits elsewhere on the last link."""
 
-import numpy as np
+from typing import ClassVar
 
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Core
+from trunk_ros.effects.geometric import FrameError
 from trunk_ros.parameter import Parameter
 
 AXES = (("x", "m"), ("y", "m"), ("z", "m"), ("roll", "rad"), ("pitch", "rad"), ("yaw", "rad"))
 TYPICAL = {"m": 5e-4, "rad": 2e-3}
 
 
-class ToolOffset(Effect):
+class ToolOffset(FrameError):
     """The tip is moved and turned along and about its own axes, in every posture by the same."""
 
     id = "tool_offset"
@@ -23,9 +25,8 @@ class ToolOffset(Effect):
         )
         for name, unit in AXES
     )  # fmt: skip
-    everywhere = True
+    rows: ClassVar = {name: row for row, (name, _) in enumerate(AXES)}
     confused_with = (("joint_zero_error", "a zero of the last joint turns the tool about its axis as well"),)
 
-    def adjust(self, core: Core, now: Now) -> None:
-        for row, (name, _) in enumerate(AXES):
-            core.geometry.tool[row] += float(np.ravel(self.values.get(name, 0.0))[0])
+    def frame(self, core: Core) -> Array:
+        return core.geometry.tool

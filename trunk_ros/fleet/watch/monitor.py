@@ -155,16 +155,16 @@ class Monitor:
         self.wire, self.servo = Watched(model, "wire", alpha), Watched(model, "servo", alpha)
 
     def setpoints(self, stamp: float, value: Array) -> None:
-        """Gearbox angles asked of the servo."""
+        """Gearbox angles asked of the servo, (joints,) rad, at ``stamp`` s."""
         self.servo.stage.given.add(stamp, value)
 
     def gearbox(self, stamp: float, value: Array) -> None:
-        """Gearbox angles."""
+        """Gearbox angles, (joints,) rad, at ``stamp`` s."""
         self.servo.stage.shown.add(stamp, value)
         self.wire.stage.given.add(stamp, value)
 
     def joint_states(self, stamp: float, value: Array) -> None:
-        """Joint angles."""
+        """Joint angles, (joints,) rad, at ``stamp`` s."""
         self.wire.stage.shown.add(stamp, value)
 
     def look(self) -> list[Change]:

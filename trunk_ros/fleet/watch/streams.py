@@ -24,7 +24,7 @@ class Buffer:
     values: list[Array] = field(default_factory=list)
 
     def add(self, stamp: float, value: Array) -> None:
-        """One sample; one that does not come after the last is left out."""
+        """One sample (joints,) at ``stamp`` s; one that does not come after the last is left out."""
         if not self.stamps or stamp > self.stamps[-1]:
             self.stamps.append(stamp)
             self.values.append(value)

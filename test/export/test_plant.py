@@ -1,0 +1,79 @@
+"""A plant is the model itself, tick by tick, for one arm and for many at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.effects.example import motion, stamps
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.errors import ModelError
+from trunk_ros.model import Model, load_model
+
+RATE = 100.0
+STAMP = stamps(12.0, RATE)
+ARM = load_model("trunk").arm
+EFFECTS = {
+    "backlash": {"half_width": np.array([2e-3, 0.0, 4e-3, 0.0, 0.0])},
+    "joint_coupling": {"gain": np.array([0.0, 0.0, 0.0, 0.02, 0.0]), "source": ["", "", "", "joint_2", ""]},
+    "sensor_delay": {"delay": 0.02},
+    "servo_bandwidth": {"relative": -0.2},
+}
+MODEL = Model(ARM, EFFECTS)
+
+
+def setpoints(environments: int) -> Array:
+    """(n, environments, joints) at rest at first: each environment moves at another pace."""
+    paces = np.linspace(1.0, 0.5, environments)
+    still = np.clip(STAMP, 0.0, 1.0)[:, None]
+    return np.stack([still * motion(STAMP, 5, 0.2, pace) / 0.625 for pace in paces], axis=1)
+
+
+def readings(model: Model, environments: int) -> Array:
+    """(n, environments, joints) after each step."""
+    plant = model.plant(environments)
+    plant.reset()
+    return np.array([plant.step(row, 1.0 / RATE) for row in setpoints(environments)])
+
+
+@pytest.mark.parametrize("effects", [{}, EFFECTS], ids=["nominal", "with effects"])
+def test_it_reads_what_simulate_does(effects: dict) -> None:
+    model, given = Model(ARM, effects), setpoints(1)[:, 0]
+    phi = Chain(model, "servo").run(given, STAMP)[0]
+    expected = Chain(model, "wire").run(phi, STAMP)[0]
+    off = readings(model, 1)[:-1, 0] - expected[1:]
+    assert np.abs(off[20:]).max() < 2e-4
+    assert np.ptp(expected, axis=0).min() > 0.1
+
+
+def test_many_arms_are_as_each_by_itself() -> None:
+    together, given = readings(MODEL, 3), setpoints(3)
+    alone = MODEL.plant()
+    alone.reset()
+    np.testing.assert_allclose(
+        together[:, 2], [alone.step(row, 1.0 / RATE) for row in given[:, 2]], atol=1e-9
+    )
+
+
+def test_those_that_are_reset_begin_anew_and_the_others_go_on() -> None:
+    given = setpoints(2)
+    plant, other = MODEL.plant(2), MODEL.plant(2)
+    plant.reset(), other.reset()
+    for row in given[:500]:
+        plant.step(row, 1.0 / RATE), other.step(row, 1.0 / RATE)
+    shown = plant.reset(np.array([True, False]), posture=0.1)
+    np.testing.assert_allclose(shown[0], 0.1)
+    held = np.where(np.array([True, False])[:, None], 0.1 / ARM.ratio, given[500])
+    after, gone_on = plant.step(held, 1.0 / RATE), other.step(given[500], 1.0 / RATE)
+    np.testing.assert_allclose(after[0], 0.1, atol=5e-3)
+    np.testing.assert_array_equal(after[1], gone_on[1])
+
+
+def test_what_cannot_be_is_refused_in_one_line() -> None:
+    with pytest.raises(ModelError, match="a model with joints"):
+        load_model("direct").plant()
+    with pytest.raises(ModelError, match="give 1 or more"):
+        MODEL.plant(0)
+    with pytest.raises(ModelError, match="2 environments of joint_1"):
+        MODEL.plant(2).step(np.zeros(5), 0.01)

@@ -1,0 +1,121 @@
+"""The arm that a model describes, run tick by tick, for one environment or for thousands at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.errors import ModelError
+from trunk_ros.export.missing import missing
+from trunk_ros.export.reality.scene import Scene
+from trunk_ros.export.reality.servo import Servo
+from trunk_ros.export.reality.wire import Wire
+from trunk_ros.model import Model
+
+FINE = 2e-3  # s: step of the nominal servo's integration
+
+
+class Plant:
+    """Setpoints in, joint readings out: servo, wire and sensors of a model, without a simulator.
+
+    ::
+
+        plant = load_model("verdict/model.yaml").plant(environments=1024)
+        reading = plant.reset()                 # (1024, joints) rad
+        reading = plant.step(setpoints, 0.01)   # what the sensors show 0.01 s later
+    """
+
+    _gearbox: Array
+    _velocity: Array
+    _theta: Array
+    _anew: np.ndarray
+
+    def __init__(self, model: Model, environments: int = 1):
+        """Raises ModelError where the model names no joints, has motors that move several joints, or an
+        effect that cannot act on many environments.
+        """
+        if model.any_joints:
+            raise ModelError("a plant wants a model with joints: one that diagnose has written, or an arm's")
+        if model.arm.coupling is not None:
+            raise ModelError("wire.coupling: a plant of motors that move several joints is not there yet")
+        if environments < 1:
+            raise ModelError(f"{environments} environments: give 1 or more")
+        self.model, self.joints = missing(model).model, model.arm.joints
+        self._shape = environments, len(self.joints)
+        self.reset()
+
+    @property
+    def motors(self) -> Array:
+        """(environments, joints) motor-side angles now [rad]."""
+        return self._gearbox.copy()
+
+    def reset(self, which: ArrayLike | None = None, posture: ArrayLike = 0.0) -> Array:
+        """Joint readings (environments, joints) [rad] of arms that stand at ``posture`` [rad, joint side,
+        (joints,) or (environments, joints)]: all, or those ``which`` (environments,) says.
+
+        Wires lie in the centre of their backlash, and effects of time begin anew where all are reset.
+        """
+        stands = np.broadcast_to(np.asarray(posture, dtype=float), self._shape)
+        chosen = np.ones(self._shape[0], bool) if which is None else np.asarray(which, dtype=bool)
+        if which is None:
+            self._begin()
+        else:
+            self._anew = self._anew | chosen
+        self._gearbox = np.where(chosen[:, None], stands / self.model.arm.ratio, self._gearbox)
+        self._velocity = np.where(chosen[:, None], 0.0, self._velocity)
+        self._theta = np.where(chosen[:, None], stands, self._theta)
+        return self._theta.copy()
+
+    def _begin(self) -> None:
+        environments = self._shape[0]
+        self._servo, self._wire = Servo(self.model, environments), Wire(self.model, environments)
+        self._arm, self._time = self.model.loaded_arm(), 0.0
+        self._gearbox, self._velocity, self._theta = (np.zeros(self._shape) for _ in range(3))
+        self._anew = np.zeros(environments, bool)
+
+    def step(self, setpoints: ArrayLike, dt: float) -> Array:
+        """Joint readings (environments, joints) [rad] after ``dt`` s under ``setpoints`` [rad, motor side].
+
+        Both have the shape (joints,) for one environment as well. Raises ModelError for other shapes.
+        """
+        asked, before = self._given(setpoints), self._gearbox
+        anew, self._anew = (self._anew if self._anew.any() else None), np.zeros(self._shape[0], bool)
+        speed = self._velocity * self._arm.ratio
+        here = Scene(self._arm, self.model.duration, dt, before, self._theta, speed)
+        wanted = self._servo.step(asked, here, self._time, anew)
+        gearbox, velocity = before.copy(), self._velocity.copy()
+        arm = self._arm
+        follow(wanted, dt, arm.kp, arm.tau_v, arm.v_max, gearbox, velocity)
+        self._time += dt
+        theta = self._theta + (gearbox - before) * arm.ratio
+        now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
+        clock = Scene(arm, self._time, dt, gearbox, theta, velocity * arm.ratio)
+        self._gearbox, self._velocity = gearbox, velocity
+        self._theta = self._wire.drive(now, clock, anew)
+        shown = self._wire.show(self._theta, now, clock, anew)
+        return np.asarray(shown.reshape(np.shape(setpoints)))
+
+    def _given(self, setpoints: ArrayLike) -> Array:
+        array = np.asarray(setpoints, dtype=float)
+        if array.size != self._shape[0] * self._shape[1] or array.shape[-1:] != self._shape[1:]:
+            wanted = f"{self._shape[0]} environments of {', '.join(self.joints)}"
+            raise ModelError(f"setpoints have the shape {array.shape}: they must be for {wanted}")
+        return np.ascontiguousarray(array.reshape(self._shape))
+
+
+@compiled
+def follow(
+    setpoints: Array, dt: float, kp: float, tau_v: float, v_max: float, gearbox: Array, velocity: Array
+) -> None:
+    """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
+    the nominal servo.
+    """
+    steps = max(int(np.ceil(dt / FINE - 1e-9)), 1)
+    h = dt / steps
+    for e in range(setpoints.shape[0]):
+        for j in range(setpoints.shape[1]):
+            for _ in range(steps):
+                wanted = min(max(kp * (setpoints[e, j] - gearbox[e, j]), -v_max), v_max)
+                velocity[e, j] += h * (wanted - velocity[e, j]) / tau_v
+                gearbox[e, j] += h * velocity[e, j]
