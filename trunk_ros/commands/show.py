@@ -34,7 +34,7 @@ def parser() -> Parser:
         metavar="FILE",
         help="the arm's look (default: the model's or recording's URDF, else links as the model has them)",
     )
-add_namespace(made)
+    add_namespace(made)
     made.add_argument(
         "--save", metavar="FILE", help="write FILE.rrd for Rerun, or FILE.mcap for Foxglove; open nothing"
     )
