@@ -31,8 +31,10 @@ from test.recording.bags import KIND, STORE, joint_state, motion, only_file, wri
 from trunk_ros.errors import TrunkError
 from trunk_ros.recording.mcap.records import MAGIC, MESSAGE
 from trunk_ros.recording.mcap.summary import bytes_of
+from trunk_ros.recording.messages.message_types import definition
 
 MIB = 1 << 20
+_SCHEMA = Schema(1, definition(KIND)[0].encode(), "ros2msg", KIND)
 
 
 @dataclass(frozen=True)
@@ -105,9 +107,7 @@ def many_small_chunks(folder: Path) -> Path:
     path = folder / "chunks.mcap"
     plain = message(bytes(1000)) * (16 * MIB // 1031)
     chunk = bytes_of(Chunk("zstd", zstandard.compress(plain), 0, 0, 0, len(plain)))
-    head = bytes_of(
-        Header("ros2", "bomb"), Schema(1, b"", "ros2msg", KIND), Channel(1, "/joint_states", "cdr", {}, 1)
-    )
+    head = bytes_of(Header("ros2", "bomb"), _SCHEMA, Channel(1, "/joint_states", "cdr", {}, 1))
     path.write_bytes(MAGIC + head + 16 * chunk + bytes_of(DataEnd(0), Footer(0, 0, 0)) + MAGIC)
     return path
 
@@ -256,7 +256,7 @@ def _zstd_zeros(mib: int) -> bytes:
 def _indexed(record: bytes, chunk_at: int, packed: int, plain: int, times: int = 1) -> bytes:
     """A file with this record, and an index that lists a chunk `chunk_at` bytes behind its begin."""
     head = MAGIC + bytes_of(Header("ros2", "bomb"))
-    described = bytes_of(Schema(1, b"", "ros2msg", KIND), Channel(1, "/joint_states", "cdr", {}, 1))
+    described = bytes_of(_SCHEMA, Channel(1, "/joint_states", "cdr", {}, 1))
     body = head + described + record + bytes_of(DataEnd(0))
     size = 9 + 8 + 8 + 8 + 4 + 4 + 4 + 8 + packed  # of the chunk's record
     at = len(head) + len(described) + chunk_at
