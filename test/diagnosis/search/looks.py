@@ -16,8 +16,10 @@ from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.curve import VALUES
 from trunk_ros.model import load_model
 
+ROUGH = np.random.default_rng(4).normal(size=len(VALUES)) * 2e-3  # rad along the way of joint 2
 ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "clean": {},
     "backlash": {"backlash": {"half_width": on(3, 1.5e-3)}},
@@ -30,6 +32,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     },
     "coupled": {"joint_coupling": {"gain": on(4, 0.03), "source": ["", "", "", "joint_2", ""]}},
     "tension": {"tension_error": {"factor": 3.0}},
+    "rough": {
+        "unknown": {
+            "low": on(2, -0.5),
+            "high": on(2, 0.5),
+            "on": ["", "position", "", "", ""],
+            **{p.name: on(2, float(height)) for p, height in zip(VALUES, ROUGH, strict=True)},
+        }
+    },
 }
 
 

@@ -116,6 +116,15 @@ def test_a_curve_explains_what_no_name_does_but_costs_more_than_the_name() -> No
     assert beats(named, drawn)
 
 
+def test_a_curve_comes_early_only_where_names_will_not_come_near_it() -> None:
+    hopeless = [
+        Term("ratio_error", own={1: {"relative": 1e-3}}),
+        Term("backlash", own={1: {"half_width": 1e-4}}),
+    ]
+    assert improved("early_curve", "rough", *hopeless).hypothesis.curved == {1}
+    assert best_of(MOVE["early_curve"], fitted("two", BACKLASH)) is None
+
+
 @pytest.mark.parametrize("move", MOVES, ids=lambda move: move.name)
 def test_no_move_makes_anything_of_a_clean_arm_or_of_the_truth(move: Move) -> None:
     for now in (fitted("clean"), fitted("backlash", BACKLASH)):

@@ -76,6 +76,22 @@ def curve_fit(context: Context, bare: Hypothesis, column: int) -> Fit | None:
     return min(drawn, key=lambda d: d.worth).fit if drawn else None
 
 
+def promised(context: Context, bare: Hypothesis, column: int) -> float:
+    """Squared unit-noise residual above the noise that a curve added to the angle would leave of a column by
+    a linear look: a fit leaves no more.
+    """
+    rest = context.whitened(bare, column)
+
+    def left(variable: str) -> float:
+        place = Place(UNKNOWN, variable, *ends(context, column, variable))
+        design = design_of(context, column, place)
+        values, _ = smoothed(design, rest, place.curve.bend())
+        return float(np.sum((rest - design @ values) ** 2))
+
+    over = variables(context, column) if context.stage.name == "wire" else []
+    return max(min(map(left, over), default=np.inf) - context.count(column), 0.0)
+
+
 def redrawn(context: Context, hypothesis: Hypothesis, column: int) -> Hypothesis:
     """The hypothesis with its curves on a column drawn anew, over what they were drawn over before."""
     for term in drawn_on(context, hypothesis, column):

@@ -17,12 +17,13 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.experiment.discrimination import HOPELESS, Difference, Duel, expected, span_of
-from trunk_ros.diagnosis.experiment.motions import Stretch, limits_of, motion, stretches
+from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.trajectory import Trajectory
 
 MOST = 4  # stretches of a motion
+MOVED = 4  # stretches that are tried in other postures
 AGAIN = 6  # stretches that are tried once more beside the best one
 SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
 AMPLE = 10.0  # likewise: no further stretch is added; each joint is to be told by itself
@@ -99,12 +100,15 @@ class Design:
         return float(np.sum(np.log1p(self.ratios(parts))))
 
     def ranked(self) -> tuple[list[Stretch], list[Duel]]:
-        """The stretches that tell most, and each pair from the side that shows most. ``duels`` become all
-        that a motion may decide.
+        """The stretches that tell most, the best of them in other postures too, and each pair from the side
+        that shows most. ``duels`` become all that a motion may decide.
         """
         candidates = stretches(len(self.context.joints), self.own)
         self.duels = [duel for duels in self.sides for duel in duels]
-        ratios = np.array([self.ratios([part]) for part in candidates])
+        seen = [self.ratios([part]) for part in candidates]
+        best = sorted(range(len(candidates)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOVED]
+        moved = [there for k in best for there in elsewhere(candidates[k])]
+        candidates, ratios = candidates + moved, np.array(seen + [self.ratios([part]) for part in moved])
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
         told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
         faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]

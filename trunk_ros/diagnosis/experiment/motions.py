@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import copysign, inf, sqrt
 from typing import Literal
@@ -57,13 +57,18 @@ SHAPES = {  # size, speed, hold, shrink: the sections of trunk_ros/motion.py, an
     "slow": (0.3, 0.05, 0.0, 1.0),
 }
 MOVERS: tuple[Movers, ...] = ("own", "others", "all")
-CENTRES = (0.0, -0.5, 0.5)
+CENTRES = (-0.5, 0.5)
 
 
 def stretches(joints: int, own: Collection[int]) -> list[Stretch]:
-    """All stretches that are worth a look for joints ``own`` of an arm."""
+    """All stretches about the middle that are worth a look for joints ``own`` of an arm."""
     movers = MOVERS if len(own) < joints else ("all",)
-    return [Stretch(who, centre, *shape) for who, centre, shape in product(movers, CENTRES, SHAPES.values())]
+    return [Stretch(who, 0.0, *shape) for who, shape in product(movers, SHAPES.values())]
+
+
+def elsewhere(part: Stretch) -> list[Stretch]:
+    """The same about other postures."""
+    return [replace(part, centre=centre) for centre in CENTRES]
 
 
 def limits_of(context: Context) -> Limits:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import Candidate, extended
+from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.screen import Screen
@@ -14,26 +15,44 @@ from trunk_ros.effects import Effect
 PROMISED = 0.5  # of what it takes to win: a linear look does not see all of it
 
 
+@dataclass(frozen=True)
+class Look:
+    """A hypothesis, and by a linear look what is left of a joint before it and how much it gains."""
+
+    hypothesis: Hypothesis
+    left: float
+    gain: float
+
+
 def column_trials(
     best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int
 ) -> Iterator[Fit]:
     """The most promising effects on a joint of ``bare``, refitted there where they may beat ``best``."""
+    yield from refitted(best, column, looks(best, bare, column, kinds, most))
+
+
+def looks(best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int) -> Iterator[Look]:
+    """The most promising effects on a joint of ``bare``, each in its promising forms."""
     screen = Screen(best.context, bare, [column])
+    left = screen.left(column)
     for candidate in screen.ranked(kinds, column, most):
-        trial = try_one(best, screen, candidate, column)
-        if trial is not None:
+        yield Look(extended(best.context, bare, candidate), left, candidate.gain)
+
+
+def most_promising(best: Fit, column: int, found: Iterable[Look], most: int) -> list[Look]:
+    """Of looks at different hypotheses those that come nearest to what they need."""
+    return sorted(found, key=lambda look: look.left - look.gain - _goal(best, look.hypothesis, column))[:most]
+
+
+def refitted(best: Fit, column: int, found: Iterable[Look]) -> Iterator[Fit]:
+    """Those that may beat ``best``, and what was better before them, refitted on their joint."""
+    for look in found:
+        goal = _goal(best, look.hypothesis, column)
+        if look.left - look.gain / PROMISED <= goal:
+            trial = refit_column(best, look.hypothesis, column, goal)
             if score(trial) < score(best):
                 best = trial
             yield trial
-
-
-def try_one(best: Fit, screen: Screen, candidate: Candidate, column: int) -> Fit | None:
-    """A candidate refitted on its joint; None where it promises too little to beat ``best``."""
-    hypothesis = extended(best.context, screen.hypothesis, candidate)
-    goal = _goal(best, hypothesis, column)
-    if screen.left(column) - candidate.gain / PROMISED > goal:
-        return None
-    return refit_column(best, hypothesis, column, goal)
 
 
 def _goal(best: Fit, hypothesis: Hypothesis, column: int) -> float:

@@ -1,7 +1,7 @@
 """The changes that a search tries, cheap ones first; one file each."""
 
 from trunk_ros.diagnosis.search.moves.add import ADD
-from trunk_ros.diagnosis.search.moves.curve import CURVE
+from trunk_ros.diagnosis.search.moves.curve import CURVE, EARLY_CURVE
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.form import FORM
 from trunk_ros.diagnosis.search.moves.member import MEMBER
@@ -13,7 +13,23 @@ from trunk_ros.diagnosis.search.moves.swap import SWAP
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 
-MOVES = (ONSET, FORM, MEMBER, OPTION, SOURCE, DROP, SWAP, SWAP_MANY, SWAP_ALL, ADD, RESTART, CURVE)
-"""In the order in which they are tried: what mends before what adds, names before curves."""
+MOVES = (
+    ONSET,
+    FORM,
+    MEMBER,
+    OPTION,
+    SOURCE,
+    DROP,
+    EARLY_CURVE,
+    SWAP,
+    SWAP_MANY,
+    SWAP_ALL,
+    ADD,
+    RESTART,
+    CURVE,
+)
+"""In the order in which they are tried: what mends before what adds, names before curves where names may
+do.
+"""
 
 __all__ = ["ADD", "CURVE", "DROP", "MOVES", "ONSET"]

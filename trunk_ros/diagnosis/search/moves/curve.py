@@ -1,12 +1,15 @@
-"""A smooth curve without a name in the place of named effects, or of what nothing explains."""
+"""A smooth curve without a name in the place of named effects, or of what nothing explains.
+
+It comes last, where names end; or before names are exchanged, where these will not come near it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
 
-from trunk_ros.diagnosis.discrepancy.curves import curve_fit
-from trunk_ros.diagnosis.search.candidates import own_effects
+from trunk_ros.diagnosis.discrepancy.curves import curve_fit, promised
+from trunk_ros.diagnosis.search.candidates import MOST, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, state_of
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import beats, score
@@ -14,6 +17,7 @@ from trunk_ros.effects import effect
 
 CLEARER = 0.02  # of what the names explain: what a curve must explain beyond them
 FEW = 2  # effects of a joint's own from which on a curve may do instead
+KEPT = 1  # effects beside which a curve is drawn in full
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -21,18 +25,39 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     yield Group("any", best.context.columns, partial(_curves, best, desk))
 
 
+def early_groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Joints whose names are far from what a curve promises."""
+    for column in best.context.columns:
+        if _leaves(best, column) and _hopeless(best, column):
+            yield Group(column, [column], partial(_on_joints, best, desk, [column]))
+
+
+def _hopeless(best: Fit, column: int) -> bool:
+    """Whether the names that a joint may still have would have to explain more, each, than those that it has
+    do, to leave as little as a curve promises in their place.
+    """
+    local = own_effects(best.hypothesis, column)
+    if not local or column in best.hypothesis.curved:
+        return False
+    explained = best.context.misfit.get(column, 0.0) - best.rest(column)
+    reached = best.rest(column) - (MOST - len(local)) * explained / len(local)
+    if reached <= 0.0:
+        return False
+    return promised(best.context, best.hypothesis.less(local, column), column) < reached
+
+
 def _curves(best: Fit, desk: Desk) -> Iterator[Fit]:
     """Beside what acts on all joints, or in its place."""
-    yield from _on_joints(best, desk)
+    yield from _on_joints(best, desk, best.context.columns)
     shared = [n for n in best.hypothesis if effect(n).everywhere and n not in best.context.known]
     if shared and not best.hypothesis.curved and all(_leaves(best, c) for c in best.context.columns):
         yield from _everywhere(best, shared)
 
 
-def _on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
+def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
     """With curves on all joints that are better off with one."""
     now = best
-    for column in best.context.columns:
+    for column in columns:
         local = own_effects(now.hypothesis, column)
         named = all(effect(name).named for name in local)
         key = ("curve", column, *state_of(now, [column]))
@@ -59,9 +84,16 @@ def _leaves(best: Fit, column: int) -> bool:
 
 
 def _curved(best: Fit, column: int, local: list[str]) -> Iterator[Fit]:
-    """With a curve in the place of all of a joint's effects, or of all but one."""
-    for kept in [(), *((name,) for name in local)]:
-        bare = best.hypothesis.less([name for name in local if name not in kept], column)
+    """With a curve in the place of all of a joint's effects, and in that of all but one where this promises
+    most.
+    """
+    bares = [
+        fit(best.context, best.hypothesis.less([name for name in local if name != kept], column), [column])
+        for kept in ["", *local]
+    ]
+    first, *others = (bare.hypothesis for bare in bares)
+    others.sort(key=lambda bare: promised(best.context, bare, column))
+    for bare in [first, *others[:KEPT]]:
         trial = curve_fit(best.context, bare, column)
         if trial is not None:
             yield Fit(trial.hypothesis, best.cost | trial.cost, best.context)
@@ -80,3 +112,4 @@ def _everywhere(best: Fit, shared: list[str]) -> Iterator[Fit]:
 
 
 CURVE = Move("curve", groups, grows=True)
+EARLY_CURVE = Move("early_curve", early_groups, grows=True)

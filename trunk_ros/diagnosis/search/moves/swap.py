@@ -9,10 +9,10 @@ from itertools import combinations
 from trunk_ros.diagnosis.search.candidates import open_kinds, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.score import score
-from trunk_ros.diagnosis.search.trial import column_trials
+from trunk_ros.diagnosis.search.trial import Look, looks, most_promising, refitted
 
-REFITTED = 5  # candidates that are refitted in full
+EACH = 5  # effects that are looked at in the place of the same ones
+REFITTED = 8  # of all of them that are refitted in full
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -23,12 +23,15 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def _swapped(best: Fit, column: int) -> Iterator[Fit]:
-    local, now = own_effects(best.hypothesis, column), best.hypothesis
+    found = most_promising(best, column, _looks(best, column), REFITTED)
+    yield from refitted(best, column, found)
+
+
+def _looks(best: Fit, column: int) -> Iterator[Look]:
+    local = own_effects(best.hypothesis, column)
     for gone in [*((a,) for a in local), *combinations(local, 2)]:
-        bare = now.less(gone, column)
-        for trial in column_trials(best, bare, column, open_kinds(best.context, bare, column), REFITTED):
-            best = min(best, trial, key=score)
-            yield trial
+        bare = best.hypothesis.less(gone, column)
+        yield from looks(best, bare, column, open_kinds(best.context, bare, column), EACH)
 
 
 SWAP = Move("swap", groups)
