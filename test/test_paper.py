@@ -161,7 +161,7 @@ def test_the_weight_matters_more_than_the_friction(found: Workspace) -> None:
 @pytest.mark.parametrize("cause", [WORST, HYSTERESIS, STRETCH, BOTH])
 def test_the_errors_at_the_tip_are_as_documented(cause: str, made: Path) -> None:
     text = (made / PAGE).read_text(encoding="utf-8")
-    row = text[text.rindex(f"<td>{cause}</td>") :].partition("</tr>")[0]
+    row = text[text.rindex(f"<th>{cause}</th>") :].partition("</tr>")[0]
     assert f"| {cause} | {' | '.join(re.findall(r'[0-9]+[.][0-9]{3}', row))} |" in DOCUMENTED
 
 

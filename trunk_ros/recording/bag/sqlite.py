@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from trunk_ros.recording.allowance import Allowance
@@ -104,10 +105,18 @@ def _topics(database: sqlite3.Connection, allowance: Allowance) -> list[tuple[in
         for number, *words in database.execute(_TOPICS):
             name, kind, encoding = map(str, words)
             allowance.take(len(name) + len(kind) + len(encoding))
-            topics.append((int(number), name, kind, encoding))
+            topics.append((_number(number), name, kind, encoding))
         return topics
     except (sqlite3.Error, TypeError, ValueError, OverflowError) as error:
         raise DamageError(f"is a damaged database ({error})") from None
+
+
+def _number(value: Any) -> int:
+    """A topic's number, which sqlite would keep as such. OverflowError where it would not."""
+    number = int(value)
+    if number.bit_length() > 63:
+        raise OverflowError("the number of a topic is too large")
+    return number
 
 
 def _messages(
