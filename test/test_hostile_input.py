@@ -181,7 +181,6 @@ LOCKED: dict[str, tuple[str, str]] = {
     "a mapping": ("read_bytes", "import bag --mapping locked/map.yaml --output out"),
     "a folder to recover": ("stat", "recover locked/bag"),
     "an output": ("mkdir", "simulate bag --model trunk --output locked/deep/out"),
-    "a diagnosis": ("mkdir", "diagnose bag --output locked/deep/out"),
     "an import": ("mkdir", "import table.csv --mapping table.yaml --output locked/deep/out"),
     "a run": ("mkdir", "bringup --output locked/deep/out"),
 }
@@ -211,6 +210,24 @@ def test_what_may_not_be_touched_is_said(what: str, tmp_path: Path, bag: Path, r
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Path, call, forbidden)
     assert "Permission denied" in refused(*command.split())
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "diagnose bag --output locked/deep/out",
+        "simulate bag --model trunk --output locked/out",
+        "import bag --mapping map.yaml --output locked/out",
+    ],
+)
+def test_an_output_that_may_not_be_written_is_said_before_the_work(
+    command: str, tmp_path: Path, monkeypatch, refused
+) -> None:
+    """There is nothing to work on here."""
+    (tmp_path / "locked").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os, "access", lambda path, mode: "locked" not in Path(path).parts)
+    assert refused(*command.split()).endswith(f"Permission denied in {tmp_path / 'locked'}")
 
 
 def test_loops_are_compiled_anew_where_no_cache_can_be_written(monkeypatch) -> None:
