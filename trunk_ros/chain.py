@@ -223,7 +223,7 @@ class Chain:
         """What the wire takes in for ``y`` to come out of ``inner``, and the friction element's memory."""
         core = self._core()
         core.old, core.new = old, new
-        for e in self.order.core:
+        for e in self.order.core + self.order.path:
             e.adjust(core, now)
         u = back(y, inner, now, old, new)
         moved: tuple[Array, Any] = (core.rounding or SharpPlay()).invert(u, core.width, begun)

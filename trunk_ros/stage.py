@@ -67,9 +67,12 @@ class Order:
     def of(effects: Sequence[Effect]) -> Order:
         """Sort effects that are in physical order already."""
         return Order(
-            [e for e in effects if e.place < Effect.CORE],
+            [
+                *(e for e in effects if e.place < Effect.CORE),
+                *(part for e in effects if (part := e.upstream()) is not None),
+            ],
             [e for e in effects if e.place == Effect.CORE],
-            [e for e in effects if Effect.CORE < e.place < SENSOR],
+            [e.downstream() for e in effects if Effect.CORE < e.place < SENSOR],
             [e for e in effects if e.place >= SENSOR],
         )
 
@@ -90,7 +93,7 @@ def friction(
 ) -> tuple[Array, Any]:
     """What the wire hands on to the joint, and the friction element's memory."""
     core.old, core.new = old, new
-    for e in order.core:
+    for e in order.core + order.path:
         e.adjust(core, now)
     if core.rounding is None and not order.path:
         return SharpPlay().run(x, core.width, state, now.ratio)

@@ -22,6 +22,7 @@ from trunk_ros.recording.signal.resample import SLOW
 LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
 CLOSE = 0.01  # of the motion: a change of the angles that changes nothing of what was tried
+PLAIN = 0.25  # of the joints: so many show little but noise
 KEPT = 8  # surroundings of each joint and span that are kept
 
 
@@ -105,7 +106,8 @@ class Context:
 
     def weighed(self, hypothesis: Hypothesis) -> Context:
         """With the noise that a hypothesis leaves: a size for each joint, one colour for all, as the joints'
-        sensors are alike and some joints may have more than noise left.
+        sensors are alike. Some joints may have more than noise left, which only adds to the colour that is
+        seen.
         """
         longest = strides_within(self.step)
         seen = []
@@ -115,7 +117,7 @@ class Context:
             strides = 1 if column in self.formed else longest
             seen.append(differences_of(residuals, masks, strides, self.stage.steps[column]))
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
-        colour = float(np.median(judged)) if judged else 0.0
+        colour = float(np.quantile(judged, PLAIN)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
         return replace(self, noise=tuple(self.stage.noises(found)))
 

@@ -185,6 +185,14 @@ class Effect(ABC):
         """Change the core's settings in place of acting on the signal."""
         return None
 
+    def upstream(self) -> Effect | None:
+        """The part of an effect behind the stage's core that lies before it, if any."""
+        return None
+
+    def downstream(self) -> Effect:
+        """The part of an effect behind the stage's core that does lie behind it."""
+        return self
+
     def check(self, joints: tuple[str, ...]) -> None:
         """Raise ModelError where the words do not fit the arm's joints."""
         for text, words in self.words.items():

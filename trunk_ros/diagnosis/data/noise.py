@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
@@ -17,7 +17,13 @@ REMEMBERED = 0.16  # s that noise is compared over
 LEAST = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
 MOST = 0.985  # correlation
-ROUNDS = 12
+CORRELATIONS = np.linspace(0.0, MOST, 24)
+DIFFERENCED = np.array([2.0, -16.0, 56.0, -112.0, 70.0])
+"""Variance of a fourth difference over that of a signal, as a polynomial of its correlation at one stride."""
+BEND = 8.0  # power of the stride with which the variance of a smooth signal's fourth difference grows
+TELLING = 4  # strides that tell motion from noise
+FIRM = 1e-6  # keeps what no stride shows where it is
+ROUNDS = 20
 STRIDES = (1, 2, 3, 4, 6, 8, 12, 16)
 
 
@@ -56,16 +62,18 @@ class Differences:
 
     @property
     def correlation(self) -> float:
-        """Lag-one correlation of the AR(1) noise whose fourth differences grow likest with the stride.
+        """Lag-one correlation of the AR(1) noise whose fourth differences grow likest with the stride, beside
+        what is left of the motion.
 
-        What is left of the motion grows faster still, and makes it too large.
+        What jumps or bends in the motion grows as slowly as noise, and makes it too large.
         """
-
-        def off(correlation: float) -> float:
-            return self._fitted(correlation)[1]
-
-        found = float(minimize_scalar(off, bounds=(0.0, MOST), method="bounded").x)
-        return found if found > WHITE and off(found) < off(0.0) else 0.0
+        grid = CORRELATIONS
+        for _ in range(2):
+            best = int(np.argmin(self._fitted(grid)[1]))
+            around = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+            found, grid = float(grid[best]), np.linspace(*around, len(CORRELATIONS))
+        off = self._fitted(np.array([found, 0.0]))[1]
+        return found if found > WHITE and off[0] < off[1] else 0.0
 
     def noise(self, correlation: float) -> Noise:
         """Noise of that correlation, of the size seen at the shortest stride, or at all where a part is
@@ -73,26 +81,31 @@ class Differences:
         """
         if correlation == 0.0 or self.white == 0.0:
             return Noise(max(float(self.spread[0]) / np.sqrt(_gain(correlation, 1)), LEAST), correlation)
-        coloured = self._fitted(correlation)[0]
+        coloured = float(self._fitted(np.array([correlation]))[0][0])
         return Noise(max(float(np.hypot(coloured, self.white)), LEAST), correlation, self.white)
 
-    def _fitted(self, correlation: float) -> tuple[float, float]:
-        """Standard deviation of AR(1) noise of a correlation that is likest beside the white part, and how
-        far the logarithms of the variances are off.
+    def _fitted(self, correlations: Array) -> tuple[Array, Array]:
+        """For each of some correlations (k,) the standard deviation of the AR(1) noise that is likest beside
+        the white part and beside a motion that is smooth, whose fourth differences grow with the fourth power
+        of the stride; and how far the logarithms of the variances are off.
         """
-        near = 1.0 / np.asarray(self.strides)
-        gain = np.array([_gain(correlation, s) for s in self.strides])
-        steps, size = (
-            BINOMIAL @ BINOMIAL * self.white**2,
-            2.0 * float(np.log(self.spread[0])) - float(np.log(gain[0])),
-        )
+        strides = np.asarray(self.strides, dtype=np.float64)
+        near, seen = 1.0 / strides, 2.0 * np.log(self.spread)
+        gain = np.array([_gain(correlations, stride) for stride in strides]).T
+        steps = BINOMIAL @ BINOMIAL * self.white**2
+        size = seen[0] - np.log(gain[:, 0])
+        motion = np.full(len(size), seen[-1] - BEND * np.log(strides[-1]) - np.log(2.0))
+        if len(strides) < TELLING:
+            motion[:] = -np.inf
         for _ in range(ROUNDS):
-            coloured = np.exp(size) * gain
-            rest = 2.0 * np.log(self.spread) - np.log(coloured + steps)
-            share = coloured / (coloured + steps)
-            size += float(np.clip(near * share @ rest / (near * share @ share), -1.0, 1.0))
-        rest = 2.0 * np.log(self.spread) - np.log(np.exp(size) * gain + steps)
-        return float(np.exp(0.5 * size)), float(near @ rest**2)
+            coloured, smooth = np.exp(size)[:, None] * gain, np.exp(motion)[:, None] * strides**BEND
+            whole = coloured + smooth + steps
+            rest, p, q = seen - np.log(whole), coloured / whole, smooth / whole
+            pp, pq, qq = (near * p * p).sum(1) + FIRM, (near * p * q).sum(1), (near * q * q).sum(1) + FIRM
+            up, vp = (near * p * rest).sum(1), (near * q * rest).sum(1)
+            size = size + np.clip((qq * up - pq * vp) / (pp * qq - pq**2), -1.0, 1.0)
+            motion = motion + np.clip((pp * vp - pq * up) / (pp * qq - pq**2), -2.0, 2.0)
+        return np.exp(0.5 * size), np.asarray((near * rest**2).sum(1))
 
 
 def differences_of(
@@ -160,7 +173,6 @@ def _trimmed(size: Array) -> float:
     return std
 
 
-def _gain(correlation: float, stride: int) -> float:
+def _gain(correlation: Any, stride: float) -> Any:
     """Variance of the fourth difference over that of AR(1) noise."""
-    lags = np.abs(np.subtract.outer(np.arange(5), np.arange(5))) * stride
-    return float(BINOMIAL @ np.power(correlation, lags) @ BINOMIAL)
+    return np.polyval(DIFFERENCED, np.power(correlation, stride))

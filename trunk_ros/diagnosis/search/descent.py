@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import beats, score
@@ -99,16 +100,21 @@ def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
 
 
 def renewed(now: Fit) -> Fit:
-    """Fitted in the angles and the noise that it leads to."""
-    return refit(now.context.seen_with(now.hypothesis).weighed(now.hypothesis), now.hypothesis)
+    """In the angles and the noise that it leads to, fitted there."""
+    return _settled(now.context.seen_with(now.hypothesis).weighed(now.hypothesis), now.hypothesis)
 
 
 def relooked(now: Fit) -> Fit:
     """In the angles that it leads to; what joints share is fitted anew, as a trial on one joint left it."""
     context = now.context.seen_with(now.hypothesis)
     if any(set(term.shared) - term.given for term in now.hypothesis.values()):
-        return refit(context, now.hypothesis)
+        return _settled(context, now.hypothesis)
     return now if context is now.context else costed(context, now.hypothesis)
+
+
+def _settled(context: Context, hypothesis: Hypothesis) -> Fit:
+    """Fitted in a context, or as it is where a fit would lead to values that the motion cannot show."""
+    return min(refit(context, hypothesis), costed(context, hypothesis), key=score)
 
 
 def state_of(best: Fit, columns: Iterable[int]) -> State:

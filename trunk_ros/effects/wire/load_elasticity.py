@@ -3,14 +3,15 @@
 from typing import Any
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Now
+from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.parameter import Parameter
 
 COMPLIANCE = Parameter("compliance", "rad/(N*m)", (0.0, 20.0), "deflection per moment", typical=0.03)
 PAYLOAD = Parameter("payload", "kg", (0.0, 2.0), "mass at the tip", typical=0.05, shared=True, optional=True)
 
 
-class LoadElasticity(Effect):
+class LoadElasticity(OnBothSides):
     """theta += compliance tau."""
 
     id = "load_elasticity"
@@ -20,7 +21,7 @@ class LoadElasticity(Effect):
         "Hooke: compliance = l_i/(E A_s R_c^2); Ciofu & Stan, sect. 4: "
         "deformation from the resistance moment."
     )
-    parameters = (COMPLIANCE, PAYLOAD)
+    parameters = (COMPLIANCE, PAYLOAD, UPSTREAM)
     needs = ("load",)
     everywhere = True
     confused_with = (

@@ -14,6 +14,7 @@ from trunk_ros.parameter import Parameter
 
 PLAYS = 20
 REACHED = 1e-12  # rad
+LEAST = 0.02  # of the nominal dead band
 SPREAD, BOUC_WEN, BOUC_WEN_2, DAHL = range(4)
 KIND = {"spread": SPREAD, "compliant": SPREAD, "bouc_wen": BOUC_WEN, "bouc_wen_2": BOUC_WEN_2, "dahl": DAHL}
 
@@ -58,6 +59,11 @@ class PreslidingHysteresis(Effect):
         ("backlash", "reverse with small amplitudes: backlash lets nothing through"),
         ("stribeck_friction", "reverse at one speed with several amplitudes"),
     )
+
+    def credible(self, now: Now, beside: bool = False) -> bool:
+        """What is rounded has some width: past that the dead band itself gives way."""
+        width = now.arm.dead_band[list(now.columns)] if now.arm is not None else np.zeros(1)
+        return bool(np.all(self["width"] > LEAST * width))
 
     def adjust(self, core: Core, now: Now) -> None:
         if self._element is not None:

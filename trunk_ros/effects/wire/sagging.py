@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.wire.on_both_sides import OnBothSides
 from trunk_ros.parameter import Parameter
 
 
-class Sagging(Effect):
+class Sagging(OnBothSides):
     """theta += sag(tau), bent at a moment of load that is the first parameter; includes the stretch."""
 
     stage, place, regime = "wire", 200, "posture"
@@ -25,6 +26,14 @@ class Sagging(Effect):
     @abstractmethod
     def sag(self, now: Now) -> Array:
         """(n, columns) rad that the load adds."""
+
+    @abstractmethod
+    def softening(self, now: Now) -> Array:
+        """(n, columns) compliance under the load over that without any."""
+
+    def adjust(self, core: Core, now: Now) -> None:
+        """Of what lies before the friction: a dead band is the force of friction over the stiffness."""
+        core.width = core.width * np.where(self["compliance"] > 0.0, self.softening(now), 1.0)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self.sag(now), None

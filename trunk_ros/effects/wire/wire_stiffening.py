@@ -5,6 +5,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, PAYLOAD
+from trunk_ros.effects.wire.on_both_sides import UPSTREAM
 from trunk_ros.effects.wire.sagging import Sagging, bend
 
 HALVED = 2**0.5 - 1.0  # puts the halved compliance of x/(1 + c x) at x = 1
@@ -20,12 +21,25 @@ class WireStiffening(Sagging):
     signature = "The joint sags under weight, but less than in proportion."
     source = "Costello, Theory of Wire Rope (1997), ch. 3: strands bed in and stiffen with tension."
     forms = ("tangent", "secant", "smooth")
-    parameters = (bend("moment", "moment at which the compliance has halved", 0.1), COMPLIANCE, PAYLOAD)
+    parameters = (
+        bend("moment", "moment at which the compliance has halved", 0.1),
+        COMPLIANCE,
+        PAYLOAD,
+        UPSTREAM,
+    )
     levels = (0.3, 0.6, 0.9)
     confused_with = (
         ("wire_slack", "load further: a slack wire softens, a stiffening one hardens"),
         ("load_elasticity", "load further: only this one bends over"),
     )
+
+    def softening(self, now: Now) -> Array:
+        x = np.abs(now.load) / self["moment"]
+        return {
+            "tangent": 1.0 / (1.0 + x),
+            "secant": (1.0 + HALVED * x) ** -2.0,
+            "smooth": 1.0 / (1.0 + x**2),
+        }[self.form]
 
     def sag(self, now: Now) -> Array:
         x = np.abs(now.load) / self["moment"]

@@ -11,7 +11,7 @@ from trunk_ros.export.reality.blocks import Block, core_of, mixed
 from trunk_ros.export.reality.past import Past
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.model import Model
-from trunk_ros.stage import SENSOR
+from trunk_ros.stage import Order
 
 DELAYS = {("sensor_delay", ""): "delay", ("viscous_lag", "shift"): "time_constant"}
 
@@ -34,13 +34,11 @@ class Wire:
     """The effects of a model's wire on (environments, joints), split at the joint: ``drive`` and ``show``."""
 
     def __init__(self, model: Model, environments: int):
-        effects = model.bound("wire")
+        order = Order.of(model.bound("wire"))
         self.path, self.core, self.after, self.sensor = (
-            [block_of(e, model, environments) for e in effects if low <= e.place < high]
-            for low, high in (
-                (0, Effect.CORE), (Effect.CORE, Effect.CORE + 1), (Effect.CORE + 1, SENSOR), (SENSOR, 10**9)
-            )
-        )  # fmt: skip
+            [block_of(e, model, environments) for e in some]
+            for some in (order.path, order.core, order.after, order.sensor)
+        )
         self.stuck: object = None
 
     def drive(self, scene: Scene, clock: Scene, anew: np.ndarray | None) -> Array:
@@ -62,9 +60,9 @@ class Wire:
 
     def _friction(self, u: Array, scene: Scene, anew: np.ndarray | None) -> Array:
         core = core_of(u)
-        for block in self.core:
-            assert isinstance(block, Block)
-            block.adjust(core, scene)
+        for block in self.core + self.path:
+            if isinstance(block, Block):
+                block.adjust(core, scene)
         element, flat, width = core.rounding or SharpPlay(), u.reshape(1, -1), core.width.reshape(1, -1)
         before = self.stuck
         out, self.stuck = element.run(flat, width, before)
