@@ -52,7 +52,7 @@ class Model(Predictor):
     @property
     def payload(self) -> float:
         """Mass at the tip [kg], nominal and found."""
-        found = (values.get("payload", 0.0) for values in self.effects.values())
+        found = (v.get(p.name, 0.0) for name, v in self.effects.items() for p in effect(name).carried())
         return self.arm.payload + float(sum(found))
 
     def loaded_arm(self) -> Arm:

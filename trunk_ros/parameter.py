@@ -28,5 +28,9 @@ class Parameter:
     """What the motion itself tells, at the start of a fit, is not fitted."""
     gone: float | None = None
     """The value at which the effect is absent, where what is meant by default is another one."""
+    carried: bool = False
+    """A mass at the tip [kg], which all joints feel."""
+    stated: str = ""
+    """The name under which the arm's description may state it for each joint."""
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""

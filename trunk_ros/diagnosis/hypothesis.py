@@ -229,7 +229,9 @@ def _model_values(term: Term, joints: int) -> Values:
 
 def payload_of(hypothesis: Hypothesis) -> float:
     """Mass at the tip [kg] that the terms add."""
-    return float(sum(term.shared.get("payload", 0.0) for term in hypothesis.values()))
+    return float(
+        sum(t.shared.get(p.name, 0.0) for t in hypothesis.values() for p in effect(t.effect).carried())
+    )
 
 
 def describe(hypothesis: Hypothesis) -> str:

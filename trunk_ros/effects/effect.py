@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -240,6 +241,12 @@ class Effect(ABC):
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         """The parameters that a form uses."""
         return cls.parameters
+
+    @classmethod
+    @cache
+    def carried(cls) -> tuple[Parameter, ...]:
+        """Masses at the tip among the parameters."""
+        return tuple(p for p in cls.parameters if p.carried)
 
     @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:

@@ -116,6 +116,11 @@ def test_a_curve_explains_what_no_name_does_but_costs_more_than_the_name() -> No
     assert beats(named, drawn)
 
 
+def test_option_finds_on_which_side_of_the_friction_a_wire_stretches() -> None:
+    best = improved("option", "upstream", sag(range(5)))
+    assert best.hypothesis["load_elasticity"].shared["upstream"] == pytest.approx(1.0, abs=0.05)
+
+
 def test_a_curve_comes_early_only_where_names_will_not_come_near_it() -> None:
     hopeless = [
         Term("ratio_error", own={1: {"relative": 1e-3}}),

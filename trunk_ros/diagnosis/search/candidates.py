@@ -159,6 +159,5 @@ def _add_source(term: Term, kind: type[Effect], column: int, start: dict[str, An
 
 def given(kind: type[Effect], context: Context) -> dict[str, Array]:
     """Parameter values that the arm's own description states, so that a fit need not free them."""
-    if "compliance" in {p.name for p in kind.parameters} and len(context.arm.compliance):
-        return {"compliance": context.arm.compliance}
-    return {}
+    stated = {p.name: getattr(context.arm, p.stated) for p in kind.parameters if p.stated}
+    return {name: values for name, values in stated.items() if len(values)}

@@ -79,7 +79,7 @@ class Residuals:
             there = self.hypothesis.put(self.free, moved)
             touched = self.hypothesis[f.effect].columns if f.column is None else [f.column]
             for i, column in enumerate(self.columns):
-                if column in touched or f.parameter.name == "payload":
+                if column in touched or f.parameter.carried:
                     found[i][0].append(k)
                     found[i][1].append((self.context.whitened(there, column) - base[i]) / step)
         return [

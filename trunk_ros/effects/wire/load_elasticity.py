@@ -7,8 +7,12 @@ from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.parameter import Parameter
 
-COMPLIANCE = Parameter("compliance", "rad/(N*m)", (0.0, 20.0), "deflection per moment", typical=0.03)
-PAYLOAD = Parameter("payload", "kg", (0.0, 2.0), "mass at the tip", typical=0.05, shared=True, optional=True)
+COMPLIANCE = Parameter(
+    "compliance", "rad/(N*m)", (0.0, 20.0), "deflection per moment", typical=0.03, stated="compliance"
+)
+PAYLOAD = Parameter(
+    "payload", "kg", (0.0, 2.0), "mass at the tip", typical=0.05, shared=True, optional=True, carried=True
+)
 
 
 class LoadElasticity(OnBothSides):
