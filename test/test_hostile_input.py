@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -24,7 +27,10 @@ from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.write import write_recording
 from trunk_ros.trajectory import Trajectory, load_trajectory
 
+ROOT = Path(__file__).parents[1]
 LONG = "n" * 300
+OF_TABLE = "time: {column: t, unit: s}\njoints: [a]\njoint_states: {position: {columns: [x], unit: deg}}\n"
+OF_BAG = 'joints: [a]\njoint_states: {position: {columns: ["/joint_states.position[0]"], unit: rad}}\n'
 ODD = os.fsdecode(b"caf\xe9 \xff")  # no UTF-8
 
 
@@ -164,9 +170,26 @@ def test_an_output_whose_name_is_no_utf_8_is_written(tmp_path: Path, bag: Path) 
     assert main(["simulate", str(bag), "--model", "trunk", "--output", str(tmp_path / ODD)]) in (0, 2)
 
 
-@pytest.mark.parametrize("call", ["iterdir", "read_bytes", "open", "stat", "mkdir"])
-def test_what_may_not_be_touched_is_said(call: str, tmp_path: Path, bag: Path, refused, monkeypatch) -> None:
+LOCKED: dict[str, tuple[str, str]] = {
+    "a folder": ("iterdir", "simulate locked/bag --model trunk --output out"),
+    "a file": ("open", "simulate locked/bag --model trunk --output out"),
+    "a file to diagnose": ("open", "diagnose locked/bag --output out"),
+    "a file to import": ("open", "import locked/bag --mapping map.yaml --output out"),
+    "a table": ("open", "import locked/table.csv --mapping table.yaml --output out"),
+    "a file to replay": ("open", "replay locked/bag/bag_0.mcap"),
+    "a model": ("read_bytes", "simulate bag --model locked/model.yaml --output out"),
+    "a mapping": ("read_bytes", "import bag --mapping locked/map.yaml --output out"),
+    "a folder to recover": ("stat", "recover locked/bag"),
+    "an output": ("mkdir", "simulate bag --model trunk --output locked/deep/out"),
+    "an import": ("mkdir", "import table.csv --mapping table.yaml --output locked/deep/out"),
+    "a run": ("mkdir", "bringup --output locked/deep/out"),
+}
+
+
+@pytest.mark.parametrize("what", LOCKED)
+def test_what_may_not_be_touched_is_said(what: str, tmp_path: Path, bag: Path, refused, monkeypatch) -> None:
     """Also where the tests run as root, whom no permission stops."""
+    call, command = LOCKED[what]
     whole = getattr(Path, call)
 
     def forbidden(self: Path, *given: Any, **options: Any) -> Any:
@@ -178,16 +201,33 @@ def test_what_may_not_be_touched_is_said(call: str, tmp_path: Path, bag: Path, r
     (locked / "bag").mkdir(parents=True)
     for name in ("metadata.yaml", "bag_0.mcap"):
         (locked / "bag" / name).write_bytes((bag / name).read_bytes())
+    (tmp_path / "bag").symlink_to(bag)
     save_model(load_model("trunk"), locked / "model.yaml")
+    for folder in (tmp_path, locked):
+        (folder / "map.yaml").write_text(OF_BAG)
+        (folder / "table.yaml").write_text(OF_TABLE)
+        (folder / "table.csv").write_text("t,x\n0,1\n1,2\n")
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Path, call, forbidden)
-    commands: dict[str, list[Any]] = {
-        "iterdir": ["simulate", locked / "bag", "--model", "trunk", "--output", tmp_path / "out"],
-        "read_bytes": ["simulate", bag, "--model", locked / "model.yaml", "--output", tmp_path / "out"],
-        "open": ["simulate", locked / "bag", "--model", "trunk", "--output", tmp_path / "out"],
-        "stat": ["recover", locked / "bag"],
-        "mkdir": ["bringup", "--output", locked / "deep" / "out"],
-    }
-    assert "Permission denied" in refused(*commands[call])
+    assert "Permission denied" in refused(*command.split())
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "diagnose bag --output locked/deep/out",
+        "simulate bag --model trunk --output locked/out",
+        "import bag --mapping map.yaml --output locked/out",
+    ],
+)
+def test_an_output_that_may_not_be_written_is_said_before_the_work(
+    command: str, tmp_path: Path, monkeypatch, refused
+) -> None:
+    """There is nothing to work on here."""
+    (tmp_path / "locked").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os, "access", lambda path, mode: "locked" not in Path(path).parts)
+    assert refused(*command.split()).endswith(f"Permission denied in {tmp_path / 'locked'}")
 
 
 def test_loops_are_compiled_anew_where_no_cache_can_be_written(monkeypatch) -> None:
@@ -238,9 +278,7 @@ def test_names_are_shown_with_what_cannot_be_shown_written_out(name: str) -> Non
 
 
 def test_a_time_beyond_all_clocks_gets_one_line(tmp_path: Path, refused) -> None:
-    (tmp_path / "map.yaml").write_text(
-        "time: {column: t, unit: s}\njoints: [a]\njoint_states: {position: {columns: [x], unit: deg}}\n"
-    )
+    (tmp_path / "map.yaml").write_text(OF_TABLE)
     for time in ("1e301", "-1e301", "1e308", "9e9"):
         (tmp_path / "table.csv").write_text(f"t,x\n0,1\n{time},2\n")
         said = refused(
@@ -255,3 +293,19 @@ def test_a_model_of_very_many_joints_is_refused(tmp_path: Path, bag: Path, refus
     said = refused("simulate", bag, "--model", tmp_path / "model.yaml", "--output", tmp_path / "out")
     assert "1000 at most" in said
     assert isinstance(load_model("direct"), Model)
+
+
+HANGS = """
+import time
+from trunk_ros.nodes.graph import process
+process.LEAVING = 0.2
+process.leave_in_time()
+time.sleep(60)
+"""
+
+
+def test_a_node_whose_middleware_does_not_let_go_of_it_ends_all_the_same() -> None:
+    """As where a partner was killed that held a lock in shared memory."""
+    pytest.importorskip("rclpy")
+    done = subprocess.run([sys.executable, "-c", HANGS], cwd=ROOT, timeout=50)
+    assert done.returncode == -signal.SIGALRM

@@ -182,3 +182,6 @@ def reading() -> Iterator[Row]:
             yield Row(f"reading {kind}", 1e6 * own, "us/message")
             yield Row(f"reading {kind}, bytes by rosbags and our decoder", 1e6 * bytes_, "us/message")
             yield Row(f"reading {kind}, rosbags alone", 1e6 * alone, "us/message")
+    own, alone = speed.encoding()
+    yield Row("encoding, five joints", 1e6 * own, "us/message")
+    yield Row("rosbags, encoding, five joints", 1e6 * alone, "us/message")

@@ -129,8 +129,9 @@ def _kept(path: Path) -> Any:
 
 
 def beside(output: Path) -> Beside:
-    """The paper's table, and what `live_proof` and the killing of recorders left in the folder."""
-    return Beside(_kept(output / "live.json") or [], paper_rows(), _kept(output / "kill.json"))
+    """The paper's table, and what `live_proof`, the killing of recorders and the chaos left in the folder."""
+    kept = [_kept(output / f"{name}.json") for name in ("live", "kill", "chaos")]
+    return Beside(kept[0] or [], paper_rows(), *kept[1:])
 
 
 def write(cases: list[dict[str, Any]], output: Path, more: Beside) -> str:
@@ -145,7 +146,7 @@ def write(cases: list[dict[str, Any]], output: Path, more: Beside) -> str:
         "live": {"arms": more.live, **as_json(live(more.live))},
         "paper": [asdict(row) for row in more.paper],
         "kill": more.kill,
-        "chaos": _kept(output / "chaos.json"),
+        "chaos": more.chaos,
         "cases": cases,
     }
     (output / "results.json").write_text(json.dumps(results, indent=1))

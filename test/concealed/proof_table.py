@@ -107,11 +107,14 @@ def _paper(rows: list[Row]) -> str:
 
 @dataclass(frozen=True)
 class Beside:
-    """What the proof holds beside the cases: arms of the live graph, rows of the paper, killed recorders."""
+    """What the proof holds beside the cases: arms of the live graph, rows of the paper, killed recorders, an
+    arm in chaos.
+    """
 
     live: list[dict[str, Any]]
     paper: list[Row]
     kill: dict[str, Any] | None = None
+    chaos: dict[str, Any] | None = None
 
 
 def _kill(kill: dict[str, Any] | None) -> str:
@@ -120,6 +123,20 @@ def _kill(kill: dict[str, Any] | None) -> str:
     return (
         f"{kill['times']} recorders were killed at random moments. Every bag could be repaired and read; at "
         f"most {kill['worst_lost_s']:.3f} s before the kill were lost."
+    )
+
+
+def _chaos(chaos: dict[str, Any] | None) -> str:
+    if chaos is None:
+        return "Not run."
+    done = ", ".join(f"{count} times {what}" for what, count in sorted(chaos["done"].items()))
+    odd = [*chaos["not_finite"], *chaos["ended_by_themselves"], *chaos["broken_bags"]]
+    odd += [f"{node} is not back: {said or 'no reason given'}" for node, said in chaos["reasons"].items()]
+    came = "; ".join(odd) or "only finite numbers were published, and all nodes came back."
+    among, fastest = chaos["hostile_messages"], chaos["fastest_over_limit"]
+    return (
+        f"{chaos['seconds']:.0f} s of four nodes ({done}) among {among} hostile messages: the gearbox "
+        f"went at most {fastest:.4f} times as fast as the servo's limit; {came}"
     )
 
 
@@ -166,6 +183,8 @@ def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str, 
         _paper(beside.paper),
         "### Killed recorders",
         _kill(beside.kill),
+        "### An arm in chaos",
+        _chaos(beside.chaos),
         "### Cases to look at",
         _lists(cases),
     ]

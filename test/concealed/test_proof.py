@@ -104,11 +104,19 @@ def test_a_comparison_that_failed_has_removed_nothing() -> None:
     assert found["others"]["echo"]["other"].value == pytest.approx(0.9)
 
 
+CHAOS = {
+    "seconds": 60.0, "done": {"killed": 2}, "hostile_messages": 9, "fastest_over_limit": 0.99,
+    "not_finite": [], "ended_by_themselves": [], "broken_bags": [], "reasons": {"recorder": "disk full"},
+}  # fmt: skip
+
+
 def test_the_files_say_every_number_with_its_interval(tmp_path: Path) -> None:
     cases = [_marks("a", others=_others(2e-3)), _marks("b", **MISSED)]
     table = proof.write(
-        [*cases, {"name": "c", "kind": "hard", "not_drawn": "x"}], tmp_path, Beside([ARM], [ROW])
+        [*cases, {"name": "c", "kind": "hard", "not_drawn": "x"}], tmp_path, Beside([ARM], [ROW], None, CHAOS)
     )
+    assert "(2 times killed) among 9 hostile messages" in table
+    assert "most 0.9900 times as fast as the servo's limit; recorder is not back: disk full" in table
     assert "0.50 (0.09 … 0.91)" in table
     assert "| k / % | 10.0 % | 0.001 % | mu1 = 0.03 |" in table
     assert "2.00 → 0.100" in table

@@ -1,4 +1,4 @@
-"""`make fuzz`: all readers in turn, as many at once as there are processors; FULL=1 for an hour.
+"""`make fuzz`: all readers in turn, as many at once as --jobs says; FULL=1 for an hour.
 
 What breaks a reader is kept in fuzz/, and makes this exit with 1. So does a hang of 30 s and 1 GB of memory.
 """
@@ -57,11 +57,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="test.fuzz", description=__doc__)
     parser.add_argument("--seconds", type=float, default=LONG if os.environ.get("FULL") else SHORT)
     parser.add_argument("--only", nargs="+", choices=list(TARGETS), default=list(TARGETS))
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="readers at once")
     given = parser.parse_args()
-    cores = os.cpu_count() or 1
-    share = given.seconds * min(cores, len(given.only)) / len(given.only)
+    share = given.seconds * min(given.jobs, len(given.only)) / len(given.only)
     outcomes = []
-    with ThreadPoolExecutor(cores) as pool:
+    with ThreadPoolExecutor(given.jobs) as pool:
         for each in pool.map(lambda name: fuzz(name, share), given.only):
             outcomes.append(each)
             state = "BROKEN" if each.broken else "whole"

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import logging
+import re
 import sys
 from pathlib import Path
 
 import atheris
 
-with atheris.instrument_imports(
-    include=[
-        "trunk_ros.recording",
-        "trunk_ros.model",
-        "trunk_ros.arm.parameters",
-        "trunk_ros.trajectory",
-        "mcap",
-    ]
-):
+PACKAGE = Path(__file__).resolve().parents[2] / "trunk_ros"
+KERNEL = re.compile(r"\bcompiled\(|^@compiled", re.MULTILINE)
+
+
+def compiled_modules() -> list[str]:
+    """Those that numba compiles, which it cannot once they are instrumented."""
+    files = (file for file in PACKAGE.rglob("*.py") if KERNEL.search(file.read_text()))
+    return [".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts) for file in files]
+
+
+with atheris.instrument_imports(include=["trunk_ros", "mcap", "rosbags"], exclude=compiled_modules()):
     from test.fuzz.targets import TARGETS, attempt
 
 

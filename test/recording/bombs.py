@@ -14,15 +14,27 @@ from pathlib import Path
 from typing import Any
 
 import zstandard
-from mcap.records import Channel, Chunk, DataEnd, Footer, Header, Schema
+from mcap.records import (
+    Attachment,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    Schema,
+    Statistics,
+)
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from test.recording.bags import KIND, STORE, joint_state, motion, only_file, write_bag
 from trunk_ros.errors import TrunkError
 from trunk_ros.recording.mcap.records import MAGIC, MESSAGE
 from trunk_ros.recording.mcap.summary import bytes_of
+from trunk_ros.recording.messages.message_types import definition
 
 MIB = 1 << 20
+_SCHEMA = Schema(1, definition(KIND)[0].encode(), "ros2msg", KIND)
 
 
 @dataclass(frozen=True)
@@ -95,9 +107,7 @@ def many_small_chunks(folder: Path) -> Path:
     path = folder / "chunks.mcap"
     plain = message(bytes(1000)) * (16 * MIB // 1031)
     chunk = bytes_of(Chunk("zstd", zstandard.compress(plain), 0, 0, 0, len(plain)))
-    head = bytes_of(
-        Header("ros2", "bomb"), Schema(1, b"", "ros2msg", KIND), Channel(1, "/joint_states", "cdr", {}, 1)
-    )
+    head = bytes_of(Header("ros2", "bomb"), _SCHEMA, Channel(1, "/joint_states", "cdr", {}, 1))
     path.write_bytes(MAGIC + head + 16 * chunk + bytes_of(DataEnd(0), Footer(0, 0, 0)) + MAGIC)
     return path
 
@@ -200,6 +210,64 @@ BOMBS: dict[str, Callable[[Path], Path]] = {
         packed_file,
         ros1_chunk,
     )
+}
+
+
+def lying_chunk(folder: Path) -> Path:
+    """A chunk of 512 MiB that says of itself, and in the index, that it holds 1000 bytes."""
+    path = folder / "lying.mcap"
+    packed = _zstd_zeros(512)
+    path.write_bytes(_indexed(bytes_of(Chunk("zstd", packed, 0, 0, 0, 1000)), 0, len(packed), 1000))
+    return path
+
+
+def frames_behind_each_other(folder: Path) -> Path:
+    """A chunk of many zstd frames, of which the first says that it is small."""
+    path = folder / "frames.mcap"
+    packed = zstandard.compress(bytes(1000)) + 8 * _zstd_zeros(64)
+    path.write_bytes(_indexed(bytes_of(Chunk("zstd", packed, 0, 0, 0, 1000)), 0, len(packed), 1000))
+    return path
+
+
+def hidden_chunk(folder: Path) -> Path:
+    """A chunk of 512 MiB inside of an attachment: only the index leads to it."""
+    path = folder / "hidden.mcap"
+    packed = _zstd_zeros(512)
+    held = bytes_of(Chunk("zstd", packed, 0, 0, 0, 512 * MIB))
+    attachment = bytes_of(Attachment(0, 0, "a", "b", held))
+    path.write_bytes(_indexed(attachment, attachment.index(held), len(packed), 512 * MIB))
+    return path
+
+
+def chunk_listed_often(folder: Path) -> Path:
+    """A chunk of 16 MiB that the index has 64 times."""
+    path = folder / "often.mcap"
+    packed = _zstd_zeros(16)
+    chunk = bytes_of(Chunk("zstd", packed, 0, 0, 0, 16 * MIB))
+    path.write_bytes(_indexed(chunk, 0, len(packed), 16 * MIB, 64))
+    return path
+
+
+def _zstd_zeros(mib: int) -> bytes:
+    packer = zstandard.ZstdCompressor().compressobj(size=mib * MIB)
+    return b"".join(packer.compress(bytes(MIB)) for _ in range(mib)) + packer.flush()
+
+
+def _indexed(record: bytes, chunk_at: int, packed: int, plain: int, times: int = 1) -> bytes:
+    """A file with this record, and an index that lists a chunk `chunk_at` bytes behind its begin."""
+    head = MAGIC + bytes_of(Header("ros2", "bomb"))
+    described = bytes_of(_SCHEMA, Channel(1, "/joint_states", "cdr", {}, 1))
+    body = head + described + record + bytes_of(DataEnd(0))
+    size = 9 + 8 + 8 + 8 + 4 + 4 + 4 + 8 + packed  # of the chunk's record
+    at = len(head) + len(described) + chunk_at
+    index = ChunkIndex(size, at, "zstd", packed, 1, 0, {1: at}, 0, plain)
+    counted = Statistics(0, 1, {1: 1}, times, 1, 0, 0, 0, 1)
+    summary = described + times * bytes_of(index) + bytes_of(counted)
+    return body + summary + bytes_of(Footer(len(body), 0, 0)) + MAGIC
+
+
+INDEX_BOMBS: dict[str, Callable[[Path], Path]] = {
+    each.__name__: each for each in (lying_chunk, frames_behind_each_other, hidden_chunk, chunk_listed_often)
 }
 
 

@@ -12,9 +12,10 @@ import numpy as np
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin
 
-from test.recording.bags import KIND, NOETIC, motion, write_bag, write_ros1
+from test.recording.bags import KIND, NOETIC, STORE, joint_state, motion, write_bag, write_ros1
 from trunk_ros.recording.messages.block import block_of
 from trunk_ros.recording.messages.decode import Decoder
+from trunk_ros.recording.messages.encode import encode_joints
 from trunk_ros.recording.messages.layout import joint_layout
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -91,6 +92,25 @@ def decode_of_rosbags(bag: Path, encoding: str) -> Decoder:
     payloads, times = [data for data, _ in rows], [at for _, at in rows]
     decoder.add(block_of("/joint_states", KIND, encoding, payloads, times))
     return decoder
+
+
+def encoding(minutes: float = 2.0) -> tuple[float, float]:
+    """Processor s a message that is made of arrays: ours; rosbags. The same bytes, which is asserted."""
+    series = five_joints(minutes).series["gearbox_states"]
+    assert series.velocity is not None
+    assert series.effort is not None
+    stamp_ns = np.round(series.stamp * 1e9).astype(np.int64)
+    rows = list(zip(stamp_ns.tolist(), series.position, series.velocity, series.effort, strict=True))
+    names = list(series.joints)
+
+    def alone() -> list[bytes]:
+        made = (joint_state(at, names, *values) for at, *values in rows)
+        return [bytes(STORE.serialize_cdr(each, KIND)) for each in made]
+
+    assert [bytes(row) for row in encode_joints(series, stamp_ns)] == alone()
+    ways = (partial(encode_joints, series, stamp_ns), alone)
+    ours, theirs = (best(way, 3) / len(rows) for way in ways)
+    return ours, theirs
 
 
 def best(action: Callable[[], object], runs: int) -> float:

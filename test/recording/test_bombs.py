@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from test.recording.bags import motion, write_bag
-from test.recording.bombs import BOMBS, cost_of, yaml_bombs
+from test.recording.bombs import BOMBS, INDEX_BOMBS, cost_of, yaml_bombs
 from trunk_ros.commands.arguments import Parser
 from trunk_ros.errors import RecordingError, TrunkError
 from trunk_ros.nodes.bags.source import BagSource
@@ -50,6 +50,16 @@ def test_a_small_file_that_unpacks_without_end_is_refused(bomb, action, made):
     assert cost.said == "read" or cost.said.startswith(str(path)), cost
     if action is read_recording:
         assert allowance.OPTION in cost.said or bomb == "long_name", cost
+
+
+@pytest.mark.parametrize("action", [replayed, imported])
+@pytest.mark.parametrize("bomb", INDEX_BOMBS)
+def test_what_a_file_hides_from_one_who_reads_it_from_its_front_is_found(bomb, action, tmp_path):
+    path = INDEX_BOMBS[bomb](tmp_path)
+    cost = cost_of(action, path)
+    assert cost.megabytes < 200, cost
+    assert cost.said.startswith(str(path)), cost
+    assert allowance.OPTION in cost.said or "an index that leads to no chunk" in cost.said
 
 
 @pytest.mark.parametrize("text", yaml_bombs())

@@ -224,3 +224,16 @@ def test_a_bag_without_messages_is_refused(tmp_path):
     at = content.index(b"joint_two")
     file.write_bytes(content[:at])
     assert "no readable message" in refused(file)
+
+
+@pytest.mark.parametrize("number", ["9e999", "-9e999", "'x'", "NULL", "1.5e300"])
+def test_a_topic_whose_number_is_none_is_refused_or_left_out(number, tmp_path):
+    file = only_file(write_bag(tmp_path / "bag", motion(count=4), StoragePlugin.SQLITE3), ".db3")
+    with sqlite3.connect(file) as database:
+        database.execute("CREATE TABLE other AS SELECT * FROM topics")
+        database.execute("DROP TABLE topics")
+        database.execute("ALTER TABLE other RENAME TO topics")
+        database.execute(f"UPDATE topics SET id = {number}")
+    with pytest.raises(RecordingError) as refused:
+        read_recording(file)
+    assert str(refused.value).startswith(str(file))

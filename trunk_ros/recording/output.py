@@ -1,5 +1,6 @@
 """Outputs that are whole or not there: written beside their place, moved there at the end."""
 
+import errno
 import os
 import shutil
 import tempfile
@@ -26,6 +27,9 @@ def prepare_output(path: str | Path, overwrite: bool, known: Sequence[str] | Non
     parent = path.absolute().parent
     if path.name in ("", "..") or (parent.exists() and not parent.is_dir()):
         raise ArgumentError(f"{path} cannot be an output")
+    there = next(each for each in (parent, *parent.parents) if each.exists())
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise ArgumentError(f"{path} cannot be written: {os.strerror(errno.EACCES)} in {there}")
     return path
 
 

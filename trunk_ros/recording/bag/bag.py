@@ -13,6 +13,7 @@ from trunk_ros.recording.allowance import Allowance, is_lifted
 from trunk_ros.recording.bag import metadata
 from trunk_ros.recording.bag import ros1 as ros1_file
 from trunk_ros.recording.bag import sqlite as sqlite_file
+from trunk_ros.recording.bag.growth import check_growth
 from trunk_ros.recording.mcap import records as mcap_records
 from trunk_ros.recording.mcap.file import read_mcap
 from trunk_ros.recording.messages.block import (
@@ -26,7 +27,6 @@ from trunk_ros.recording.messages.block import (
     unzstd,
 )
 
-_LARGE = 256 << 20
 _ZSTD = b"\x28\xb5\x2f\xfd"
 _STORAGES: dict[bytes, Storage] = {
     mcap_records.MAGIC: read_mcap,
@@ -57,10 +57,16 @@ def read_blocks(
 def check_size(path: Path) -> None:
     """Unpack a recording to nowhere, for readers that know no bounds. RecordingError where it grows too much.
 
-    DamageError where it cannot be read. A large one is not looked at: what is small on disk is what is sent.
+    DamageError where it cannot be read.
     """
-    files = [file for file in path.iterdir() if file.is_file()] if path.is_dir() else [path]
-    if not is_lifted() and sum(file.stat().st_size for file in files) < _LARGE:
+    if is_lifted():
+        return
+    contents = Contents(Allowance(path))
+    files, message_compression = _files(path, contents)
+    for file in files:
+        with _plain(file, contents.allowance) as plain:
+            check_growth(plain, _magic(plain), contents.allowance)
+    if message_compression:
         for _ in read_blocks(path, lambda _: True, Contents(Allowance(path)), lambda _: None):
             pass
 
@@ -122,7 +128,7 @@ def _read_file(
     begun = len(contents.damage)
     try:
         with _plain(file, contents.allowance) as plain:
-            yield from _storage(plain)(plain, wanted, contents, progress)
+            yield from _STORAGES[_magic(plain)](plain, wanted, contents, progress)
     except DamageError as error:
         if not several:
             raise
@@ -132,14 +138,15 @@ def _read_file(
         contents.damage[begun:] = [f"in its file {file.name} {each}" for each in contents.damage[begun:]]
 
 
-def _storage(file: Path) -> Storage:
+def _magic(file: Path) -> bytes:
+    """What files of its kind begin with; DamageError where it is of none."""
     with file.open("rb") as stream:
         head = stream.read(16)
     if not head:
         raise DamageError("is empty")
-    for magic, storage in _STORAGES.items():
+    for magic in _STORAGES:
         if head.startswith(magic):
-            return storage
+            return magic
     raise DamageError("is no recording: neither MCAP, nor rosbag2 sqlite3, nor a ROS 1 bag")
 
 

@@ -21,20 +21,26 @@ from trunk_ros.recording.messages.block import (
 )
 
 MAGIC = b"#ROSBAG V2.0\n"
-_MESSAGE, _CHUNK, _CONNECTION = 2, 5, 7
+HEADER, CHUNK, CHUNK_INFO = 3, 5, 6
+_MESSAGE, _CONNECTION = 2, 7
 _BATCH = 65536
 
 
-class _Record(NamedTuple):
+class Record(NamedTuple):
+    """Fields of a record's head, where it begins, and where its data lie."""
+
     head: dict[bytes, bytes]
+    begin: int
     start: int
     end: int
 
     @property
     def kind(self) -> int:
+        """What it is: one of the numbers above."""
         return int.from_bytes(self.head.get(b"op", b"")[:1], "little")
 
     def number(self, key: bytes, form: str) -> tuple[int, ...]:
+        """Whole numbers of a field. DamageError where it is none."""
         try:
             return struct.unpack(form, self.head.get(key, b""))
         except struct.error:
@@ -50,15 +56,14 @@ def _fields(data: bytes) -> dict[bytes, bytes]:
     return fields
 
 
-def _records(data: memoryview) -> Iterator[_Record]:
-    """Records of a file or a chunk; the last one may end beyond it: then it is cut."""
-    at = 0
+def records(data: memoryview, at: int = 0) -> Iterator[Record]:
+    """Records of a file or a chunk from there on; the last one may end beyond it: then it is cut."""
     while at + 8 <= len(data):
         head_end = at + 4 + int.from_bytes(data[at : at + 4], "little")
         if head_end + 4 > len(data):
             return
         end = head_end + 4 + int.from_bytes(data[head_end : head_end + 4], "little")
-        yield _Record(_fields(bytes(data[at + 4 : head_end])), head_end + 4, end)
+        yield Record(_fields(bytes(data[at + 4 : head_end])), at, head_end + 4, end)
         at = end
 
 
@@ -70,7 +75,7 @@ class _Scan:
         self.topics: dict[int, tuple[str, str]] = {}
         self.pending: dict[int, tuple[list[bytes], list[int]]] = {}
 
-    def add(self, data: memoryview, record: _Record) -> None:
+    def add(self, data: memoryview, record: Record) -> None:
         """Take in a connection or a message."""
         if record.kind not in (_MESSAGE, _CONNECTION):
             return
@@ -99,18 +104,17 @@ def read_ros1(
     """Blocks of a ROS 1 bag in the order of the file; DamageError if it is none, or encrypted."""
     data = mapped(path)
     scan, whole = _Scan(wanted, contents), len(MAGIC)
-    for record in _records(data[len(MAGIC) :]):
-        begin, end = record.start + len(MAGIC), record.end + len(MAGIC)
+    for record in records(data, len(MAGIC)):
         if record.head.get(b"encryptor"):
             raise DamageError("is encrypted")
-        cut = end > len(data)
-        whole = whole if cut else end
-        if record.kind == _CHUNK:
-            _chunk(scan, record, data[begin:end], cut)
+        cut = record.end > len(data)
+        whole = whole if cut else record.end
+        if record.kind == CHUNK:
+            _chunk(scan, record, data[record.start : record.end], cut)
             yield from scan.blocks()
-            progress(min(end, len(data)) / len(data))
+            progress(min(record.end, len(data)) / len(data))
         elif not cut:
-            scan.add(data[len(MAGIC) :], record)
+            scan.add(data, record)
             if sum(len(each[0]) for each in scan.pending.values()) >= _BATCH:
                 yield from scan.blocks()
     yield from scan.blocks()
@@ -118,11 +122,11 @@ def read_ros1(
         contents.damage.append(f"it breaks off: of {len(data)} bytes the first {whole} are whole")
 
 
-def _chunk(scan: _Scan, record: _Record, data: memoryview, cut: bool) -> None:
+def _chunk(scan: _Scan, record: Record, data: memoryview, cut: bool) -> None:
     """Messages of a chunk; what is damaged in it is noted, and left out."""
     try:
         content = memoryview(_decompress(bytes(data), record, scan.contents.allowance))
-        for inner in _records(content):
+        for inner in records(content):
             if inner.end <= len(content):
                 scan.add(content, inner)
     except DamageError as error:
@@ -130,7 +134,7 @@ def _chunk(scan: _Scan, record: _Record, data: memoryview, cut: bool) -> None:
             scan.contents.damage.append(f"it {error}; that part is left out")
 
 
-def _decompress(data: bytes, record: _Record, allowance: Allowance) -> bytes:
+def _decompress(data: bytes, record: Record, allowance: Allowance) -> bytes:
     method = record.head.get(b"compression", b"none")
     (size,) = record.number(b"size", "<I")
     if method == b"bz2":

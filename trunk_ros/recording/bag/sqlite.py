@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from trunk_ros.recording.allowance import Allowance
@@ -15,6 +16,7 @@ from trunk_ros.recording.messages.block import Block, Contents, DamageError, Pro
 
 MAGIC = b"SQLite format 3\0"
 _BATCH = 8192
+_FROZEN = "mode=ro&immutable=1"
 _LONGEST = 2**31 - 1  # bytes of a value that sqlite can be told
 _TABLES = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')"
 _TOPICS = "SELECT id, name, type, serialization_format FROM topics"
@@ -57,16 +59,41 @@ def _read(
     wanted: Callable[[str], bool],
     contents: Contents,
     progress: Progress,
-    mode: str = "mode=ro&immutable=1",
+    mode: str = _FROZEN,
 ) -> Iterator[Block]:
-    with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?{mode}", uri=True)) as database:
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(contents.allowance.most, _LONGEST))
+    with closing(_opened(path, contents.allowance, mode)) as database:
         topics = _topics(database, contents.allowance)
         contents.topics.update({name: kind for _, name, kind, _ in topics})
         for done, (number, name, kind, encoding) in enumerate(topics):
             if wanted(name):
                 progress(done / len(topics))
                 yield from _messages(database, number, (name, kind, encoding), contents)
+
+
+def _opened(path: Path, allowance: Allowance, mode: str = _FROZEN) -> sqlite3.Connection:
+    database = sqlite3.connect(f"file:{quote(str(path.resolve()))}?{mode}", uri=True)
+    database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(allowance.most, _LONGEST))
+    return database
+
+
+def message_bytes(path: Path, allowance: Allowance) -> int:
+    """Size of all messages of a file; DamageError where they cannot be counted.
+
+    It may be more than the file's: rows may share what they hold, and columns may be computed.
+    """
+    with closing(_opened(path, allowance)) as database:
+        _topics(database, allowance)
+        try:
+            return int(database.execute("SELECT total(length(data)) FROM messages").fetchone()[0])
+        except sqlite3.Error as error:
+            _refuse_long(error, allowance)
+            raise DamageError(f"is a damaged database ({error})") from None
+
+
+def _refuse_long(error: sqlite3.Error, allowance: Allowance) -> None:
+    """RecordingError where a value is longer than the allowance."""
+    if "too big" in str(error):
+        allowance.check(_LONGEST)
 
 
 def _topics(database: sqlite3.Connection, allowance: Allowance) -> list[tuple[int, str, str, str]]:
@@ -78,10 +105,18 @@ def _topics(database: sqlite3.Connection, allowance: Allowance) -> list[tuple[in
         for number, *words in database.execute(_TOPICS):
             name, kind, encoding = map(str, words)
             allowance.take(len(name) + len(kind) + len(encoding))
-            topics.append((int(number), name, kind, encoding))
+            topics.append((_number(number), name, kind, encoding))
         return topics
     except (sqlite3.Error, TypeError, ValueError, OverflowError) as error:
         raise DamageError(f"is a damaged database ({error})") from None
+
+
+def _number(value: Any) -> int:
+    """A topic's number, which sqlite would keep as such. OverflowError where it would not."""
+    number = int(value)
+    if number.bit_length() > 63:
+        raise OverflowError("the number of a topic is too large")
+    return number
 
 
 def _messages(
@@ -102,6 +137,5 @@ def _rows(
                 contents.allowance.take(len(data))
                 yield log_ns, data
     except sqlite3.Error as error:
-        if "too big" in str(error):
-            contents.allowance.check(_LONGEST)
+        _refuse_long(error, contents.allowance)
         contents.damage.append(f"it is damaged ({error}): {topic} is read up to there")

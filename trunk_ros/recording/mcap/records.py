@@ -102,6 +102,25 @@ def parsed(buffer: Buffer, record: Record, kind: type[Parsed]) -> Parsed:
         raise DamageError("has a record that cannot be read") from None
 
 
+class Packing(NamedTuple):
+    """How a chunk is compressed: by which method, bytes then and before, and where they begin."""
+
+    method: str
+    packed: int
+    plain: int
+    start: int
+
+
+def packing(buffer: Buffer, record: Record, end: int) -> Packing:
+    """What a chunk says of itself, of which the bytes up to `end` are there; DamageError where it is cut."""
+    end = min(record.end, end)
+    if record.start + _CHUNK.size > end:
+        raise DamageError("has a chunk that ends too early")
+    plain = _size(buffer, record.start + 16)
+    method, start = _method(buffer, record.start + _CHUNK.size, end)
+    return Packing(method, max(record.end - start, 0), plain, start)
+
+
 def chunk_span(buffer: Buffer, record: Record, end: int) -> tuple[int, int, int]:
     """(first ns, last ns, bytes when decompressed) that a chunk claims to hold; zeros where that is cut."""
     if record.start + _CHUNK.size > min(record.end, end):
@@ -116,10 +135,8 @@ def open_chunk(buffer: Buffer, record: Record, end: int, allowance: Allowance) -
     RecordingError where it becomes larger than the allowance.
     """
     end = min(record.end, end)
-    if record.start + _CHUNK.size > end:
-        raise DamageError("has a chunk that ends too early")
-    *_, size, crc = _CHUNK.unpack_from(buffer, record.start)
-    method, start = _method(buffer, record.start + _CHUNK.size, end)
+    method, _, size, start = packing(buffer, record, end)
+    *_, crc = _CHUNK.unpack_from(buffer, record.start)
     data = _decompress(buffer[start:end], method, size, allowance)
     if record.end > end:
         return Chunk(data, False)
