@@ -39,7 +39,8 @@ def test_diagnose_writes_its_three_files_and_the_model_runs(
 ) -> None:
     out, predicted = tmp_path / "out", tmp_path / "predicted"
     assert main(["diagnose", str(bag), "--output", str(out)]) == 0
-    assert {p.name for p in out.iterdir()} == {"diagnosis.json", "model.yaml", "report.html"}
+    written = {p.name for p in out.iterdir()}
+    assert written - {"experiment_wire.yaml"} == {"diagnosis.json", "model.yaml", "report.html"}
     assert "backlash" in capsys.readouterr().out
     assert main(["simulate", str(bag), "--model", str(out / "model.yaml"), "--output", str(predicted)]) == 0
     shown = read_recording(predicted).series["joint_states"]

@@ -11,9 +11,10 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.score import beats, score
+from trunk_ros.diagnosis.search.score import CLEARLY, score
 
 OFTEN = 1  # times that a search may come to a structure
+COARSE = (0.01, 0.0)  # of what is left: what a change has to gain at first, and in the end
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
@@ -42,26 +43,38 @@ class Desk:
     """What a search remembers between moves: what was tried in vain, and in which state."""
 
     say: Callable[[str], None] = lambda _: None
-    vain: dict[Hashable, State] = field(default_factory=dict)
+    share: float = 0.0
+    """Of what is left above the noise: what a change has to gain to be taken."""
+    vain: dict[Hashable, tuple[State, float]] = field(default_factory=dict)
     kept: dict[Hashable, object] = field(default_factory=dict)
     """Results of trials on single columns, by all that they depend on."""
     been: Counter[Hashable] = field(default_factory=Counter)
     """How often the search has stood on a structure."""
 
     def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
-        """Whether a group was tried in a state that is nearly the same."""
-        return self.vain.get((move.name, group.what)) == state_of(best, group.columns)
+        """Whether a group was tried in a state that is nearly the same, and gained too little."""
+        state, gain = self.vain.get((move.name, group.what), ((), 0.0))
+        return state == state_of(best, group.columns) and not self.pays(gain, best)
 
-    def note(self, move: Move, group: Group, best: Fit) -> None:
-        """A group was tried in vain."""
-        self.vain[move.name, group.what] = state_of(best, group.columns)
+    def note(self, move: Move, group: Group, best: Fit, gain: float) -> None:
+        """A group was tried in vain: its best trial is better by no more than a ``gain``."""
+        self.vain[move.name, group.what] = state_of(best, group.columns), gain
+
+    def pays(self, gain: float, best: Fit) -> bool:
+        """Whether a gain is worth a step: more than rounding, and large things first."""
+        return gain > max(CLEARLY, self.share * sum(map(best.rest, best.cost)))
 
 
 def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
-    """The best hypothesis that single changes lead to; after each the arm is looked at again."""
-    while (better := first_that_pays(best, moves, desk)) is not None:
-        move, best = better[0], renewed(better[1]) if better[0].grows else relooked(better[1])
-        desk.say(f"{move.name}: {describe(best.hypothesis)}")
+    """The best hypothesis that single changes lead to; after each the arm is looked at again.
+
+    Changes that gain a small share of what is left wait until none gains more: what is still missing would
+    make them anew.
+    """
+    for desk.share in COARSE:
+        while (better := first_that_pays(best, moves, desk)) is not None:
+            move, best = better[0], renewed(better[1]) if better[0].grows else relooked(better[1])
+            desk.say(f"{move.name}: {describe(best.hypothesis)}")
     return best
 
 
@@ -81,10 +94,11 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
                 return None
             if desk.is_vain(move, group, best):
                 continue
-            trial = min(group.trials(), key=score, default=None)
-            if trial is not None and beats(trial, best) and _is_new(trial, best, desk):
+            trial = min(group.trials(), key=score, default=best)
+            gain = score(best) - score(trial)
+            if desk.pays(gain, best) and _is_new(trial, best, desk):
                 return move, trial
-            desk.note(move, group, best)
+            desk.note(move, group, best, gain)
     return None
 
 

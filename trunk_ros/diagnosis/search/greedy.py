@@ -1,4 +1,7 @@
-"""The search: the first change that pays is taken, until none does or the work that was granted is done."""
+"""The search: the first change that pays is taken, until none does or the work that was granted is done.
+
+Where that leaves much, the best first step led astray: the next best ones are gone as well.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +10,36 @@ from dataclasses import replace
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves import DROP, MOVES
-from trunk_ros.diagnosis.search.score import formed_misfits
+from trunk_ros.diagnosis.search.moves.add import additions
+from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
 from trunk_ros.effects import effect
+
+FIRSTS = 3  # first steps that are gone
 
 
 def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
     """The hypothesis that no single change improves by what is needed."""
-    best = descend(renewed(begun(context, start)), MOVES, desk)
+    first = renewed(begun(context, start))
+    best = descend(first, MOVES, desk)
+    others = sorted(additions(first, desk), key=score)[1:FIRSTS] if incomplete(best) else []
+    for other in others:
+        if incomplete(best):
+            best = better_of(best, descend(renewed(other), MOVES, Desk(desk.say)))
     claimed = replace(best, context=replace(best.context, claims=True))
     return plain(descend(claimed, (DROP,), desk))
+
+
+def incomplete(best: Fit) -> bool:
+    """Whether something is left that is as strong as the noise."""
+    return any(best.rest(c) > STRONG * best.context.count(c) for c in best.cost)
+
+
+def better_of(best: Fit, other: Fit) -> Fit:
+    """The better of two, both judged by the noise of the first."""
+    alike = replace(other.context, noise=best.context.noise)
+    return other if beats(costed(alike, other.hypothesis), best) else best
 
 
 def begun(context: Context, start: Hypothesis | None = None) -> Fit:

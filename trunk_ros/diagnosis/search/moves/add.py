@@ -26,10 +26,11 @@ Trials = dict[str, tuple[float, Hypothesis, float]]
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """All effects on all joints together."""
-    yield Group("any", best.context.columns, partial(_any, best, desk))
+    yield Group("any", best.context.columns, partial(additions, best, desk))
 
 
-def _any(best: Fit, desk: Desk) -> Iterator[Fit]:
+def additions(best: Fit, desk: Desk) -> Iterator[Fit]:
+    """For each further effect the hypothesis with it where it helps most."""
     yield from on_joints(best, desk)
     yield from everywhere(best)
 

@@ -58,8 +58,8 @@ def _as_stated(now: Fit, name: str) -> Iterator[Fit]:
 def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     """With a shared option if it was without, and the other way round.
 
-    A value of a joint that has made up for a missing payload does not find back: so the joints start anew as
-    well, in each form, with small and large values of the option.
+    A value of a joint that has made up for a missing payload does not find back: so where it is something to
+    be carried, the joints start anew as well, in each form, with little and with much of it.
     """
     trial = now.hypothesis.copy()
     if trial[name].shared.pop(parameter.name, None) is not None:
@@ -67,6 +67,8 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
         return
     trial[name].shared[parameter.name] = parameter.typical
     yield refit(now.context, trial)
+    if not parameter.carried:
+        return
     bare, free = now.hypothesis.without(name), not now.hypothesis[name].given
     screen = Screen(now.context, bare)
     begun = []
