@@ -68,8 +68,11 @@ def named(result: Diagnosis) -> set[str]:
 
 
 def value(result: Diagnosis, effect: str, joint: str, parameter: str) -> tuple[float, float]:
-    (found,) = [f for f in result.findings if f.effect == effect]
-    told = found.parameters[joint][parameter]
+    """Value and spread; what was not found is 0."""
+    found = [f for f in result.findings if f.effect == effect]
+    if not found:
+        return 0.0, 0.0
+    told = found[0].parameters[joint][parameter]
     return told["value"], told["std"]
 
 

@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves import DROP, MOVES
 from trunk_ros.diagnosis.search.moves.add import additions
+from trunk_ros.diagnosis.search.moves.curve import CLEARER
 from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
 from trunk_ros.effects import effect
 
@@ -32,8 +33,10 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
 
 
 def incomplete(best: Fit) -> bool:
-    """Whether something is left that is as strong as the noise."""
-    return any(best.rest(c) > STRONG * best.context.count(c) for c in best.cost)
+    """Whether something is left that is as strong as the noise, and more than formulas may be off by."""
+    nominal = costed(best.context, best.context.known)
+    least = {c: max(STRONG * best.context.count(c), CLEARER * nominal.rest(c)) for c in best.cost}
+    return any(best.rest(c) > least[c] for c in best.cost)
 
 
 def better_of(best: Fit, other: Fit) -> Fit:

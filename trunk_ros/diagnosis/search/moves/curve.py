@@ -39,7 +39,8 @@ def _hopeless(best: Fit, column: int) -> bool:
     local = own_effects(best.hypothesis, column)
     if not local or column in best.hypothesis.curved:
         return False
-    explained = best.context.misfit.get(column, 0.0) - best.rest(column)
+    nominal = best.context.whitened(best.context.known, column)
+    explained = float(nominal @ nominal) - best.cost[column]
     reached = best.rest(column) - (MOST - len(local)) * explained / len(local)
     if reached <= 0.0:
         return False
