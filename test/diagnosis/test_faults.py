@@ -59,3 +59,17 @@ def test_a_joint_that_stands_or_is_read_coarsely_has_no_faults(position: Array, 
 def test_a_good_recording_stays_the_same_object() -> None:
     good = recorded()
     assert without_faults(good) is good
+
+
+def test_one_reading_in_fifty_far_off_is_left_out_also_in_fast_motion_and_two_at_a_time() -> None:
+    """As many large steps are usual then: what the motor explains is taken off first."""
+    good = recorded(seconds=40.0, size=3.0)
+    position, chance = good.series["joint_states"].position.copy(), np.random.default_rng(3)
+    rows = 10 + 50 * np.arange(len(position) // 50 - 1)
+    rows = np.concatenate([rows, rows[::9] + 1])
+    position[rows, 1] += chance.uniform(8e-3, 2e-2, len(rows))
+    put_right = without_faults(reshaped(good, "joint_states", position=position))
+    left_out = np.isnan(put_right.series["joint_states"].position)
+    assert left_out[rows, 1].mean() > 0.98
+    assert left_out.sum() == left_out[rows, 1].sum()
+    assert any("joint_2" in note and "far from those beside" in note for note in put_right.notes)

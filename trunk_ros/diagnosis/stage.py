@@ -48,7 +48,7 @@ class Stage(ABC):
         self.steps = [self._stepped(c) for c in range(len(self.joints))]
         """Standard deviation of the steps of joints' own encoders; 0 where readings lie on no grid."""
         self.stands = [self._standing(c) for c in range(len(self.joints))]
-        """Samples for which the reading of a joint stays the same, in the mean."""
+        """Samples for which the reading of a joint stays the same, in the mean over the samples."""
         self.coarse = [self._coarseness(c) for c in range(len(self.joints))]
         """Noise that the steps of a joint's own sensor are at least."""
 
@@ -124,9 +124,9 @@ class Stage(ABC):
         return max(coarseness(target, valid) for target, valid in seen)
 
     def _standing(self, column: int) -> float:
-        seen = self._readings(column)
-        changes = sum(int(np.count_nonzero(np.diff(readings))) for readings in seen)
-        return sum(len(readings) for readings in seen) / (1 + changes)
+        ends = [np.concatenate([[True], np.diff(r) != 0.0, [True]]) for r in self._readings(column) if len(r)]
+        runs = np.concatenate([np.diff(np.flatnonzero(end)) for end in ends]) if ends else np.ones(1)
+        return float(np.sum(runs**2) / np.sum(runs))
 
     def _stepped(self, column: int) -> float:
         steps = max(

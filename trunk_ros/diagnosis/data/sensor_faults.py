@@ -13,6 +13,7 @@ from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.gaps import usual
 from trunk_ros.recording.topics import TOPICS
 
+BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
 HARDLY = 0.1  # of the samples, sticking aside
 LEAPS = 1.5  # times as far as a joint moves between two samples as a rule
@@ -31,7 +32,8 @@ def without_faults(recording: Recording) -> Recording:
         return recording
     position, notes = series.position.copy(), []
     for j, joint in enumerate(series.joints):
-        stuck, off = sticks(position[:, j], series.stamp), strays(position[:, j])
+        stuck = sticks(position[:, j], series.stamp)
+        off = strays(less_the_motor(recording, joint, series.stamp, position[:, j]))
         position[stuck | off, j] = np.nan
         if stuck.any():
             begin = series.stamp[np.flatnonzero(stuck)[0]]
@@ -106,17 +108,41 @@ def sticks(readings: Array, stamp: Array) -> np.ndarray:
 
 
 def strays(readings: Array) -> np.ndarray:
-    """(n,) single readings that are far off while those beside them agree."""
+    """(n,) readings that are far off, one or two at a time, while those beside them agree."""
     out = np.zeros(len(readings), dtype=bool)
-    before, after = readings[1:-3], readings[3:-1]
-    beside = np.median([readings[:-4], before, after, readings[4:]], axis=0)
-    off = np.abs(readings[2:-2] - beside)
+    if len(readings) <= 2 * BESIDE:
+        return out
+    beside = np.lib.stride_tricks.sliding_window_view(readings, 2 * BESIDE + 1)
+    before, after = np.median(beside[:, :BESIDE], axis=1), np.median(beside[:, BESIDE + 1 :], axis=1)
+    off = np.abs(beside[:, BESIDE] - np.median(np.delete(beside, BESIDE, axis=1), axis=1))
     scatter = MEDIAN_TO_STD * float(np.nanmedian(off))
-    out[2:-2] = (off > max(FAR * scatter, leap(readings))) & (np.abs(after - before) < off / 2)
+    far = max(FAR * scatter, leap(readings, 1.0 - 2.0 * FEW))
+    out[BESIDE:-BESIDE] = (off > far) & (np.abs(after - before) < off / 2)
     return out if scatter > 0.0 and out.mean() < FEW else np.zeros_like(out)
 
 
-def leap(readings: Array) -> float:
-    """Further than a joint goes between two readings (n,) that differ."""
+def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Array) -> Array:
+    """Readings (n,) at ``stamp`` less what the joint's own motor moves, where that was recorded: in what is
+    left a single reading shows that a fast motion hides.
+    """
+    gearbox = recording.series.get("gearbox_states")
+    if gearbox is None or joint not in gearbox.joints:
+        return readings
+    motor = gearbox.position[:, gearbox.joints.index(joint)]
+    seen = np.isfinite(motor)
+    if seen.sum() < LEAST:
+        return readings
+    there = np.interp(stamp, gearbox.stamp[seen], motor[seen])
+    known = np.isfinite(readings)
+    if known.sum() < LEAST or np.ptp(there[known]) == 0.0:
+        return readings
+    slope, _ = np.polyfit(there[known] - there[known].mean(), readings[known], 1)
+    return np.asarray(readings - slope * there)
+
+
+def leap(readings: Array, usual: float = 0.99) -> float:
+    """Further than a joint goes between two readings (n,) that differ, by what is ``usual`` of them: each
+    single reading that is off makes two large steps.
+    """
     step = np.abs(np.diff(readings))
-    return LEAPS * float(np.nanquantile(step[step > 0.0], 0.99)) if (step > 0.0).any() else np.inf
+    return LEAPS * float(np.nanquantile(step[step > 0.0], usual)) if (step > 0.0).any() else np.inf
