@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import in_gaps
 from trunk_ros.diagnosis.tip.data import oriented
 from trunk_ros.recording.recording import JointSeries, PoseSeries
+from trunk_ros.recording.signal.gaps import in_gaps
 from trunk_ros.recording.signal.measured import Measured
 from trunk_ros.recording.signal.resample import longest_gap
 

@@ -14,7 +14,7 @@ from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
 from trunk_ros.recording.signal.fill import hold
-from trunk_ros.recording.signal.gaps import usual
+from trunk_ros.recording.signal.gaps import in_gaps, usual
 from trunk_ros.recording.signal.resample import (
     LONGEST_GAP,
     SAME,
@@ -169,20 +169,6 @@ def common_joints(recording: Recording, model: Model, *series: JointSeries) -> t
             "give the arm's own --model, or --model direct"
         )
     return joints
-
-
-def in_gaps(series: JointSeries, grid: Array) -> np.ndarray:
-    """(m, joints): where the input is guessed, since samples are missing, or none come for long.
-
-    A guess is good to some part of the motion, not to the noise, which may be as small as it likes.
-    """
-    out = np.zeros((len(grid), len(series.joints)), dtype=bool)
-    longest = min(usual(series.stamp), longest_gap(series.stamp))
-    for j in range(len(series.joints)):
-        known = series.stamp[np.isfinite(series.position[:, j])]
-        for k in np.flatnonzero(np.diff(known) > longest):
-            out[(grid > known[k] + SAME) & (grid < known[k + 1] - SAME), j] = True
-    return out
 
 
 def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray:

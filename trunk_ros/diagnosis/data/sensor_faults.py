@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
-from trunk_ros.recording.signal.gaps import usual
+from trunk_ros.recording.signal.gaps import in_gaps, usual
 from trunk_ros.recording.topics import TOPICS
 
 BESIDE = 3  # readings on either side of one that is far off
@@ -110,20 +110,23 @@ def sticks(readings: Array, stamp: Array) -> np.ndarray:
 def strays(readings: Array) -> np.ndarray:
     """(n,) readings that are far off, one or two at a time, while those beside them agree."""
     out = np.zeros(len(readings), dtype=bool)
-    if len(readings) <= 2 * BESIDE:
+    known = np.flatnonzero(np.isfinite(readings))
+    if len(known) <= 2 * BESIDE:
         return out
+    readings = readings[known]
     beside = np.lib.stride_tricks.sliding_window_view(readings, 2 * BESIDE + 1)
     before, after = np.median(beside[:, :BESIDE], axis=1), np.median(beside[:, BESIDE + 1 :], axis=1)
     off = np.abs(beside[:, BESIDE] - np.median(np.delete(beside, BESIDE, axis=1), axis=1))
-    scatter = MEDIAN_TO_STD * float(np.nanmedian(off))
+    scatter = MEDIAN_TO_STD * float(np.median(off))
     far = max(FAR * scatter, leap(readings, 1.0 - 2.0 * FEW))
-    out[BESIDE:-BESIDE] = (off > far) & (np.abs(after - before) < off / 2)
-    return out if scatter > 0.0 and out.mean() < FEW else np.zeros_like(out)
+    found = (off > far) & (np.abs(after - before) < off / 2)
+    out[known[BESIDE:-BESIDE]] = found & (scatter > 0.0) & (found.mean() < FEW)
+    return out
 
 
 def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Array) -> Array:
     """Readings (n,) at ``stamp`` less what the joint's own motor moves, where that was recorded: in what is
-    left a single reading shows that a fast motion hides.
+    left a single reading shows that a fast motion hides. NaN in gaps of the motor's readings.
     """
     gearbox = recording.series.get("gearbox_states")
     if gearbox is None or joint not in gearbox.joints:
@@ -133,7 +136,8 @@ def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Arr
     if seen.sum() < LEAST:
         return readings
     there = np.interp(stamp, gearbox.stamp[seen], motor[seen])
-    known = np.isfinite(readings)
+    there[in_gaps(gearbox.select((joint,)), stamp)[:, 0]] = np.nan
+    known = np.isfinite(readings + there)
     if known.sum() < LEAST or np.ptp(there[known]) == 0.0:
         return readings
     slope, _ = np.polyfit(there[known] - there[known].mean(), readings[known], 1)

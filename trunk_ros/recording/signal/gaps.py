@@ -7,6 +7,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from trunk_ros.recording.recording import Floats, JointSeries
 from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.resample import SAME, longest_gap
 
 GAP = 1.5  # usual times between samples
 LONGEST = 600.0  # s that are filled at most, whoever asks: a grid never spans a hole
@@ -31,6 +32,22 @@ def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
     wide = between > GAP * float(np.median(between))
     steady = float(np.mean(~wide)) >= STEADY
     return np.flatnonzero(wide & (between <= longest) & steady)
+
+
+def in_gaps(series: JointSeries, grid: Floats) -> np.ndarray:
+    """(m, joints): where a value at ``grid`` (m,) s is guessed, since samples are missing, or none come for
+    long.
+
+    A guess is good to some part of the motion, not to the noise, which may be as small as it likes.
+    """
+    out = np.zeros((len(grid), len(series.joints)), dtype=bool)
+    longest = min(usual(series.stamp), longest_gap(series.stamp))
+    for j in range(len(series.joints)):
+        known = series.stamp[np.isfinite(series.position[:, j])]
+        for k in np.flatnonzero(np.diff(known) > longest):
+            begin = np.searchsorted(grid, known[k] + SAME, side="right")
+            out[begin : np.searchsorted(grid, known[k + 1] - SAME), j] = True
+    return out
 
 
 def missing(stamp: Floats, longest: float = np.inf, end: float = -np.inf) -> Floats:
