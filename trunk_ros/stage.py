@@ -122,7 +122,7 @@ def back(y: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory
 def run_servo(
     arm: Arm, effects: Sequence[Effect], now: Now, setpoints: Array, stamps: Array, start: Array
 ) -> tuple[Array, Array]:
-    """Gearbox angle (n, columns) and the loop's state (2, columns) after it; ``setpoints`` may begin with
+    """Gearbox angle (n, columns) and the loop's state (3, columns) after it; ``setpoints`` may begin with
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
@@ -132,6 +132,8 @@ def run_servo(
         v_max=np.full(columns, arm.v_max),
         delay=np.zeros(columns),
         pull=np.zeros((n, columns)),
+        rub=np.zeros(columns),
+        reach=reach(arm, now),
         dead_zone=np.zeros((n, columns)),
         cogging=np.zeros((3, columns)),
     )
@@ -148,6 +150,8 @@ def run_servo(
         core.v_max,
         core.delay,
         core.pull,
+        core.rub,
+        np.maximum(core.reach, np.abs(core.rub)),
         core.dead_zone,
         core.cogging,
         skip,
@@ -155,6 +159,12 @@ def run_servo(
         out,
     )
     return out, state
+
+
+def reach(arm: Arm, now: Now) -> Array:
+    """(columns,) rad of the gearbox from the middle of the nominal dead bands to where wires slide."""
+    bands = arm.dead_band[list(now.columns)] if now.columns else arm.dead_band
+    return np.asarray(np.abs(bands / now.ratio))
 
 
 def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Array:

@@ -92,6 +92,10 @@ class Core:
     delay: Array = field(default_factory=lambda: np.empty(0))
     pull: Array = field(default_factory=lambda: np.empty(0))
     """(n, columns) rad added to the setpoint."""
+    rub: Array = field(default_factory=lambda: np.empty(0))
+    """(columns,) rad by which the friction of wires that slide holds the servo back."""
+    reach: Array = field(default_factory=lambda: np.empty(0))
+    """(columns,) rad that the servo goes from the middle of the wires' dead band until they slide."""
     dead_zone: Array = field(default_factory=lambda: np.empty(0))
     """(n, columns) rad of error that the loop does not answer to."""
     cogging: Array = field(default_factory=lambda: np.empty(0))
