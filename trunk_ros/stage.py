@@ -12,6 +12,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
+from trunk_ros.effects import lasting
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.servo.loop import servo_loop
 from trunk_ros.effects.wire.play import SharpPlay
@@ -96,7 +97,7 @@ def friction(
     """
     core.old, core.new = old, new
     for e in order.core + order.path:
-        e.adjust(core, now)
+        lasting.adjust(e, core, now)
     if core.rounding is None and not order.path:
         return SharpPlay().run(x, core.width, state, now.ratio)
     u = through(x * now.ratio, order.path, now, old, new)
@@ -107,7 +108,7 @@ def friction(
 def through(x: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory) -> Array:
     """Pass a signal (n, columns) through blocks; their memory goes from ``old`` to ``new``."""
     for e in effects:
-        x, new[e.id] = e.run(x, now, old.get(e.id))
+        x, new[e.id] = lasting.run(e, x, now, old.get(e.id))
     return x
 
 
@@ -115,7 +116,7 @@ def back(y: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory
     """Pass a signal (n, columns) backward through the blocks that can be compensated."""
     for e in reversed(effects):
         if e.compensable:
-            y, new[e.id] = e.invert(y, now, old.get(e.id))
+            y, new[e.id] = lasting.invert(e, y, now, old.get(e.id))
     return y
 
 

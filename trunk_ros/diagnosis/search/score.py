@@ -88,7 +88,8 @@ def chance(context: Context, column: int) -> float:
 
 
 def price(fit: Fit, term: Term) -> float:
-    """What a term must gain, over all its joints; a further source counts as a further effect.
+    """What a term must gain, over all its joints; a further source counts as a further effect, and so does
+    each moment at which it begins or ends.
 
     What the model has already costs nothing.
     """
@@ -105,12 +106,15 @@ def price(fit: Fit, term: Term) -> float:
     if kind.everywhere:
         usual = float(np.median(list(needs.values())))
         each = value * max(len(free) - 1, 0) - LIKELY * len(needs)
-        return NAME + max(usual + each, _shared_slice(fit, columns))
+        moments = usual * sum(m.name in term.shared for m in kind.moments())
+        moments += sum(n * len(term.moments(c)) for c, n in needs.items())
+        return NAME + max(usual + each, _shared_slice(fit, columns)) + moments
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
     words = sum(needs[c] * max(count - 1, 0) + CHOICE * count for c, count in said.items())
+    moments = sum(n * len(term.moments(c)) for c, n in needs.items())
     further = value * max(sum(f.column is not None for f in free) - len(needs), 0)
-    return NAME + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items()) + words + further
+    return NAME + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items()) + words + further + moments
 
 
 def _curve(fit: Fit, term: Term, column: int, need: float) -> float:

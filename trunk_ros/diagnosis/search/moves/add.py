@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.candidates import extended, local_kinds, open_kinds, usable
+from trunk_ros.diagnosis.search.candidates import breaking_kinds, extended, local_kinds, open_kinds, usable
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.member import MEMBER
@@ -64,6 +64,7 @@ def trials(best: Fit, desk: Desk, column: int) -> Trials:
 def _tried(best: Fit, column: int) -> Trials:
     tried: Trials = {}
     kinds, before = open_kinds(best.context, best.hypothesis, column), score(best)
+    kinds = [*kinds, *(breaking_kinds(best.context, best.hypothesis, column) if kinds else ())]
     for trial in column_trials(best, best.hypothesis, column, kinds, PROMISING):
         gain = before - score(trial)
         name = _added(best.hypothesis, trial.hypothesis, column)
