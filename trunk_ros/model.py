@@ -21,7 +21,7 @@ from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.effect import NEVER
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.lasting import NOTHING, Payload, share
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
 from trunk_ros.predictor import Predictor
@@ -81,13 +81,13 @@ class Model(Predictor):
         if not moments:
             return name, values
         left = {key: value for key, value in values.items() if key not in moments}
-        acts = _acts_at(self.duration, values)
-        nulls = kind.null()
-        for p in kind.parameters:
-            carried = p.carried and p.name in left
-            there = payload_in(p.name, values).lasts(self.duration) if carried else acts
-            if p.name in left and not (p.shared and np.size(there) > 1):
-                left[p.name] = np.where(there, left[p.name], nulls[p.name])[()]
+        acts = _acting_at(self.duration, values)
+        lead = kind.own_parameters(str(values.get("form", kind.forms[0])))[0]
+        for p in (p for p in kind.parameters if p.name in left):
+            there = payload_in(p.name, values).lasts(self.duration) if p.carried else acts
+            if not (p.shared and np.size(there) > 1):
+                size = there if p is lead else there > 0
+                left[p.name] = (p.null + size * (left[p.name] - p.null))[()]
         return name, _effect_values(kind, left, self.arm.joints)
 
     def loaded_arm(self) -> Arm:
@@ -233,10 +233,13 @@ def payload_in(name: str, values: Mapping[str, Any]) -> Payload:
     return Payload(mass or 0.0, begin or 0.0, NEVER if until is None else until)
 
 
-def _acts_at(stamp: float, values: Values) -> Any:
-    """(joints,) or one: whether an effect acts at a time [s]."""
-    begun = np.asarray(values.get("from", 0.0)) <= stamp
-    return begun & (np.asarray(values.get("until", NEVER)) > stamp)
+def _acting_at(stamp: float, values: Values) -> Any:
+    """(joints,) or one: how much of an effect acts at a time [s]."""
+    begin, until, grown = (
+        np.asarray(values.get(name, default))
+        for name, default in (("from", 0.0), ("until", NEVER), ("grown", 0.0))
+    )
+    return share(np.array([stamp]), begin, until, grown)[0]
 
 
 def _effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[str, ...]) -> Values:

@@ -22,6 +22,10 @@ FROM = Parameter("from", "s", (0.0, NEVER), "when it begins", typical=1.0, optio
 UNTIL = Parameter(
     "until", "s", (0.0, NEVER), "when it ends", typical=1.0, null=NEVER, optional=True, moment=True
 )
+GROWN = Parameter(
+    "grown", "s", (0.0, NEVER), "when it has its full size; at once where it is not said", typical=1.0,
+    optional=True, moment=True,
+)  # fmt: skip
 
 Stage = Literal["servo", "wire", "arm"]
 Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
@@ -273,8 +277,9 @@ class Effect(ABC):
             return ()
         shared = all(p.shared for p in cls.parameters)
         both = replace(FROM, shared=shared), replace(UNTIL, shared=shared)
+        grown = replace(GROWN, shared=shared)
         loads = [replace(m, name=f"{p.name}_{m.name}", shared=True) for p in cls.carried() for m in both]
-        return (*both, *loads)
+        return (*both, grown, *loads)
 
     @classmethod
     def used(cls, form: str) -> tuple[Parameter, ...]:

@@ -45,23 +45,29 @@ class Payload(NamedTuple):
 NOTHING = Payload()
 
 
-def share(stamp: Array, begin: Array, until: Array) -> Array:
-    """(n, columns) from 0 to 1: what acts from ``begin`` until ``until`` (columns,) s; ``stamp`` (n,) s."""
+def share(stamp: Array, begin: Array, until: Array, grown: Array | float = 0.0) -> Array:
+    """(n, columns) from 0 to 1: what acts from ``begin`` until ``until`` (columns,) s; ``stamp`` (n,) s.
+
+    ``grown`` (columns,) s: when it has its full size, 0 for at once.
+    """
     t = stamp[:, None]
-    begun = np.where(begin > 0.0, np.clip((t - begin) / RISE + 0.5, 0.0, 1.0), 1.0)
+    rise = np.maximum(grown - begin, RISE)
+    middle = np.where(grown > begin, begin + rise / 2, begin)
+    begun = np.where((begin > 0.0) | (grown > 0.0), np.clip((t - middle) / rise + 0.5, 0.0, 1.0), 1.0)
     ended = np.where(until < NEVER, np.clip((t - until) / RISE + 0.5, 0.0, 1.0), 0.0)
     return np.asarray(begun * (1.0 - ended))
 
 
 def lasts(e: Effect) -> bool:
     """Whether an effect acts all the time."""
-    return "from" not in e.values and "until" not in e.values
+    return not {"from", "until", "grown"} & e.values.keys()
 
 
 def acting(e: Effect, now: Now) -> Array:
     """(n, columns): how much of an effect acts."""
     nothing = np.zeros_like(now.ratio)
-    return share(now.stamp, e.values.get("from", nothing), e.values.get("until", nothing + NEVER))
+    begin, until = e.values.get("from", nothing), e.values.get("until", nothing + NEVER)
+    return share(now.stamp, begin, until, e.values.get("grown", nothing))
 
 
 def run(e: Effect, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

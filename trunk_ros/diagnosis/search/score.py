@@ -104,8 +104,9 @@ def price(fit: Fit, term: Term) -> float:
     free = Hypothesis({term.effect: term}).free(list(term.columns))
     value = FURTHER * float(np.mean([chance(context, c) for c in columns]))
     if kind.everywhere:
-        usual = float(np.median(list(needs.values())))
-        each = value * max(len(free) - 1, 0) - LIKELY * len(needs)
+        usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
+        alike = not any(term.moments(c) for c in columns)
+        each = value * max(len(free) - 1, 0) - alike * LIKELY * len(needs)
         moments = usual * sum(m.name in term.shared for m in kind.moments())
         moments += sum(n * len(term.moments(c)) for c, n in needs.items())
         return NAME + max(usual + each, _shared_slice(fit, columns)) + moments
