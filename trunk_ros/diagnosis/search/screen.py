@@ -144,7 +144,8 @@ class Screen:
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)
                     if better and (free not in found or better.gain > found[free].gain):
                         found[free] = better
-        some = [self.lasting(c, self.context.columns) for c in found.values()]
+        alike = any(p.shared for p in kind.moments()[:1])
+        some = [self.lasting(c, self.context.columns) for c in found.values() if alike]
         return [*found.values(), *(c for c in some if c is not None)]
 
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:

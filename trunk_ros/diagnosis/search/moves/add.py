@@ -9,6 +9,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import breaking_kinds, extended, local_kinds, open_kinds, usable
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import Screen
@@ -108,7 +109,7 @@ def everywhere(best: Fit) -> Iterator[Fit]:
     most = PROMISING_EVERYWHERE if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
         trial = refit(context, extended(context, best.hypothesis, candidate))
-        trial = descend_with(trial, (MEMBER,))
+        trial = descend_with(trial, (MEMBER, EVENT))
         if shared_by_most(best, trial, candidate.effect):
             yield trial
 

@@ -8,12 +8,13 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.effects import effect
 
 REACH = 1.0  # s
-NEARBY = np.linspace(-REACH, REACH, 201)  # s
+ROUGHLY, NEARBY = np.linspace(-REACH, REACH, 21), np.linspace(-0.1, 0.1, 21)  # s
 
 
 def moments(now: Fit) -> Iterator[tuple[str, int | None, str]]:
@@ -33,21 +34,30 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
-    term = best.hypothesis[name]
-    at = (term.shared if column is None else term.own[column])[moment] + NEARBY
-    return [moved(best, name, column, moment, at)]
+    rough = best_time(best, name, column, moment, _home(best.hypothesis, name, column)[moment] + ROUGHLY)
+    return [moved(best, name, column, moment, rough + NEARBY)]
 
 
 def moved(now: Fit, name: str, column: int | None, moment: str, at: Array) -> Fit:
     """With a moment at the best of ``at`` (k,) s."""
-    trial, costs = now.hypothesis.copy(), []
-    values = trial[name].shared if column is None else trial[name].own[column]
-    columns = now.context.columns if column is None else [column]
-    for one in np.maximum(at, 0.0):
-        values[moment] = float(one)
-        costs.append(sum(float(np.sum(now.context.whitened(trial, c) ** 2)) for c in columns))
-    values[moment] = max(float(at[int(np.argmin(costs))]), 0.0)
+    trial = now.hypothesis.copy()
+    _home(trial, name, column)[moment] = best_time(now, name, column, moment, at)
     return refit(now.context, trial) if column is None else refit_column(now, trial, column)
+
+
+def best_time(now: Fit, name: str, column: int | None, moment: str, at: Array) -> float:
+    """The best of ``at`` (k,) s, all else as it is."""
+    trial, costs, at = now.hypothesis.copy(), [], np.maximum(at, 0.0)
+    columns = now.context.columns if column is None else [column]
+    for one in at:
+        _home(trial, name, column)[moment] = float(one)
+        costs.append(sum(float(np.sum(now.context.whitened(trial, c) ** 2)) for c in columns))
+    return float(at[int(np.argmin(costs))])
+
+
+def _home(hypothesis: Hypothesis, name: str, column: int | None) -> dict[str, float]:
+    """The values among which a moment is."""
+    return hypothesis[name].shared if column is None else hypothesis[name].own[column]
 
 
 ONSET = Move("onset", groups)
