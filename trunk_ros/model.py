@@ -87,7 +87,7 @@ class Model(Predictor):
             there = payload_in(p.name, values).lasts(self.duration) if p.carried else acts
             if not (p.shared and np.size(there) > 1):
                 size = there if p is lead else there > 0
-                left[p.name] = (p.null + size * (left[p.name] - p.null))[()]
+                left[p.name] = np.asarray(p.null + size * (left[p.name] - p.null))[()]
         return name, _effect_values(kind, left, self.arm.joints)
 
     def loaded_arm(self) -> Arm:

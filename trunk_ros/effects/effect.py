@@ -158,6 +158,8 @@ class Effect(ABC):
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
     begins: ClassVar[bool] = False
     """It may begin or end in the middle of a recording."""
+    grows: ClassVar[bool] = False
+    """It may do so little by little, and no other effect is just that."""
     scalable: ClassVar[bool] = True
     """The effect grows in proportion to its first parameter's distance from null, so that a linear look
     finds its size.
@@ -277,9 +279,9 @@ class Effect(ABC):
             return ()
         shared = all(p.shared for p in cls.parameters)
         both = replace(FROM, shared=shared), replace(UNTIL, shared=shared)
-        grown = replace(GROWN, shared=shared)
+        grown = [replace(GROWN, shared=shared)] if cls.grows else []
         loads = [replace(m, name=f"{p.name}_{m.name}", shared=True) for p in cls.carried() for m in both]
-        return (*both, grown, *loads)
+        return (*both, *grown, *loads)
 
     @classmethod
     def used(cls, form: str) -> tuple[Parameter, ...]:

@@ -73,14 +73,14 @@ class Screen:
             return None
         there = extended(context, self.hypothesis, candidate)
         columns = [c for c in columns if c in there[candidate.effect].own]
-        window = self.window(there, columns, partial(_gains, kind, candidate))
+        window = self.window(there, columns, partial(_gains, kind, candidate), kind.grows)
         found = window and _scaled(kind, candidate, window.rd, window.dd)
         if not window or not found or found.gain - window.price <= candidate.gain:
             return None
         own = {c: {**start, **window.moments} for c, start in candidate.own.items()}
         return replace(found, start={**found.start, **window.moments}, own=own, free=True)
 
-    def window(self, there: Hypothesis, columns: list[int], gain: Gain) -> Window | None:
+    def window(self, there: Hypothesis, columns: list[int], gain: Gain, grows: bool) -> Window | None:
         """The time in which another hypothesis gains most on some columns; None for all the time."""
         if not columns:
             return None
@@ -90,7 +90,8 @@ class Screen:
             Sums.of(edges, span.stamp[span.valid[:, c]], self.rest[c], self.change(there, c), self.basis[c])
             for c in columns
         ]
-        return best_window(sums, edges, gain, float(np.median([need(self.context, c) for c in columns])))
+        price = float(np.median([need(self.context, c) for c in columns]))
+        return best_window(sums, edges, gain, price, grows)
 
     def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
         """The best start of each form that comes near the best one."""

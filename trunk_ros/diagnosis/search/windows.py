@@ -90,14 +90,18 @@ class Window:
     """Of its moments."""
 
 
-def best_window(sums: list[Sums], edges: Array, gain: Gain, price: float) -> Window | None:
+def best_window(
+    sums: list[Sums], edges: Array, gain: Gain, price: float, grows: bool = False
+) -> Window | None:
     """The time in which an effect gains most, over all ``sums``, if each moment is worth a ``price``; None
-    where it does as well from beginning to end.
+    where it does as well from beginning to end. ``grows``: it may do so little by little.
     """
     inside = np.isfinite(edges)
     later = np.arange(len(edges))[:, None] < np.arange(len(edges))[None, :]
     count = inside[:, None].astype(float) + inside[None, :]
-    shapes = (("until", Sums.between, later), ("grown", Sums.growing, later & inside[None, :]))
+    shapes = [("until", Sums.between, later)]
+    if grows:
+        shapes.append(("grown", Sums.growing, later & inside[None, :]))
     found = [_best(sums, edges, name, shape, gain, price * count, may) for name, shape, may in shapes]
     best, worth = max(found, key=lambda one: one[1])
     return best if best.moments and worth > 0.0 else None

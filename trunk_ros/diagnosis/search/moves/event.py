@@ -21,11 +21,13 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     if len(best.context.views) > 1:
         return
     for name, term in best.hypothesis.items():
-        for parameter in effect(name).carried() if effect(name).begins else ():
+        alike = effect(name).begins and not any(term.moments(c) for c in term.columns)
+        for parameter in effect(name).carried() if alike else ():
             yield Group(
                 (name, parameter.name), best.context.columns, partial(_taken_up, best, name, parameter)
             )
-        own = effect(name).begins and any(term.own.values())
+        taken_up = any(m.name in term.shared for m in effect(name).moments())
+        own = effect(name).begins and any(term.own.values()) and not taken_up
         for column in (c for c in term.columns if own and c in best.context.columns):
             change = _always if term.moments(column) else _for_a_while
             yield Group((name, column), [column], partial(change, best, name, column))
@@ -61,7 +63,7 @@ def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
         return
     there = bare.copy()
     there[name].shared[mass.name] = mass.typical
-    window = Screen(now.context, bare).window(there, now.context.columns, partial(_gained, mass))
+    window = Screen(now.context, bare).window(there, now.context.columns, partial(_gained, mass), False)
     if window is None:
         return
     there[name].shared[mass.name] = _mass(mass, window.rd, window.dd)
