@@ -9,7 +9,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.effects import effect
-from trunk_ros.effects.curve import Curve
+from trunk_ros.effects.curve import OVER_TIME, Curve
 
 SIGNIFICANT = 60.0
 """Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""
@@ -107,9 +107,7 @@ def price(fit: Fit, term: Term) -> float:
         usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
         alike = not any(term.moments(c) for c in columns)
         each = value * max(len(free) - 1, 0) - alike * LIKELY * len(needs)
-        shared = max(usual, SLICE * float(np.mean([fit.rest(c) for c in columns])))
-        moments = shared * sum(m.name in term.shared for m in kind.moments())
-        return NAME + max(usual + each, _shared_slice(fit, columns)) + moments + _moments(fit, term, needs)
+        return NAME + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
     words = sum(needs[c] * max(count - 1, 0) + CHOICE * count for c, count in said.items())
@@ -133,10 +131,17 @@ def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
 
 
 def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
-    """Of the times at which a term begins and ends on single joints: those of some slice of a misfit are no
-    event.
+    """Of the times at which a term begins and ends: each is a claim of its own, and as what comes and goes
+    with time imitates much, none is made where what is left is known to be incomplete.
     """
-    return sum(max(n, SLICE * fit.rest(c)) * len(term.moments(c)) for c, n in needs.items())
+    kind, context = effect(term.effect), fit.context
+    left = {c: (1 / OVER_TIME - 1) * max(fit.rest(c) - STRONG * context.count(c), 0.0) for c in needs}
+    own = sum(n * len(term.moments(c)) + left[c] for c, n in needs.items() if term.moments(c))
+    shared = sum(m.name in term.shared for m in kind.moments())
+    if not shared:
+        return own
+    usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
+    return own + usual * shared + sum(left.values())
 
 
 def _slice(fit: Fit, column: int, values: int) -> float:
