@@ -89,7 +89,10 @@ def test_the_heading_tells_what_could_be_another_and_what_is_a_guess(found: Diag
     others = [replace(found.findings[0], effect=name) for name in ("backlash", "ratio_error", "cogging")]
     doubts = [replace(others[0], confidence=0.04), replace(others[1], equivalents=["cogging"]), others[2]]
     page = render(replace(found, findings=doubts))
-    assert "simulation; 1 of them could also be another and 1 of them is no more than a guess.</h1>" in page
+    assert (
+        "simulation; 1 of them could also be another effect and 1 of them is no more than a guess.</h1>"
+        in page
+    )
     page = render(replace(found, findings=doubts[:2]))
     assert re.search(r"simulation: ratio error or cogging \(.*\) and perhaps backlash \(joint_3, 4%\)", page)
 

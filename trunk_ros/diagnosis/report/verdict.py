@@ -33,7 +33,7 @@ def _doubts(result: Diagnosis) -> str:
     """How many of what is counted could be something else, or nothing."""
     open_ = sum(bool(f.equivalents) for f in result.findings)
     guessed = sum(f.confidence < LIKELY for f in result.findings)
-    told = [f"{open_} of them could also be another"] if open_ else []
+    told = [f"{open_} of them could also be another effect"] if open_ else []
     told += [f"{guessed} of them {'is' if guessed == 1 else 'are'} no more than a guess"] if guessed else []
     return f"; {' and '.join(told)}" if told else ""
 

@@ -65,7 +65,9 @@ def _names(result: Diagnosis, stages: list[str]) -> list[str]:
 
 
 def _cell(result: Diagnosis, stage: str, name: str, ratio: Ratio | None) -> Cell:
-    found = [spoken(f.effect) for f in result.findings if concerns(f, stage, name)]
+    found = [
+        spoken(f.effect) + ("?" if f.equivalents else "") for f in result.findings if concerns(f, stage, name)
+    ]
     if ratio is None:
         silent = name in result.stages[stage].get("silent", [])
         return Cell(-1, SILENT if silent else "not measured", "", found)
