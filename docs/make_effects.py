@@ -119,6 +119,8 @@ def facts(kind: type[Effect]) -> Iterator[str]:
         yield "- The diagnosis tries it last, on joints where the other effects leave much of the residual."
     elif not kind.tried:
         yield "- The diagnosis does not try it: it is switched on in a model by hand."
+    if kind.begins:
+        yield f"- In mid-run: {', '.join(f'`{m.name}`' for m in kind.moments())} (s)."
     if kind.replaces:
         yield f"- Includes {', '.join(f'`{name}`' for name in kind.replaces)}."
     if kind.stage == "wire":

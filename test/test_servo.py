@@ -102,6 +102,18 @@ def test_the_load_pulls_the_shaft_off_its_setpoint() -> None:
     assert phi == pytest.approx(setpoint[0] + 0.1 * arm.load((phi * 0.625)[None])[0], abs=1e-6)
 
 
+def test_friction_that_the_motor_pulls_holds_the_shaft_back_on_either_side() -> None:
+    """Once the wire slides, by gain times friction, against the motion; it stays so at rest."""
+    arm, stamp = arm_of(3), stamps(10, 100)
+    up = np.interp(stamp, [0.0, 3.0, 10.0], [0.0, 0.3, 0.3])
+    droop = {"gain": 0.02, "friction": np.array([0.1, 0.2, 0.0]), "form": "weight_and_friction"}
+    for setpoint, side in ((up, 1.0), (0.3 - up, -1.0)):
+        asked = np.tile(setpoint[:, None], (1, 3))
+        phi = servo(asked, stamp, load_droop=droop)[-1]
+        weight = 0.02 * arm.load((phi * 0.625)[None])[0]
+        assert phi - weight == pytest.approx(asked[-1] - side * 0.02 * droop["friction"], abs=1e-4)
+
+
 def test_cogging_shifts_where_the_shaft_stands() -> None:
     stamp = stamps(5, 100)
     setpoint = np.tile(np.linspace(-0.3, 0.3, 5), (len(stamp), 1))

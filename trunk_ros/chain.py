@@ -13,6 +13,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+from trunk_ros.effects import lasting
 from trunk_ros.effects.effect import Core, Effect
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import ModelError
@@ -55,7 +56,8 @@ class Chain:
         if stage not in ("wire", "servo", "arm"):
             raise ModelError(f"unknown stage {stage!r}: choose wire, servo or arm")
         self.stage = stage
-        self.model = model
+        self.model = model = model.at_end() if hold_time else model
+        self.carried = model.taken_up
         self.motors: Arm = model.loaded_arm()
         self.arm = self.motors.uncoupled() if stage == "wire" else self.motors
         self.effects = model.bound(stage)
@@ -144,7 +146,7 @@ class Chain:
     def _look(self, stamp: Array, path: Array, last: Array | None, state: State | None, given: Given) -> Look:
         """What the effects see of the arm, at the time that counts for them; ``last``: the path before."""
         before = None if state is None or last is None else (state.stamp, last)
-        look = Look(self.arm, stamp, path, before, given, state.swing if state else None)
+        look = Look(self.arm, stamp, path, before, given, state.swing if state else None, self.carried)
         if self.duration is not None:
             look.stamp, look.held = stamp * 0.0 + self.duration, True
         return look
@@ -224,7 +226,7 @@ class Chain:
         core = self._core()
         core.old, core.new = old, new
         for e in self.order.core + self.order.path:
-            e.adjust(core, now)
+            lasting.adjust(e, core, now)
         u = back(y, inner, now, old, new)
         moved: tuple[Array, Any] = (core.rounding or SharpPlay()).invert(u, core.width, begun)
         return moved
@@ -240,7 +242,7 @@ class Chain:
         """Gearbox angle (twice) and state: passes until load and gearbox angle agree."""
         at_joints = self.arm.driven
         past, asked, start = (
-            state.core if state else (stamp[:0], x[:0], np.vstack([x[0], np.zeros_like(x[0])]))
+            state.core if state else (stamp[:0], x[:0], np.vstack([x[0], np.zeros_like(x[0]), x[0]]))
         )
         stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
         last = at_joints(state.x) if state else None

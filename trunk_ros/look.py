@@ -11,6 +11,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.derivatives import follow
 from trunk_ros.effects.effect import Now
+from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.resistance import Resistance
 
 
@@ -47,15 +48,17 @@ class Look(Now):
         before: tuple[float, Array] | None = None,
         given: Given = UNKNOWN,
         swing: Array | None = None,
+        carried: Payload = NOTHING,
     ):
         """``path`` (n, joints): moves as the joints do, friction aside; ``before``: the sample before,
         stamp and path. ``swing``: memory of the joints' motion, None at the start of a recording.
+        ``carried``: what is taken up and put down, besides the arm's own payload.
         """
         self.stamp, self.joints, self.ratio = stamp, arm.joints, arm.ratio
         self.dt = steps(stamp, before[0] if before else None)
         self.columns = tuple(range(len(arm.joints)))
         self._arm = self.arm = arm
-        self._path, self._before, self._given = path, before, given
+        self._path, self._before, self._given, self._carried = path, before, given, carried
         ahead = 0.0 if before is None or swing is None else swing[0] - before[1]
         self._joint_path, self._swing = path + ahead, swing
         self.see(path, path)
@@ -128,7 +131,14 @@ class Look(Now):
             if self._inertial:
                 speed, acceleration, _ = self.motion
                 load = load + self._arm.inertia(self.angles, speed, acceleration)
+        if self._carried.mass:
+            load = load + self._carried.at(self.stamp) * self._lever()
         return load if self._arm.coupling is None else self._arm.carried(load)
+
+    def _lever(self) -> Array:
+        """(n, joints) N m/kg that a kilogram more at the tip adds."""
+        known = self._given.resistance
+        return self._arm.lever(self.angles) if known is None else known.per_kilogram(self._arm, self.angles)
 
     def _motion(self) -> tuple[Array, Array, Array]:
         """Speed and acceleration (n, joints) of the joints from the past alone, and the memory after them."""

@@ -20,6 +20,8 @@ from trunk_ros.arm.parameters import ANY_JOINTS, RENAMED, check_names, checked, 
 from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
+from trunk_ros.effects.effect import NEVER
+from trunk_ros.effects.lasting import NOTHING, Payload, share
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
 from trunk_ros.predictor import Predictor
@@ -52,8 +54,41 @@ class Model(Predictor):
     @property
     def payload(self) -> float:
         """Mass at the tip [kg], nominal and found."""
-        found = (v.get(p.name, 0.0) for name, v in self.effects.items() for p in effect(name).carried())
-        return self.arm.payload + float(sum(found))
+        return self.arm.payload + sum(one.mass for one in self._payloads() if one.always)
+
+    @property
+    def taken_up(self) -> Payload:
+        """A mass at the tip that is not there from beginning to end."""
+        return next((one for one in self._payloads() if not one.always), NOTHING)
+
+    def _payloads(self) -> list[Payload]:
+        return [
+            payload_in(p.name, values)
+            for name, values in self.effects.items()
+            for p in effect(name).carried()
+        ]
+
+    def at_end(self) -> Model:
+        """The model as it is at the end of the recording that it was fitted on: what had ended by then is
+        gone, what had begun lasts.
+        """
+        return replace(self, effects={n: v for n, v in map(self._lasting, self.in_order()) if v})
+
+    def _lasting(self, item: tuple[str, Values]) -> tuple[str, Values]:
+        name, values = item
+        kind = effect(name)
+        moments = {m.name for m in kind.moments()} & set(values)
+        if not moments:
+            return name, values
+        left = {key: value for key, value in values.items() if key not in moments}
+        acts = _acting_at(self.duration, values)
+        lead = kind.own_parameters(str(values.get("form", kind.forms[0])))[0]
+        for p in (p for p in kind.parameters if p.name in left):
+            there = payload_in(p.name, values).lasts(self.duration) if p.carried else acts
+            if not (p.shared and np.size(there) > 1):
+                size = there if p is lead else there > 0
+                left[p.name] = np.asarray(p.null + size * (left[p.name] - p.null))[()]
+        return name, _effect_values(kind, left, self.arm.joints)
 
     def loaded_arm(self) -> Arm:
         """The arm with the payload that was found."""
@@ -180,7 +215,7 @@ def bind(name: str, values: Values, joints: tuple[str, ...]) -> Effect:
     kind = effect(name)
     numbers: dict[str, Array] = {
         p.name: np.broadcast_to(np.asarray(values.get(p.name, p.null), dtype=float), (len(joints),)).copy()
-        for p in kind.parameters
+        for p in (*kind.parameters, *(m for m in kind.moments() if m.name in values))
     }
     block = kind(
         numbers,
@@ -192,17 +227,34 @@ def bind(name: str, values: Values, joints: tuple[str, ...]) -> Effect:
     return block
 
 
+def payload_in(name: str, values: Mapping[str, Any]) -> Payload:
+    """What an effect's values make the arm carry; ``name``: of the mass."""
+    mass, begin, until = (values.get(f"{name}{when}") for when in ("", "_from", "_until"))
+    return Payload(mass or 0.0, begin or 0.0, NEVER if until is None else until)
+
+
+def _acting_at(stamp: float, values: Values) -> Any:
+    """(joints,) or one: how much of an effect acts at a time [s]."""
+    begin, until, grown = (
+        np.asarray(values.get(name, default))
+        for name, default in (("from", 0.0), ("until", NEVER), ("grown", 0.0))
+    )
+    return share(np.array([stamp]), begin, until, grown)[0]
+
+
 def _effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[str, ...]) -> Values:
     """All values of one effect that a model has of it; empty where everything is at its null."""
     form = str(given.get("form") or kind.forms[0])
     numbers = {
-        p.name: np.atleast_1d(np.asarray(given.get(p.name, p.null), dtype=float)) for p in kind.parameters
+        p.name: np.atleast_1d(np.asarray(given.get(p.name, p.null), dtype=float))
+        for p in (*kind.parameters, *kind.moments())
     }
     set_ = {p.name for p in kind.parameters if np.any(numbers[p.name] != p.null)}
     if not set_:
         return {}
+    set_ |= {m.name for m in kind.moments() if np.any(numbers[m.name] != m.null)}
     values: Values = {"form": form} if len(kind.forms) > 1 else {}
-    for p in kind.parameters:
+    for p in (*kind.parameters, *kind.moments()):
         if numbers[p.name].size not in (1, len(joints)):
             raise ModelError(
                 f"effects.{kind.id}.{p.name} has {numbers[p.name].size} values for {len(joints)} joints"
@@ -252,7 +304,7 @@ def declared_parameters() -> list[Declaration]:
     """Every parameter of a model, with unit, bounds and meaning: what each node declares."""
     declared = declared_arm()
     for name, kind in registry().items():
-        for p in kind.parameters:
+        for p in (*kind.parameters, *kind.moments()):
             default: Any = float(p.null) if p.shared else [float(p.null)]
             declared.append(
                 Declaration(f"effects.{name}.{p.name}", default, p.unit, p.bounds, f"{name}: {p.meaning}")

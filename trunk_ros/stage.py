@@ -12,6 +12,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
+from trunk_ros.effects import lasting
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.effects.servo.loop import servo_loop
 from trunk_ros.effects.wire.play import SharpPlay
@@ -96,7 +97,7 @@ def friction(
     """
     core.old, core.new = old, new
     for e in order.core + order.path:
-        e.adjust(core, now)
+        lasting.adjust(e, core, now)
     if core.rounding is None and not order.path:
         return SharpPlay().run(x, core.width, state, now.ratio)
     u = through(x * now.ratio, order.path, now, old, new)
@@ -107,7 +108,7 @@ def friction(
 def through(x: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory) -> Array:
     """Pass a signal (n, columns) through blocks; their memory goes from ``old`` to ``new``."""
     for e in effects:
-        x, new[e.id] = e.run(x, now, old.get(e.id))
+        x, new[e.id] = lasting.run(e, x, now, old.get(e.id))
     return x
 
 
@@ -115,14 +116,14 @@ def back(y: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory
     """Pass a signal (n, columns) backward through the blocks that can be compensated."""
     for e in reversed(effects):
         if e.compensable:
-            y, new[e.id] = e.invert(y, now, old.get(e.id))
+            y, new[e.id] = lasting.invert(e, y, now, old.get(e.id))
     return y
 
 
 def run_servo(
     arm: Arm, effects: Sequence[Effect], now: Now, setpoints: Array, stamps: Array, start: Array
 ) -> tuple[Array, Array]:
-    """Gearbox angle (n, columns) and the loop's state (2, columns) after it; ``setpoints`` may begin with
+    """Gearbox angle (n, columns) and the loop's state (3, columns) after it; ``setpoints`` may begin with
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
@@ -132,6 +133,8 @@ def run_servo(
         v_max=np.full(columns, arm.v_max),
         delay=np.zeros(columns),
         pull=np.zeros((n, columns)),
+        rub=np.zeros(columns),
+        reach=reach(arm, now),
         dead_zone=np.zeros((n, columns)),
         cogging=np.zeros((3, columns)),
     )
@@ -148,6 +151,8 @@ def run_servo(
         core.v_max,
         core.delay,
         core.pull,
+        core.rub,
+        np.maximum(core.reach, np.abs(core.rub)),
         core.dead_zone,
         core.cogging,
         skip,
@@ -155,6 +160,12 @@ def run_servo(
         out,
     )
     return out, state
+
+
+def reach(arm: Arm, now: Now) -> Array:
+    """(columns,) rad of the gearbox from the middle of the nominal dead bands to where wires slide."""
+    bands = arm.dead_band[list(now.columns)] if now.columns else arm.dead_band
+    return np.asarray(np.abs(bands / now.ratio))
 
 
 def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Array:

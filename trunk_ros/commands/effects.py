@@ -78,6 +78,7 @@ def facts(kind: type[Effect]) -> dict[str, Any]:
         "regime": kind.regime,
         "signature": kind.signature,
         "parameters": [_parameter(p) for p in kind.parameters],
+        "moments": [_parameter(p) for p in kind.moments()],
         "words": list(kind.texts),
         "forms": [form for form in kind.forms if form],
         "needs": [NEEDS[need] for need in kind.needs],
@@ -105,6 +106,9 @@ def one(kind: type[Effect]) -> list[str]:
         "  parameters:",
         *(f"    {line}" for line in columns([_row(p) for p in told["parameters"]])),
     ]
+    if told["moments"]:
+        rows = columns([_row(p) for p in told["moments"]])
+        lines += ["  in mid-run:", *(f"    {line}" for line in rows)]
     for name in ("words", "forms", "needs", "includes"):
         lines += _wrapped(name, ", ".join(told[name])) if told[name] else []
     for other in told["confused_with"]:

@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.effects.effect import Motion, Now
+from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.recording.signal.resample import SLOW
 
 LEAST = 50  # valid samples without which a joint cannot be judged
@@ -59,7 +60,7 @@ class Context:
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
-    _cache: dict[tuple[int, int, float, tuple[int, ...] | None], Now] = field(
+    _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
         default_factory=dict, repr=False
     )
 
@@ -177,7 +178,9 @@ class Context:
 
     # Predictions and residuals.
 
-    def now(self, index: int, column: int, payload: float, rows: tuple[int, ...] | None = None) -> Now:
+    def now(
+        self, index: int, column: int, payload: Payload = NOTHING, rows: tuple[int, ...] | None = None
+    ) -> Now:
         """The surroundings of a column in a span, or at some ``rows`` of its grid, kept between calls."""
         key = (index, column, payload, rows)
         if key not in self._cache:
@@ -239,7 +242,7 @@ class Context:
         """The surroundings of a column in a span; of a wide loop what counts, and of the gearbox's motion
         what comes through.
         """
-        now, span = self.now(index, column, 0.0), self.views[index].span
+        now, span = self.now(index, column), self.views[index].span
         if column not in self.wide:
             return now
         valid = span.valid[:, column]
@@ -250,7 +253,7 @@ class Context:
     def shows(self, tells: Callable[[Now], bool], column: int) -> bool:
         """Whether the motion of a column in one of the spans tells something."""
         return any(
-            tells(self.now(index, column, 0.0)) and tells(self.shown(column, index))
+            tells(self.now(index, column)) and tells(self.shown(column, index))
             for index in range(len(self.views))
         )
 
@@ -262,7 +265,7 @@ class Context:
         """Gearbox angle, speed and what no effect explains (n,) where a column counts, by span."""
         out = []
         for index, view in enumerate(self.views):
-            now, valid = self.now(index, column, 0.0), view.span.valid[:, column]
+            now, valid = self.now(index, column), view.span.valid[:, column]
             rows = view.span.rows[valid]
             residual = self.residual(index, Hypothesis(), column)[valid]
             out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual))

@@ -10,7 +10,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect, registry
-from trunk_ros.model import Values
+from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.model import Values, payload_in
 from trunk_ros.parameter import Parameter
 
 
@@ -48,6 +49,10 @@ class Term:
     def columns(self) -> list[int]:
         """The joints that the effect is on."""
         return sorted(self.own)
+
+    def moments(self, column: int) -> tuple[str, ...]:
+        """Which of its beginning and end on a joint are said."""
+        return tuple(m.name for m in effect(self.effect).moments() if m.name in self.own[column])
 
     def values(self, column: int) -> dict[str, float]:
         """All values for one joint, the shared ones included."""
@@ -152,7 +157,7 @@ def hypothesis_of(effects: Mapping[str, Values], stage: str, joints: int) -> Hyp
 
 def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
     form = str(values.get("form", kind.forms[0]))
-    used = [p for p in kind.own_parameters(form) if p.name in values]
+    used = [p for p in kind.used(form) if p.name in values]
     own = {p.name: np.broadcast_to(values[p.name], joints) for p in used if not p.shared}
     nulls = kind.null()
     on = [j for j in range(joints) if not own or any(v[j] != nulls[n] for n, v in own.items())]
@@ -190,7 +195,7 @@ def scales(free: list[Free]) -> Array:
 
 def _free(term: Term, columns: list[int]) -> Iterator[Free]:
     kind = effect(term.effect)
-    for parameter in kind.own_parameters(term.form):
+    for parameter in kind.used(term.form):
         if parameter.name in term.given or parameter.measured:
             continue
         if parameter.shared:
@@ -214,7 +219,7 @@ def _decode(parameter: Parameter, x: float) -> float:
 def _model_values(term: Term, joints: int) -> Values:
     kind = effect(term.effect)
     values: Values = dict(term.shared)
-    for parameter in kind.parameters:
+    for parameter in (*kind.parameters, *kind.moments()):
         if any(parameter.name in own for own in term.own.values()):
             values[parameter.name] = np.array(
                 [term.own.get(j, {}).get(parameter.name, parameter.null) for j in range(joints)]
@@ -227,11 +232,12 @@ def _model_values(term: Term, joints: int) -> Values:
     return values
 
 
-def payload_of(hypothesis: Hypothesis) -> float:
-    """Mass at the tip [kg] that the terms add."""
-    return float(
-        sum(t.shared.get(p.name, 0.0) for t in hypothesis.values() for p in effect(t.effect).carried())
-    )
+def payload_of(hypothesis: Hypothesis) -> Payload:
+    """Mass at the tip that the terms add; of several that which is not always there says when."""
+    found = [payload_in(p.name, t.shared) for t in hypothesis.values() for p in effect(t.effect).carried()]
+    there = [one for one in found if one.mass]
+    when = next((one for one in there if not one.always), NOTHING)
+    return when._replace(mass=float(sum(one.mass for one in there)))
 
 
 def describe(hypothesis: Hypothesis) -> str:

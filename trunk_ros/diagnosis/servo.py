@@ -33,7 +33,8 @@ class ServoStage(Stage):
         span = context.views[index].span
         now, blocks = context.now(index, column, payload_of(hypothesis)), hypothesis.bound(column)
         source = np.ascontiguousarray(span.source[:, column : column + 1])
-        start = np.array([[now.gearbox[0, 0]], [now.speed[0, 0] / now.ratio[0]]])
+        begin = now.gearbox[0, 0]
+        start = np.array([[begin], [now.speed[0, 0] / now.ratio[0]], [begin]])
         out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start)
         for block in blocks:
             if block.place > block.CORE:

@@ -42,7 +42,7 @@ class Stage(ABC):
         self.known = hypothesis_of(self.model.only(self.joints).effects, self.name, len(self.joints))
         """The effects that the model has already: what a finding adds to."""
         loaded = self.model.loaded_arm()
-        without = loaded.payload - payload_of(self.known)  # the hypothesis brings its own payload
+        without = loaded.payload - payload_of(self.known).own  # the hypothesis brings its own payload
         self.arm = replace(loaded, payload=without).only(self.joints)
         self._load(spans)
         self.steps = [self._stepped(c) for c in range(len(self.joints))]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, ClassVar, Literal
 
@@ -15,6 +15,17 @@ from trunk_ros.arm.geometry import Geometry
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
+
+NEVER = 1e6
+"""s: until then what does not end lasts."""
+FROM = Parameter("from", "s", (0.0, NEVER), "when it begins", typical=1.0, optional=True, moment=True)
+UNTIL = Parameter(
+    "until", "s", (0.0, NEVER), "when it ends", typical=1.0, null=NEVER, optional=True, moment=True
+)
+GROWN = Parameter(
+    "grown", "s", (0.0, NEVER), "when it has its full size; at once where it is not said", typical=1.0,
+    optional=True, moment=True,
+)  # fmt: skip
 
 Stage = Literal["servo", "wire", "arm"]
 Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
@@ -92,6 +103,10 @@ class Core:
     delay: Array = field(default_factory=lambda: np.empty(0))
     pull: Array = field(default_factory=lambda: np.empty(0))
     """(n, columns) rad added to the setpoint."""
+    rub: Array = field(default_factory=lambda: np.empty(0))
+    """(columns,) rad by which the friction of wires that slide holds the servo back."""
+    reach: Array = field(default_factory=lambda: np.empty(0))
+    """(columns,) rad that the servo goes from the middle of the wires' dead band until they slide."""
     dead_zone: Array = field(default_factory=lambda: np.empty(0))
     """(n, columns) rad of error that the loop does not answer to."""
     cogging: Array = field(default_factory=lambda: np.empty(0))
@@ -141,6 +156,10 @@ class Effect(ABC):
     """At the tip it looks as if a joint stood elsewhere than its sensor says."""
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
+    begins: ClassVar[bool] = False
+    """It may begin or end in the middle of a recording."""
+    grows: ClassVar[bool] = False
+    """It may do so little by little, and no other effect is just that."""
     scalable: ClassVar[bool] = True
     """The effect grows in proportion to its first parameter's distance from null, so that a linear look
     finds its size.
@@ -253,6 +272,23 @@ class Effect(ABC):
         return tuple(p for p in cls.parameters if p.carried)
 
     @classmethod
+    @cache
+    def moments(cls) -> tuple[Parameter, ...]:
+        """When it begins and ends, and when what it makes the arm carry is taken up and put down."""
+        if not cls.begins:
+            return ()
+        shared = all(p.shared for p in cls.parameters)
+        both = replace(FROM, shared=shared), replace(UNTIL, shared=shared)
+        grown = [replace(GROWN, shared=shared)] if cls.grows else []
+        loads = [replace(m, name=f"{p.name}_{m.name}", shared=True) for p in cls.carried() for m in both]
+        return (*both, *grown, *loads)
+
+    @classmethod
+    def used(cls, form: str) -> tuple[Parameter, ...]:
+        """Those of a form, and the moments."""
+        return (*cls.own_parameters(form), *cls.moments())
+
+    @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:
         """The same physics in the values that one would write down, such as a positive amplitude."""
         return values
@@ -265,7 +301,7 @@ class Effect(ABC):
     @classmethod
     def parameter(cls, name: str) -> Parameter:
         """Look a parameter up by name. Raises ModelError naming those that exist."""
-        for parameter in cls.parameters:
+        for parameter in (*cls.parameters, *cls.moments()):
             if parameter.name == name:
                 return parameter
         raise ModelError(

@@ -27,11 +27,12 @@ class Missing:
 
 
 def missing(model: Model, simulation: Model | None = None) -> Missing:
-    """What a simulator lacks; by default it is ideal, with the model's nominal ratios and nothing else.
+    """What a simulator lacks of the arm as it was at the end; by default it is ideal, with the nominal ratios
+    and nothing else.
 
     Raises ModelError where the two models have different joints.
     """
-    joints = model.arm.joints
+    model, joints = model.at_end(), model.arm.joints
     theirs = (Model(replace(model.arm, dead_band=0.0 * model.arm.dead_band)) if simulation is None
               else simulation.for_joints(joints).only(joints))  # fmt: skip
     remarks: list[str] = []

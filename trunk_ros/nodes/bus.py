@@ -48,7 +48,7 @@ class SimulatedBus:
         """``position``: gearbox angle (joints,) rad at the start, by default the arm's rest."""
         self.arm = model.arm
         self._chain = Chain(model, "servo", hold_time=True)
-        self._load = model.loaded_arm().load
+        self._load = model.at_end().loaded_arm().load
         self._count = 2 * np.pi / self.arm.counts_per_rev
         self._setpoint = self.arm.asked(self.arm.rest) if position is None else position.copy()
         self._waiting: list[tuple[float, Array]] = []

@@ -13,6 +13,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.effects.effect import Now
+from trunk_ros.effects.lasting import NOTHING, Payload
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class View:
         valid = self.span.valid & rows[:, None]
         return replace(self, span=replace(self.span, valid=valid), follows=following(valid))
 
-    def now(self, arm: Arm, column: int, payload: float) -> Now:
+    def now(self, arm: Arm, column: int, payload: Payload = NOTHING) -> Now:
         """The surroundings of one joint, (m, 1) each."""
         gearbox, speed = self._of(column)
         ratio = arm.ratio[column : column + 1]
@@ -63,12 +64,15 @@ class View:
             ratio,
             speeds=self.speeds,
             columns=(column,),
-            arm=replace(arm, payload=arm.payload + payload) if payload else arm,
+            arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
         )
 
-    def _load(self, column: int, payload: float) -> Array:
+    def _load(self, column: int, payload: Payload) -> Array:
         one = slice(column, column + 1)
-        load = self.load[:, one] + payload * self.lever[:, one] if payload else self.load[:, one]
+        load = self.load[:, one]
+        if payload.mass:
+            mass = payload.mass if payload.always else payload.at(self.span.grid)
+            load = load + mass * self.lever[:, one]
         return np.ascontiguousarray(load)
 
     def _of(self, column: int) -> tuple[Array, Array]:

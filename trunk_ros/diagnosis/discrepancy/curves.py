@@ -222,7 +222,7 @@ def variables(context: Context, column: int) -> list[str]:
 
 def ends(context: Context, column: int, variable: str) -> tuple[float, float]:
     """Range of a variable over all spans."""
-    parts = [abscissa(variable, context.now(i, column, 0.0), 0) for i in range(len(context.views))]
+    parts = [abscissa(variable, context.now(i, column), 0) for i in range(len(context.views))]
     low, high = min(float(p.min()) for p in parts), max(float(p.max()) for p in parts)
     return low, max(high, low + max(1e-6, 1e-6 * abs(low)))
 
@@ -231,7 +231,7 @@ def design_of(context: Context, column: int, place: Place) -> Array:
     """(rows, knots) change of the whitened prediction per value of a curve that is added to the angle."""
     parts = []
     for i, view in enumerate(context.views):
-        x = abscissa(place.variable, context.now(i, column, 0.0), 0)[view.span.rows]
+        x = abscissa(place.variable, context.now(i, column), 0)[view.span.rows]
         parts.append(place.basis(x))
     return np.column_stack([context.whiten_change([p[:, k] for p in parts], column) for k in range(KNOTS)])
 

@@ -74,7 +74,7 @@ def _used(like: Hypothesis, column: int) -> Iterator[tuple[type[Bank], str]]:
 
 
 def _source(context: Context, column: int, kind: type[Bank], word: str) -> Source | None:
-    signals = [motion(word, context.now(i, column, 0.0)) for i in range(len(context.views))]
+    signals = [motion(word, context.now(i, column)) for i in range(len(context.views))]
     together = np.concatenate(signals)
     if np.ptp(together) < STANDS:
         return None

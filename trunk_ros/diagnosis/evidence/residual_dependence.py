@@ -51,7 +51,7 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
     for name in ("direction", *variables(context, column)):
         parts = []
         for i, view in enumerate(context.views):
-            now = context.now(i, column, 0.0)
+            now = context.now(i, column)
             values = np.sign(now.speed[:, 0]) if name == "direction" else abscissa(name, now, 0)
             parts.append(values[view.span.rows][view.span.valid[:, column]])
         scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].correlation)

@@ -70,6 +70,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "quiet": quiet(result, shown),
         "well_above": WELL_ABOVE,
         "cards": cards(result),
+        "events": result.events,
         "unexplained": result.unexplained,
         "unnamed": any(f.effect == "unknown" for f in result.findings),
         "experiments": result.experiments,

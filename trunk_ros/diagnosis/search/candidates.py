@@ -80,6 +80,16 @@ def is_open(context: Context, hypothesis: Hypothesis, kind: type[Effect], column
     return not any(kind.id in effect(other).replaces for other in hypothesis)
 
 
+def breaking_kinds(context: Context, hypothesis: Hypothesis, column: int) -> list[type[Effect]]:
+    """Effects that act on all joints alike as a rule, but may begin on one: a wire that gives way."""
+    return [
+        k
+        for k in usable(context)
+        if k.everywhere and k.begins and k.id not in hypothesis and not k.own_parameters(k.forms[0])[0].shared
+        if is_open(context, hypothesis, k, column) and not taken(k, hypothesis, column)
+    ]
+
+
 def own_effects(hypothesis: Hypothesis, column: int) -> list[str]:
     """Effects that a joint has of its own, or by values of its own."""
     return [t.effect for t in hypothesis.on(column) if not effect(t.effect).everywhere or _by_itself(t)]
@@ -134,7 +144,7 @@ def _add(
 ) -> None:
     known = given(kind, context) if kind.everywhere and not free else {}
     own = term.own.setdefault(column, {})
-    for parameter in kind.own_parameters(term.form):
+    for parameter in kind.used(term.form):
         if parameter.name in known:
             own[parameter.name] = float(known[parameter.name][column])
             term.given |= {parameter.name}

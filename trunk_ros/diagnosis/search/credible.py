@@ -6,7 +6,8 @@ from functools import partial
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
-from trunk_ros.effects import effect
+from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.effect import Now
 
 ALONE, BESIDE = 2, 1
 """A joint shows an effect by itself; or beside another joint that does."""
@@ -28,11 +29,17 @@ def hidden(context: Context, term: Term) -> list[int]:
     return [c for c, level in shown.items() if level < enough[c]]
 
 
+def ends_within(block: Effect, now: Now) -> bool:
+    """Whether what begins or ends does so while it is looked at."""
+    times = [t for name in ("from", "until") for t in block.values.get(name, ())]
+    return all(now.stamp[0] < t < now.stamp[-1] for t in times)
+
+
 def _shown(context: Context, term: Term, column: int) -> int:
     key = (column, *term.key(column))
     if key not in context.shown_before:
         block = bind_column(term, column)
-        alone = context.shows(block.credible, column)
+        alone = context.shows(block.credible, column) and context.shows(partial(ends_within, block), column)
         near = alone or context.shows(partial(block.credible, beside=True), column)
         context.shown_before[key] = ALONE if alone else BESIDE if near else 0
     return context.shown_before[key]

@@ -154,7 +154,14 @@ def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
         columns = sorted({c for term in hypothesis.values() for c in term.columns})
         return tuple((c, structure(hypothesis, c)) for c in columns)
     return tuple(
-        (t.effect, t.form, tuple(sorted(t.shared)), t.given, tuple(sorted(t.words.get(column, {}).items())))
+        (
+            t.effect,
+            t.form,
+            tuple(sorted(t.shared)),
+            t.given,
+            t.moments(column),
+            tuple(sorted(t.words.get(column, {}).items())),
+        )
         for t in hypothesis.on(column)
     )
 

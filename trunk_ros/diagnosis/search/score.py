@@ -88,7 +88,8 @@ def chance(context: Context, column: int) -> float:
 
 
 def price(fit: Fit, term: Term) -> float:
-    """What a term must gain, over all its joints; a further source counts as a further effect.
+    """What a term must gain, over all its joints; a further source counts as a further effect, and so does
+    each moment at which it begins or ends.
 
     What the model has already costs nothing.
     """
@@ -103,14 +104,23 @@ def price(fit: Fit, term: Term) -> float:
     free = Hypothesis({term.effect: term}).free(list(term.columns))
     value = FURTHER * float(np.mean([chance(context, c) for c in columns]))
     if kind.everywhere:
-        usual = float(np.median(list(needs.values())))
-        each = value * max(len(free) - 1, 0) - LIKELY * len(needs)
-        return NAME + max(usual + each, _shared_slice(fit, columns))
+        usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
+        alike = not any(term.moments(c) for c in columns)
+        each = value * max(len(free) - 1, 0) - alike * LIKELY * len(needs)
+        shared = max(usual, SLICE * float(np.mean([fit.rest(c) for c in columns])))
+        moments = shared * sum(m.name in term.shared for m in kind.moments())
+        return NAME + max(usual + each, _shared_slice(fit, columns)) + moments + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
     words = sum(needs[c] * max(count - 1, 0) + CHOICE * count for c, count in said.items())
     further = value * max(sum(f.column is not None for f in free) - len(needs), 0)
-    return NAME + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items()) + words + further
+    return (
+        NAME
+        + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items())
+        + words
+        + further
+        + _moments(fit, term, needs)
+    )
 
 
 def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
@@ -120,6 +130,13 @@ def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
     kind = effect(term.effect)
     over = kind.leaves(term.words.get(column, {})) if issubclass(kind, Curve) else 1.0
     return max(CURVE * need, CURVED * fit.context.misfit.get(column, 0.0), fit.rest(column) * (1 / over - 1))
+
+
+def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
+    """Of the times at which a term begins and ends on single joints: those of some slice of a misfit are no
+    event.
+    """
+    return sum(max(n, SLICE * fit.rest(c)) * len(term.moments(c)) for c, n in needs.items())
 
 
 def _slice(fit: Fit, column: int, values: int) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, taken
 from trunk_ros.diagnosis.search.fit import Residuals
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.effects import Effect
+from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
+from trunk_ros.effects import Effect, effect
 from trunk_ros.parameter import Parameter
 
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
@@ -55,20 +57,49 @@ class Screen:
         """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot
         follow it.
         """
-        there = extended(self.context, self.hypothesis, candidate)
-        changes = [
-            a - b for a, b in zip(self.context.predictions(there, column), self.base[column], strict=True)
-        ]
-        d = self.context.whiten_change(changes, column)
-        q = self.basis[column]
+        d, q = self.change(extended(self.context, self.hypothesis, candidate), column), self.basis[column]
         d = d - q @ (q.T @ d)
         return float(self.rest[column] @ d), float(d @ d)
+
+    def change(self, there: Hypothesis, column: int) -> Array:
+        """(rows,) unit noise by which another hypothesis changes the prediction."""
+        pairs = zip(self.context.predictions(there, column), self.base[column], strict=True)
+        return self.context.whiten_change([a - b for a, b in pairs], column)
+
+    def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
+        """A candidate with the time in which it gains most; None where it acts all the time."""
+        kind, context = effect(candidate.effect), self.context
+        if not kind.begins or len(context.views) > 1:
+            return None
+        there = extended(context, self.hypothesis, candidate)
+        columns = [c for c in columns if c in there[candidate.effect].own]
+        window = self.window(there, columns, partial(_gains, kind, candidate), kind.grows)
+        found = window and _scaled(kind, candidate, window.rd, window.dd)
+        if not window or not found or found.gain - window.price <= candidate.gain:
+            return None
+        own = {c: {**start, **window.moments} for c, start in candidate.own.items()}
+        return replace(found, start={**found.start, **window.moments}, own=own, free=True)
+
+    def window(self, there: Hypothesis, columns: list[int], gain: Gain, grows: bool) -> Window | None:
+        """The time in which another hypothesis gains most on some columns; None for all the time."""
+        if not columns:
+            return None
+        span = self.context.views[0].span
+        edges = edges_of(span.stamp)
+        sums = [
+            Sums.of(edges, span.stamp[span.valid[:, c]], self.rest[c], self.change(there, c), self.basis[c])
+            for c in columns
+        ]
+        price = float(np.median([need(self.context, c) for c in columns]))
+        return best_window(sums, edges, gain, price, grows)
 
     def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
         """The best start of each form that comes near the best one."""
         found = [c for c in (self.local_form(kind, form, column) for form in self._forms(kind, column)) if c]
         best = max((c.gain for c in found), default=0.0)
-        return [c for c in found if c.gain > NEAR * best]
+        near = [c for c in found if c.gain > NEAR * best]
+        some = [lasting for c in near if (lasting := self.lasting(c, [column])) is not None]
+        return some if kind.everywhere else [*near, *some]
 
     def ranked(self, kinds: list[type[Effect]], column: int, most: int) -> list[Candidate]:
         """The most promising effects, each in its promising forms."""
@@ -114,7 +145,9 @@ class Screen:
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)
                     if better and (free not in found or better.gain > found[free].gain):
                         found[free] = better
-        return list(found.values())
+        alike = any(p.shared for p in kind.moments()[:1])
+        some = [self.lasting(c, self.context.columns) for c in found.values() if alike]
+        return [*found.values(), *(c for c in some if c is not None)]
 
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
         """Whether a joint's size may be its own: where it is stated, both ways are tried."""
@@ -203,7 +236,7 @@ class Screen:
     ) -> Iterator[dict[str, Any]]:
         """Starts far from null for what makes a wide loop: a linear look does not reach that far."""
         if column in self.context.wide and kind.regime == "reversal":
-            now, lead = self.context.now(index, column, 0.0), kind.own_parameters(form)[0]
+            now, lead = self.context.now(index, column), kind.own_parameters(form)[0]
             for share in SHARES:
                 yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}
 
@@ -228,6 +261,17 @@ def _merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
         return 2 * rd - dd
     along = rd / np.sqrt(max(dd, 1e-12))
     return float(along if kind.own_parameters(form)[0].shared else abs(along))
+
+
+def _gains(kind: type[Effect], trial: Candidate, rd: Array, dd: Array) -> Array:
+    """What a change of these products gains (k,), scaled to its optimum where that can be."""
+    dd = np.maximum(dd, 1e-12)
+    lead = _lead(kind, trial)
+    if not kind.scalable:
+        return np.asarray(2 * rd - dd)
+    reach = (np.array(lead.bounds) - lead.null) / (trial.start[lead.name] - lead.null)
+    factor = np.clip(rd / dd, reach.min(), reach.max())
+    return np.asarray(factor * (2 * rd - factor * dd))
 
 
 def _scaled(

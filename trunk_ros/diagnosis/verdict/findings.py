@@ -118,7 +118,7 @@ def _parameters(
     context: Context, kind: type[Effect], term: Term, std: Spreads
 ) -> dict[str, dict[str, dict[str, Any]]]:
     out: dict[str, dict[str, dict[str, Any]]] = {}
-    for p in kind.own_parameters(term.form):
+    for p in kind.used(term.form):
         if p.name in term.shared:
             out.setdefault(ARM, {})[p.name] = value_of(
                 term.shared[p.name], std.get((term.effect, p.name, None)), p.unit

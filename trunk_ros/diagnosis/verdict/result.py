@@ -8,42 +8,15 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from trunk_ros.diagnosis.verdict.events import Event, events
 from trunk_ros.diagnosis.verdict.figures import Figures
+from trunk_ros.diagnosis.verdict.finding import Finding as Finding
 from trunk_ros.diagnosis.verdict.table import ROW, rows_of, table_of
 from trunk_ros.model import Model, save_model
 from trunk_ros.trajectory import Trajectory, save_trajectory
 
 SCHEMA = "trunk_ros/diagnosis/1"
 STAGES = ("servo", "wire", "arm")  # in the order of the signal
-
-
-@dataclass
-class Finding:
-    """One effect that the recordings show and the simulation leaves out; see docs for the JSON."""
-
-    effect: str
-    stage: str
-    joints: list[str]
-    regime: str
-    confidence: float
-    equivalents: list[str]
-    parameters: dict[str, dict[str, dict[str, Any]]]
-    depends_on: list[str]
-    statement: str
-    evidence: dict[str, Any]
-    curve: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def candidates(self) -> list[str]:
-        """The effect and its equivalents, which ``confidence`` is about together; those that fit the data
-        better than the effect come first.
-        """
-        losses = self.evidence.get("rivals", {})
-        words = {name if isinstance(name, str) else " + ".join(name): name for name in self.equivalents}
-        better = [
-            word for word, name in words.items() if isinstance(name, str) and losses.get(name, 0.0) < 0.0
-        ]
-        return [*better, self.effect, *(word for word in words if word not in better)]
 
 
 @dataclass
@@ -88,6 +61,11 @@ class Diagnosis:
             return "explained"
         return "partly_explained" if named else "unexplained"
 
+    @property
+    def events(self) -> list[Event]:
+        """Where findings begin and end within the recording, in the order of time."""
+        return events(self.findings)
+
     def __repr__(self) -> str:
         """The verdict, and a table of what was found."""
         return table_of(self)
@@ -112,6 +90,7 @@ class Diagnosis:
             "findings": [asdict(f) for f in self.findings],
             "unexplained": [asdict(u) for u in self.unexplained],
             "experiments": self.experiments,
+            "events": [event.to_json() for event in self.events],
             "quality": self.quality,
             "provenance": self.provenance,
         }

@@ -33,6 +33,7 @@ def table_of(result: Diagnosis) -> str:
         head = ("stage", "effect", "joint", "parameter", "value", "sure", "or")
         widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
         lines += ["  ".join(map(str.ljust, row, widths)).rstrip() for row in (head, *rows)]
+    lines += [f"event: {event.statement}" for event in result.events]
     return "\n".join([*lines, *(f"unexplained: {rest.statement}" for rest in result.unexplained)])
 
 

@@ -1,21 +1,34 @@
-"""The load pulls the servo off its setpoint."""
+"""The load, and the friction of the wire, pull the servo off its setpoint."""
+
+from __future__ import annotations
+
+import numpy as np
 
 from trunk_ros.effects.effect import Core, Effect, Now
 from trunk_ros.parameter import Parameter
 
 
 class LoadDroop(Effect):
-    """setpoint += gain tau."""
+    """setpoint += gain tau - abs(gain) friction s, s from -1 to 1 being the place in the dead band."""
 
     id = "load_droop"
     stage, place, regime = "servo", 100, "posture"
     signature = "The gearbox stands off its setpoint in proportion to the weight on the joint."
     source = "Proportional loop without integral part: standing error = moment over loop stiffness."
+    forms = ("weight", "weight_and_friction")
+    refined = ("weight_and_friction",)
     parameters = (
         Parameter("gain", "rad/(N*m)", (-5.0, 5.0), "standing error per moment", typical=1e-3, shared=True),
+        Parameter("friction", "N*m", (0.0, 50.0), "dry friction that the motor pulls as well", typical=0.1),
     )
     needs = ("load",)
     everywhere = True
 
     def adjust(self, core: Core, now: Now) -> None:
         core.pull = core.pull + self["gain"] * now.load
+        if self.form == "weight_and_friction":
+            core.rub = core.rub + np.abs(self["gain"]) * self["friction"]
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        return cls.parameters if form == "weight_and_friction" else cls.parameters[:1]

@@ -21,6 +21,8 @@ def servo_loop(
     v_max: Array,
     delay: Array,
     pull: Array,
+    rub: Array,
+    reach: Array,
     dead_zone: Array,
     cogging: Array,
     skip: int,
@@ -30,14 +32,15 @@ def servo_loop(
     """Gearbox angle at each stamp, before the setpoint of that stamp acts.
 
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need;
-    ``pull``, ``dead_zone`` and ``out`` (m - skip, columns); ``state`` (2, columns) is angle and speed at row
-    ``skip - 1``.
+    ``pull``, ``dead_zone`` and ``out`` (m - skip, columns); ``state`` (3, columns) is angle, speed and where
+    the wire stuck at row ``skip - 1``. A wire that slides holds the shaft back by ``rub``, from ``reach``
+    beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own gain.
     Within a step that a late setpoint falls into, its time-weighted mean acts: the result is smooth in the
     delay.
     """
     rows, columns = setpoint.shape
     for j in range(columns):
-        phi, v = state[0, j], state[1, j]
+        phi, v, stuck = state[0, j], state[1, j], state[2, j]
         held, smooth, known = 0, 0.0, -1.0
         for k in range(skip, rows):
             if k > 0:
@@ -57,6 +60,9 @@ def servo_loop(
                     target += pull[k - skip, j]
                     if cogging[0, j] != 0.0:
                         target += cogging[0, j] * sine(cogging[1, j] * phi + cogging[2, j])
+                    if rub[j] != 0.0:
+                        stuck = min(max(stuck, phi - reach[j]), phi + reach[j])
+                        target -= rub[j] * (phi - stuck) / reach[j]
                     error = target - phi
                     zone = dead_zone[k - skip, j]
                     if zone > 0.0:
@@ -67,3 +73,4 @@ def servo_loop(
             out[k - skip, j] = phi
         state[0, j] = phi
         state[1, j] = v
+        state[2, j] = stuck

@@ -9,6 +9,7 @@ class Backlash(Effect):
 
     id = "backlash"
     stage, place, regime = "wire", 100, "reversal"
+    begins = True
     signature = (
         "The residual is a square wave with the sign of the motion, the same at every speed and posture."
     )

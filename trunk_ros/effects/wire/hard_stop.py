@@ -19,6 +19,7 @@ class HardStop(Effect):
 
     id = "hard_stop"
     stage, place, regime = "wire", 600, "posture"
+    begins = True
     signature = "Past one angle the joint stays where it is, and the residual grows as the gearbox goes on."
     source = "Unilateral contact, rigid or yielding."
     forms = ("upper", "lower")

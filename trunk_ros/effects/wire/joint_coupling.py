@@ -32,6 +32,7 @@ class JointCoupling(Effect):
 
     id = "joint_coupling"
     stage, place, regime = "wire", 30, "posture"
+    begins = True
     signature = "The residual follows another joint's angle, whether this joint moves or not."
     remembers = True
     source = (

@@ -11,6 +11,7 @@ class LoadDependentFriction(Effect):
 
     id = "load_dependent_friction"
     stage, place, regime = "wire", 100, "reversal"
+    begins = True
     signature = "Backlash that is wide where the arm reaches out and narrow where it hangs straight."
     source = (
         "Euler-Eytelwein, T' = T'' exp(mu alpha) (Ciofu & Stan, eq. (1)): "

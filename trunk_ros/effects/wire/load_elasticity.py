@@ -20,6 +20,7 @@ class LoadElasticity(OnBothSides):
 
     id = "load_elasticity"
     stage, place, regime = "wire", 200, "posture"
+    begins = grows = True
     signature = "The joint sags under weight: the residual follows the reach of all that hangs on the joint."
     source = (
         "Hooke: compliance = l_i/(E A_s R_c^2); Ciofu & Stan, sect. 4: "

@@ -15,6 +15,7 @@ class Sagging(OnBothSides):
     """theta += sag(tau), bent at a moment of load that is the first parameter; includes the stretch."""
 
     stage, place, regime = "wire", 200, "posture"
+    begins = grows = True
     scalable = False
     needs = ("load", "weight")
     everywhere = True

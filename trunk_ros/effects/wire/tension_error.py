@@ -9,6 +9,7 @@ class TensionError(Effect):
 
     id = "tension_error"
     stage, place, regime = "wire", 100, "reversal"
+    begins = True
     signature = (
         "Square waves with the sign of the motion on all joints, in proportion to their nominal backlash."
     )

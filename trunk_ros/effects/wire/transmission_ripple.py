@@ -18,6 +18,7 @@ class TransmissionRipple(Effect):
 
     id = "transmission_ripple"
     stage, place, regime = "wire", 20, "posture"
+    begins = True
     signature = "The residual swings periodically over the motor-side angle, the same in both directions."
     source = (
         "Tuttle & Seering (1996), IEEE T. Robotics Autom. 12(3): "

@@ -19,6 +19,7 @@ class ViscousLag(Effect):
 
     id = "viscous_lag"
     stage, place, regime = "wire", 400, "high_speed"
+    begins = True
     signature = "The residual follows the joint's speed, and is gone when it stands."
     source = "Kelvin-Voigt: damping c against the wire's stiffness k gives a first-order lag c/k."
     forms = ("first_order", "shift", "proportional")

@@ -38,6 +38,9 @@ class Servo:
         self.gain = spread(core.kp)
         self.kp = arm.kp
         self.cogging = core.cogging if core.cogging.shape[1] > 1 else None
+        self.rub = spread(core.rub)
+        self.reach = np.maximum(spread(np.abs(arm.dead_band / arm.ratio)), self.rub)
+        self.held: Array | None = None
         self.past = Past(spread(core.delay)) if np.any(core.delay > 0.0) else None
         self.before: Array | None = None
         self.low: Array = np.zeros(columns)
@@ -66,6 +69,7 @@ class Servo:
         if self.cogging is not None:
             size, cycles, phase = self.cogging
             x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
+        x = self._held_back(x, columns)
         x = self._stopped_short(x, core.dead_zone, columns)
         for block in self.behind:
             x = block.run(x, scene, anew)
@@ -77,6 +81,16 @@ class Servo:
         out = np.empty_like(x)
         shape_commands(x, dt, self.fastest, self.gain, self.kp, self.before, self.low, out)
         return out
+
+    def _held_back(self, x: Array, anew: np.ndarray | None) -> Array:
+        """Behind a command by what wires that slide pull."""
+        if not self.rub.any():
+            return x
+        flat = x.reshape(1, -1)
+        if self.held is not None and anew is not None:
+            self.held = np.where(anew, flat[0], self.held)
+        stuck, self.held = SharpPlay().run(flat, self.reach[None], self.held)
+        return (flat - self.rub * (flat - stuck) / self.reach).reshape(x.shape)
 
     def _stopped_short(self, x: Array, zone: Array, anew: np.ndarray | None) -> Array:
         """What a loop makes of errors that it does not answer to: it stops short by the zone."""

@@ -3,6 +3,7 @@
 from trunk_ros.diagnosis.search.moves.add import ADD
 from trunk_ros.diagnosis.search.moves.curve import CURVE, EARLY_CURVE
 from trunk_ros.diagnosis.search.moves.drop import DROP
+from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.form import FORM
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import ONSET
@@ -19,6 +20,7 @@ MOVES = (
     MEMBER,
     OPTION,
     SOURCE,
+    EVENT,
     DROP,
     EARLY_CURVE,
     SWAP,

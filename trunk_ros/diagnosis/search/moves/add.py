@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.candidates import extended, local_kinds, open_kinds, usable
+from trunk_ros.diagnosis.search.candidates import breaking_kinds, extended, local_kinds, open_kinds, usable
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import Screen
@@ -64,6 +65,7 @@ def trials(best: Fit, desk: Desk, column: int) -> Trials:
 def _tried(best: Fit, column: int) -> Trials:
     tried: Trials = {}
     kinds, before = open_kinds(best.context, best.hypothesis, column), score(best)
+    kinds = [*kinds, *(breaking_kinds(best.context, best.hypothesis, column) if kinds else ())]
     for trial in column_trials(best, best.hypothesis, column, kinds, PROMISING):
         gain = before - score(trial)
         name = _added(best.hypothesis, trial.hypothesis, column)
@@ -107,7 +109,7 @@ def everywhere(best: Fit) -> Iterator[Fit]:
     most = PROMISING_EVERYWHERE if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
         trial = refit(context, extended(context, best.hypothesis, candidate))
-        trial = descend_with(trial, (MEMBER,))
+        trial = descend_with(trial, (MEMBER, EVENT))
         if shared_by_most(best, trial, candidate.effect):
             yield trial
 

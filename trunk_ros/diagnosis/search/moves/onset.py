@@ -8,18 +8,20 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
-from trunk_ros.diagnosis.search.fit import Fit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.effects import effect
 
 REACH = 1.0  # s
-NEARBY = np.linspace(-REACH, REACH, 201)  # s
+ROUGHLY, NEARBY = np.linspace(-REACH, REACH, 21), np.linspace(-0.1, 0.1, 21)  # s
 
 
-def moments(now: Fit) -> Iterator[tuple[str, int, str]]:
-    """(effect, column, parameter) of each moment that a hypothesis has."""
+def moments(now: Fit) -> Iterator[tuple[str, int | None, str]]:
+    """(effect, column, parameter) of each moment that a hypothesis has; None where joints share it."""
     for term in now.hypothesis.values():
-        names = [p.name for p in effect(term.effect).own_parameters(term.form) if p.moment]
+        names = [p.name for p in effect(term.effect).used(term.form) if p.moment]
+        yield from ((term.effect, None, name) for name in names if name in term.shared)
         for column in [c for c in term.columns if c in now.context.columns]:
             yield from ((term.effect, column, name) for name in names if name in term.own[column])
 
@@ -27,23 +29,35 @@ def moments(now: Fit) -> Iterator[tuple[str, int, str]]:
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each moment by itself."""
     for name, column, moment in moments(best):
-        at = best.hypothesis[name].own[column][moment] + NEARBY
-        yield Group((name, column, moment), [column], partial(_nearby, best, name, column, moment, at))
+        columns = best.context.columns if column is None else [column]
+        yield Group((name, column, moment), columns, partial(_nearby, best, name, column, moment))
 
 
-def _nearby(best: Fit, name: str, column: int, moment: str, at: Array) -> list[Fit]:
-    return [moved(best, name, column, moment, at)]
+def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
+    rough = best_time(best, name, column, moment, _home(best.hypothesis, name, column)[moment] + ROUGHLY)
+    return [moved(best, name, column, moment, rough + NEARBY)]
 
 
-def moved(now: Fit, name: str, column: int, moment: str, at: Array) -> Fit:
+def moved(now: Fit, name: str, column: int | None, moment: str, at: Array) -> Fit:
     """With a moment at the best of ``at`` (k,) s."""
-    trial, costs = now.hypothesis.copy(), []
-    own = trial[name].own[column]
-    for one in np.maximum(at, 0.0):
-        own[moment] = float(one)
-        costs.append(float(np.sum(now.context.whitened(trial, column) ** 2)))
-    own[moment] = max(float(at[int(np.argmin(costs))]), 0.0)
-    return refit_column(now, trial, column)
+    trial = now.hypothesis.copy()
+    _home(trial, name, column)[moment] = best_time(now, name, column, moment, at)
+    return refit(now.context, trial) if column is None else refit_column(now, trial, column)
+
+
+def best_time(now: Fit, name: str, column: int | None, moment: str, at: Array) -> float:
+    """The best of ``at`` (k,) s, all else as it is."""
+    trial, costs, at = now.hypothesis.copy(), [], np.maximum(at, 0.0)
+    columns = now.context.columns if column is None else [column]
+    for one in at:
+        _home(trial, name, column)[moment] = float(one)
+        costs.append(sum(float(np.sum(now.context.whitened(trial, c) ** 2)) for c in columns))
+    return float(at[int(np.argmin(costs))])
+
+
+def _home(hypothesis: Hypothesis, name: str, column: int | None) -> dict[str, float]:
+    """The values among which a moment is."""
+    return hypothesis[name].shared if column is None else hypothesis[name].own[column]
 
 
 ONSET = Move("onset", groups)

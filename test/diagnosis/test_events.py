@@ -1,0 +1,104 @@
+"""What happens in the middle of a recording is found, with its time; what does not is not made up."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.search.windows import Sums, best_window, edges_of
+from trunk_ros.diagnosis.verdict.result import Diagnosis
+
+ALL = np.ones(5)
+
+
+def diagnosed(effects: dict[str, dict[str, Any]]) -> Diagnosis:
+    return diagnose([recorded(effects, 40.0)])
+
+
+def test_a_screw_that_comes_loose_has_a_moment() -> None:
+    said = diagnosed({"backlash": {"half_width": on(3, 2e-3), "from": 17.0 * ALL}})
+    (finding,), (event,) = said.findings, said.events
+    assert (finding.effect, finding.joints) == ("backlash", ["joint_3"])
+    assert finding.parameters["joint_3"]["half_width"]["value"] == pytest.approx(2e-3, rel=0.02)
+    assert (event.effect, event.joints, event.until) == ("backlash", ["joint_3"], None)
+    assert event.begin is not None
+    assert abs(event.begin - 17.0) < max(4 * (event.std or 0.0), 0.05)
+    assert said.to_json()["events"][0]["from"] == event.begin
+
+
+def test_a_payload_that_is_taken_up_and_put_down_is_one_payload() -> None:
+    moments = {"payload": 0.1, "payload_from": 12.0, "payload_until": 29.0}
+    said = diagnosed({"load_elasticity": {"compliance": 0.03 * ALL, **moments}})
+    assert [f.effect for f in said.findings] == ["load_elasticity"]
+    (event,) = said.events
+    assert (event.begin, event.until) == (pytest.approx(12.0, abs=0.1), pytest.approx(29.0, abs=0.1))
+    assert said.findings[0].parameters["arm"]["payload"]["value"] == pytest.approx(0.1, rel=0.05)
+
+
+def test_a_wire_that_gives_way_more_and_more_grows() -> None:
+    soft = {"compliance": on(2, 0.06), "from": 6.0 * ALL, "grown": 33.0 * ALL}
+    said = diagnosed({"load_elasticity": soft})
+    assert [(f.effect, f.joints) for f in said.findings] == [("load_elasticity", ["joint_2"])]
+    (event,) = said.events
+    assert (event.begin, event.grown) == (pytest.approx(6.0, abs=1.0), pytest.approx(33.0, abs=1.0))
+
+
+def test_what_is_there_from_beginning_to_end_is_no_event() -> None:
+    said = diagnosed({"backlash": {"half_width": on(3, 2e-3)}, "ratio_error": {"relative": on(1, 0.02)}})
+    assert {f.effect for f in said.findings} == {"backlash", "ratio_error"}
+    assert said.events == []
+    assert said.to_json()["events"] == []
+
+
+def test_a_slip_is_an_event() -> None:
+    said = diagnosed({"wire_slip": {"step": on(2, 2e-3), "onset": np.full(5, 23.0)}})
+    (event,) = said.events
+    assert (event.effect, event.joints, event.begin) == (
+        "wire_slip",
+        ["joint_2"],
+        pytest.approx(23.0, abs=0.05),
+    )
+
+
+@pytest.mark.parametrize("grows", [False, True])
+def test_the_look_at_all_windows_is_that_at_each(grows: bool) -> None:
+    """Sums from edge to edge against the same products with the change masked."""
+    rng = np.random.default_rng(2)
+    stamp = np.linspace(0.0, 30.0, 1500)
+    rest, d = rng.normal(size=1500), rng.normal(size=1500)
+    q = np.linalg.qr(rng.normal(size=(1500, 2)))[0]
+    edges = edges_of(stamp)
+    sums = Sums.of(edges, stamp, rest, d, q)
+    rd, dd = sums.growing() if grows else sums.between()
+    i, j = 21, 64
+    if grows:
+        shape = np.clip((stamp - edges[i]) / (edges[j] - edges[i]), 0.0, 1.0)
+    else:
+        shape = (stamp >= edges[i]) & (stamp < edges[j])
+    masked = shape * d
+    assert rd[i, j] == pytest.approx(rest @ masked, abs=1e-6)
+    assert dd[i, j] == pytest.approx(masked @ masked - np.sum((q.T @ masked) ** 2), abs=1e-6)
+
+
+def test_the_best_window_is_where_the_change_was() -> None:
+    rng = np.random.default_rng(3)
+    stamp = np.linspace(0.0, 30.0, 1500)
+    d = np.sin(stamp)
+    rest = np.where((stamp > 9.0) & (stamp < 21.0), 3.0 * d, 0.0) + rng.normal(size=1500)
+    edges = edges_of(stamp)
+
+    def gain(rd: np.ndarray, dd: np.ndarray) -> np.ndarray:
+        return np.asarray(rd**2 / np.maximum(dd, 1e-12))
+
+    found = best_window([Sums.of(edges, stamp, rest, d, np.zeros((1500, 0)))], edges, gain, 60.0)
+    assert found is not None
+    assert (found.moments["from"], found.moments["until"]) == (
+        pytest.approx(9.0, abs=0.7),
+        pytest.approx(21.0, abs=0.7),
+    )
+    noise = Sums.of(edges, stamp, rng.normal(size=1500), d, np.zeros((1500, 0)))
+    assert best_window([noise], edges, gain, 60.0) is None

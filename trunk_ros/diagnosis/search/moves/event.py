@@ -1,0 +1,84 @@
+"""When an effect that is there begins and ends, and when what the arm carries is taken up and put down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.search.candidates import extended
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.effects import effect
+from trunk_ros.parameter import Parameter
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Each effect that may begin, on each of its joints, and each payload."""
+    if len(best.context.views) > 1:
+        return
+    for name, term in best.hypothesis.items():
+        alike = effect(name).begins and not any(term.moments(c) for c in term.columns)
+        for parameter in effect(name).carried() if alike else ():
+            yield Group(
+                (name, parameter.name), best.context.columns, partial(_taken_up, best, name, parameter)
+            )
+        taken_up = any(m.name in term.shared for m in effect(name).moments())
+        own = effect(name).begins and any(term.own.values()) and not taken_up
+        for column in (c for c in term.columns if own and c in best.context.columns):
+            change = _always if term.moments(column) else _for_a_while
+            yield Group((name, column), [column], partial(change, best, name, column))
+
+
+def _always(now: Fit, name: str, column: int) -> Iterator[Fit]:
+    """Without one of its moments."""
+    for moment in now.hypothesis[name].moments(column):
+        trial = now.hypothesis.copy()
+        del trial[name].own[column][moment]
+        yield refit_column(now, trial, column)
+
+
+def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
+    """In the time in which it gains most, where that is not all the time."""
+    bare, form = now.hypothesis.without(name, column), now.hypothesis[name].form
+    screen = Screen(now.context, bare, [column])
+    start = screen.local_form(effect(name), form, column)
+    found = start and screen.lasting(start, [column])
+    if found:
+        yield refit_column(now, extended(now.context, bare, found), column)
+
+
+def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
+    """With a mass at the tip for the time in which that gains most, or always where it was for a time."""
+    moments = [m for m in effect(name).moments() if m.name.startswith(mass.name)]
+    bare = now.hypothesis.copy()
+    before = {m.name: bare[name].shared.pop(m.name, None) for m in (mass, *moments)}
+    if any(before[m.name] is not None for m in moments):
+        always = bare.copy()
+        always[name].shared[mass.name] = before[mass.name] or mass.typical
+        yield refit(now.context, always)
+        return
+    there = bare.copy()
+    there[name].shared[mass.name] = mass.typical
+    window = Screen(now.context, bare).window(there, now.context.columns, partial(_gained, mass), False)
+    if window is None:
+        return
+    there[name].shared[mass.name] = _mass(mass, window.rd, window.dd)
+    there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
+    yield refit(now.context, there)
+
+
+def _gained(mass: Parameter, rd: Array, dd: Array) -> Array:
+    """By the mass that gains most."""
+    factor = np.clip(rd / np.maximum(dd, 1e-12), 0.0, mass.bounds[1] / mass.typical)
+    return np.asarray(factor * (2 * rd - factor * dd))
+
+
+def _mass(mass: Parameter, rd: float, dd: float) -> float:
+    return float(np.clip(mass.typical * rd / max(dd, 1e-12), *mass.bounds))
+
+
+EVENT = Move("event", groups)
