@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -30,10 +31,12 @@ def without_faults(recording: Recording) -> Recording:
     series = recording.series.get("joint_states")
     if series is None or len(series.stamp) < 10 * STUCK:
         return recording
-    position, notes = series.position.copy(), []
+    position, notes, repeats = series.position.copy(), [], bool(new_readings(series)[1])
     for j, joint in enumerate(series.joints):
         stuck = sticks(position[:, j], series.stamp)
-        off = strays(less_the_motor(recording, joint, series.stamp, position[:, j]))
+        off = strays(
+            position[:, j] if repeats else less_the_motor(recording, joint, series.stamp, position[:, j])
+        )  # readings that are repeated are old beside a motor that goes on
         position[stuck | off, j] = np.nan
         if stuck.any():
             begin = series.stamp[np.flatnonzero(stuck)[0]]

@@ -45,7 +45,8 @@ class Desk:
     say: Callable[[str], None] = lambda _: None
     share: float = 0.0
     """Of what is left above the noise: what a change has to gain to be taken."""
-    vain: dict[Hashable, tuple[State, float]] = field(default_factory=dict)
+    vain: dict[Hashable, float] = field(default_factory=dict)
+    """By move, group and state: what its best trial gained there."""
     kept: dict[Hashable, object] = field(default_factory=dict)
     """Results of trials on single columns, by all that they depend on."""
     been: Counter[Hashable] = field(default_factory=Counter)
@@ -53,12 +54,12 @@ class Desk:
 
     def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
         """Whether a group was tried in a state that is nearly the same, and gained too little."""
-        state, gain = self.vain.get((move.name, group.what), ((), 0.0))
-        return state == state_of(best, group.columns) and not self.pays(gain, best)
+        gain = self.vain.get((move.name, group.what, state_of(best, group.columns)))
+        return gain is not None and not self.pays(gain, best)
 
     def note(self, move: Move, group: Group, best: Fit, gain: float) -> None:
         """A group was tried in vain: its best trial is better by no more than a ``gain``."""
-        self.vain[move.name, group.what] = state_of(best, group.columns), gain
+        self.vain[move.name, group.what, state_of(best, group.columns)] = gain
 
     def pays(self, gain: float, best: Fit) -> bool:
         """Whether a gain is worth a step: more than rounding, and large things first."""

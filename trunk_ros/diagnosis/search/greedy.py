@@ -27,7 +27,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
     others = sorted(additions(first, desk), key=score)[1:FIRSTS] if incomplete(best) else []
     for other in others:
         if incomplete(best):
-            best = better_of(best, descend(renewed(other), MOVES, Desk(desk.say)))
+            best = better_of(best, descend(renewed(other), MOVES, Desk(desk.say, vain=desk.vain)))
     claimed = replace(best, context=replace(best.context, claims=True))
     return plain(descend(claimed, (DROP,), desk))
 
