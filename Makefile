@@ -5,7 +5,7 @@ PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
 FULL ?=
 SIMULATOR ?=
-RELEASED := test/bench/releases/*.json
+RELEASE ?=
 
 # .venv stands alone, whatever the shell has sourced.
 unexport PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
@@ -52,8 +52,9 @@ coverage: setup
 fuzz: setup
 	$(PYTHON) -m test.fuzz
 
+# RELEASE=1 keeps the figures in test/bench/releases/, for later versions to be compared with.
 bench: setup
-	$(PYTHON) -m test.bench --output bench.json $(if $(wildcard $(RELEASED)),--compare $(lastword $(sort $(wildcard $(RELEASED)))))
+	$(PYTHON) -m test.bench --output bench.json --compare last $(if $(RELEASE),--release)
 
 # effects.md and its pictures, from the effects themselves.
 docs: setup

@@ -15,7 +15,9 @@ import pytest
 from test.bench import __main__ as bench
 from test.bench import reality
 from test.bench.compare import changes
+from test.bench.releases import last
 from test.bench.row import Row
+from trunk_ros import __version__
 
 
 @pytest.mark.parametrize("name", bench.sections())
@@ -61,6 +63,29 @@ def test_a_real_section_ends_in_a_file_with_what_it_measured(
     rows = written["sections"]["reality"]["rows"]
     assert all(row["value"] > 0.0 for row in rows)
     assert {type(row["reached"]) for row in rows} == {bool, type(None)}
+
+
+def test_a_release_is_compared_with_the_newest_before_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    figures = iter((2.0, 4.0))
+    section = ModuleType("test.bench.made_up", "Made up.")
+    section.measure = lambda: iter([Row("time", next(figures), "s")])  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "test.bench.made_up", section)
+    monkeypatch.setattr(bench, "sections", lambda: ["made_up"])
+    monkeypatch.setattr(bench, "kept", lambda: tmp_path / "0.2.0.json")
+    monkeypatch.setattr(bench, "last", lambda: last(tmp_path, "0.11.0"))
+    assert bench.main(["--compare", "last", "--release"]) == 0
+    assert "Changed since then" not in capsys.readouterr().out
+    written = json.loads((tmp_path / "0.2.0.json").read_text())
+    assert written["version"] == __version__
+    for version in ("0.1.0", "0.12.0"):
+        (tmp_path / f"{version}.json").write_text("{}")
+    assert bench.main(["--compare", "last"]) == 0
+    assert "+100%" in capsys.readouterr().out
+    (tmp_path / "0.10.0.json").write_text("{}")
+    assert last(tmp_path, "0.11.0") == tmp_path / "0.10.0.json"
+    assert last(tmp_path, "0.1.0") is None
 
 
 def test_an_unknown_section_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

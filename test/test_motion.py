@@ -5,6 +5,7 @@ import pytest
 
 from trunk_ros.model import load_model
 from trunk_ros.motion import NAMES, named_trajectory
+from trunk_ros.nodes.run.arguments import TRAJECTORIES
 from trunk_ros.trajectory import Limits, TrajectoryError
 
 ARM = load_model("trunk").arm
@@ -38,3 +39,7 @@ def test_joints_do_not_move_alike():
 def test_an_unknown_name_is_answered_with_those_that_there_are():
     with pytest.raises(TrajectoryError, match="default, sweeps, fast"):
         named_trajectory("waltz", ARM, 10.0)
+
+
+def test_the_help_of_bringup_names_every_motion() -> None:
+    assert TRAJECTORIES == NAMES

@@ -1,3 +1,3 @@
 """Tendon-driven arms: names the physical effects that a simulation is missing; ROS 2 nodes around it."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from trunk_ros import __version__
 from trunk_ros.commands.arguments import did_you_mean
+from trunk_ros.commands.completion import PARSERS, complete, parser_of
 from trunk_ros.commands.console import Level, ask_for
 from trunk_ros.errors import TrunkError, one_line
 from trunk_ros.nodes.stop import Stop
@@ -47,12 +48,15 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "watch": ("trunk_ros.nodes.watch", "node: reports within seconds what changes on a running arm"),
 }
 
+MEANT = {  # by who knows the word from other tools
+    "compare": "evaluate", "score": "evaluate", "fit": "diagnose", "identify": "diagnose", "plot": "show",
+    "view": "show", "play": "replay", "record": "recorder", "convert": "import", "predict": "simulate",
+}  # fmt: skip
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; as an installed script its name is that of the script. Returns the exit code."""
     if "_ARGCOMPLETE" in os.environ:
-        from trunk_ros.commands.completion import complete
-
         complete(COMMANDS)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -67,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(__version__)
         return 0
     if name not in COMMANDS:
-        near = did_you_mean(name, COMMANDS)
+        near = f": did you mean {MEANT[name]}?" if name in MEANT else did_you_mean(name, COMMANDS)
         return _refuse(f"unknown command {name!r}{near or ': choose from ' + ', '.join(COMMANDS)}")
     return _run(name, arguments)
 
@@ -79,6 +83,9 @@ def usage() -> str:
 
 
 def _run(name: str, arguments: list[str]) -> int:
+    if name in PARSERS and {"-h", "--help"} & set(arguments) and (parser := parser_of(name, "")):
+        parser().print_help()
+        return 0
     if COMMANDS[name][0].startswith("trunk_ros.nodes."):
         Stop()  # importing takes seconds on a busy machine
     ask_for(Level.NORMAL)

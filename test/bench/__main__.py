@@ -19,9 +19,11 @@ from rich.table import Table
 
 from test import bench
 from test.bench.compare import changes
+from test.bench.releases import kept, last
 from test.bench.row import Row
+from trunk_ros import __version__
 
-HELPERS = ("__main__", "bare", "compare", "row")
+HELPERS = ("__main__", "bare", "compare", "releases", "row")
 MARKS = {True: "[green]reached[/]", False: "[red]missed[/]", None: ""}
 
 
@@ -61,19 +63,27 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m test.bench", description=__doc__)
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=", ".join(sections()))
     parser.add_argument("--output", type=Path, help="JSON file for the figures")
-    parser.add_argument("--compare", type=Path, metavar="OLD.json", help="say what has changed since then")
+    parser.add_argument(
+        "--compare",
+        metavar="OLD.json",
+        help="say what has changed since then; `last`: since the last release",
+    )
+    parser.add_argument("--release", action="store_true", help="keep the figures as those of this version")
     arguments = parser.parse_args(argv)
     unknown = set(arguments.sections) - set(sections())
     if unknown:
         parser.error(f"no section {', '.join(sorted(unknown))}: choose from {', '.join(sections())}")
+    if arguments.release and arguments.sections:
+        parser.error("--release: give no sections, a release has all")
     console = Console(width=None if sys.stdout.isatty() else 110)
     machine = {"python": platform.python_version(), "machine": platform.machine(), "cores": os.cpu_count()}
     done = {name: run_section(name, console) for name in arguments.sections or sections()}
-    if arguments.output:
-        report = {"schema": "trunk_ros/bench/1", "machine": machine, "sections": done}
-        arguments.output.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
-    if arguments.compare:
-        show_changes(console, json.loads(arguments.compare.read_text(encoding="utf-8")), done)
+    report = {"schema": "trunk_ros/bench/1", "version": __version__, "machine": machine, "sections": done}
+    for path in filter(None, (arguments.output, kept() if arguments.release else None)):
+        path.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    old = last() if arguments.compare == "last" else arguments.compare and Path(arguments.compare)
+    if old:
+        show_changes(console, json.loads(old.read_text(encoding="utf-8")), done)
     missed = [row["name"] for section in done.values() for row in section["rows"] if row["reached"] is False]
     if missed:
         console.print(f"[red]missed:[/] {', '.join(missed)}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
 import subprocess
 import sys
@@ -12,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from test.diagnosis.arms import recorded, reshaped
-from trunk_ros.__main__ import COMMANDS, main, without_a_package
-from trunk_ros.commands.completion import whole_parser
+from trunk_ros.__main__ import COMMANDS, MEANT, main, without_a_package
+from trunk_ros.commands.completion import PARSERS, parser_of, whole_parser
 from trunk_ros.commands.progress import Progress
 from trunk_ros.recording.importing.mapping import load_mapping
 from trunk_ros.recording.write import write_recording
@@ -42,7 +41,7 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return line
 
 
-@pytest.mark.parametrize("name", OWN)
+@pytest.mark.parametrize("name", [*OWN, *PARSERS])
 def test_help_imports_nothing_that_takes_long(name: str) -> None:
     look = (
         "import sys\nfrom trunk_ros.__main__ import main\n"
@@ -54,18 +53,19 @@ def test_help_imports_nothing_that_takes_long(name: str) -> None:
     assert done.stdout.startswith(f"usage: trunk_ros {name}")
 
 
-@pytest.mark.parametrize("name", [*OWN, "bringup", "replay"])
+@pytest.mark.parametrize("name", [*OWN, *PARSERS])
 def test_every_option_of_every_command_is_described(name: str) -> None:
-    if name in ("bringup", "replay"):
-        pytest.importorskip("rclpy")
-    parser = importlib.import_module(COMMANDS[name][0]).parser()
-    assert [action.dest for action in parser._actions if not action.help] == []
+    make = parser_of(name, COMMANDS[name][0])
+    assert make is not None
+    assert [action.dest for action in make()._actions if not action.help] == []
 
 
 def test_an_unknown_command_or_option_is_answered_by_the_nearest_one(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert "did you mean diagnose?" in refused(capsys, "diagnos", "run1")
+    assert "did you mean evaluate?" in refused(capsys, "compare", "run1", "run2")
+    assert set(MEANT.values()) <= set(COMMANDS)
     assert "did you mean --output?" in refused(capsys, "diagnose", "run1", "--outptu", "x")
     assert "did you mean backlash?" in refused(capsys, "effects", "backlsh")
 
@@ -76,6 +76,7 @@ def test_a_table_given_to_diagnose_is_pointed_to_import(
     (tmp_path / "run.csv").write_text("t,a\n0,1\n")
     line = refused(capsys, "diagnose", str(tmp_path / "run.csv"), "-o", str(tmp_path / "out"))
     assert f"trunk_ros import {tmp_path / 'run.csv'} --mapping" in line
+    assert refused(capsys, "diagnose", str(tmp_path / "run.csv")) == line
 
 
 def test_short_options_are_the_long_ones(
@@ -108,13 +109,14 @@ def test_completion_knows_the_options_of_the_command_at_hand() -> None:
 def test_progress_tells_the_stage_the_time_and_what_is_left() -> None:
     now, lines = [0.0], []
     progress = Progress({"reading": 0.0, "wire": 0.2, "arm": 0.8}, lines.append, lambda: now[0])
-    for at, text in ((0.0, "reading"), (4.0, "wire: backlash@2"), (16.0, "arm")):
+    for at, text in ((0.0, "reading"), (4.0, "wire: so far backlash"), (16.0, "arm"), (18.0, "arm: tip")):
         now[0] = at
         progress.step(text)
     assert lines == [
         "reading (0 s)",
-        "wire: backlash@2 (4 s, about 16 s to go)",
+        "wire: so far backlash (4 s)",  # too early to tell
         "arm (16 s, about 4 s to go)",
+        "arm: tip (18 s, about 2 s to go)",
     ]
 
 

@@ -118,8 +118,10 @@ def test_a_run_that_only_one_of_two_can_show_says_so_and_does_what_it_says(
     doubtful = diagnose([first])
     assert [(f.effect, f.equivalents) for f in doubtful.findings] == [("sensor_delay", ["viscous_lag"])]
     (told,) = doubtful.experiments
-    assert "if it is the first_order viscous_lag" in told["statement"]
-    assert told["statement"].endswith("both remain possible: viscous_lag can do what sensor_delay does.")
+    assert "if it is viscous lag (first order)" in told["statement"]
+    assert told["statement"].endswith(
+        "both remain possible: viscous lag (first order) can do what sensor delay does."
+    )
     doubtful.save(tmp_path)
     settled = diagnose([first, made(tmp_path / "second", truth, proposed(tmp_path / FILE), 1)])
     left = [(f.effect, f.equivalents) for f in settled.findings]

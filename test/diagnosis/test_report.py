@@ -85,9 +85,22 @@ def test_more_than_two_effects_are_counted_in_the_heading_and_listed_below(found
     assert all(f"<b>{name}</b>" in page for name in ("backlash", "ratio error", "cogging"))
 
 
+def test_the_heading_tells_what_could_be_another_and_what_is_a_guess(found: Diagnosis) -> None:
+    others = [replace(found.findings[0], effect=name) for name in ("backlash", "ratio_error", "cogging")]
+    doubts = [replace(others[0], confidence=0.04), replace(others[1], equivalents=["cogging"]), others[2]]
+    page = render(replace(found, findings=doubts))
+    assert (
+        "simulation; 1 of them could also be another effect and 1 of them is no more than a guess.</h1>"
+        in page
+    )
+    page = render(replace(found, findings=doubts[:2]))
+    assert re.search(r"simulation: ratio error or cogging \(.*\) and perhaps backlash \(joint_3, 4%\)", page)
+
+
 def test_nothing_missing_is_said_only_of_what_was_judged() -> None:
     clean = made.diagnosis({}, [])
-    assert "No effect is missing: the simulation follows the recording down to" in render(clean)
+    assert "No effect is missing: what remains (99." in words(render(clean))
+    assert "rms at most) is no more than the sensors' noise." in words(render(clean)).replace("&#39;", "'")
     clean.stages["wire"] = {"compared": True, "joints": {}, "silent": list(made.JOINTS)}
     clean.plots = None
     text = words(render(clean))
@@ -254,6 +267,9 @@ def test_an_experiment_says_what_to_run(found: Diagnosis) -> None:
     text = words(render(replace(found, experiments=[proposal])))
     assert "Compare joints. Separates backlash from tension error." in text
     assert "--trajectory a.yaml" in text
+    text = words(render(replace(found, experiments=[proposal | {"trajectory": ""}])))
+    assert "Compare joints." in text
+    assert "Separates" not in text
 
 
 def test_what_is_left_is_framed_in_the_map_and_named_in_the_verdict(found: Diagnosis) -> None:
@@ -283,8 +299,17 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     for said in clean.stages["wire"]["joints"].values():
         said |= {"rmse_before": 8e-6, "rmse_after": 8e-6, "noise_floor": 2e-7, "resolution": 8.6e-6}
     text = words(render(clean))
-    assert "No effect is missing: the residual that remains (8.000 µrad rms) is below a step of" in text
+    assert "No effect is missing: the residual that remains (8.00 µrad rms) is below a step of" in text
     assert [cell.heat for _, cells in maps(clean)[0].rows for cell in cells] == [0] * 5
+    clean.stages["wire"]["joints"]["joint_2"] |= {
+        "rmse_before": 1e-4,
+        "rmse_after": 1e-4,
+        "noise_floor": 1e-4,
+    }
+    mixed = words(render(clean)).replace("&#39;", "'")
+    assert (
+        "what remains (0.100 mrad rms at most) is no more than the sensors' noise and encoder steps" in mixed
+    )
 
 
 def test_the_doubt_stands_in_the_headline_the_better_rival_first() -> None:

@@ -85,8 +85,11 @@ def test_the_lock_names_no_index_and_no_place():
     assert not re.search(r"https?:|file:|--(extra-)?index|--find-links|--trusted", lock())
 
 
-def test_package_and_manifest_have_one_version():
-    assert trunk_ros.__version__ == manifest().findtext("version")
+def test_package_manifest_and_changelog_have_one_version():
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = re.search(r"^## (\S+)", changelog, re.MULTILINE)
+    assert newest is not None
+    assert trunk_ros.__version__ == manifest().findtext("version") == newest[1]
 
 
 def test_every_command_is_there():

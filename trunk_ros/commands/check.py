@@ -55,6 +55,8 @@ def kind_of(name: str) -> str:
     from trunk_ros.share import config_names
 
     path = Path(name)
+    if path.is_dir() or path.suffix in (".mcap", ".db3", ".bag"):
+        raise ArgumentError(f"{path} is a recording, if anything: `trunk_ros info {path}` says what it holds")
     if not path.is_file():
         return "mapping" if f"import/{name}" in config_names("import") else "model"
     try:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+
+PARSERS = {"bringup": "trunk_ros.nodes.run.arguments", "replay": "trunk_ros.nodes.bags.replay_arguments"}
 
 
 def complete(commands: Mapping[str, tuple[str, str]]) -> None:
@@ -17,12 +19,17 @@ def complete(commands: Mapping[str, tuple[str, str]]) -> None:
     argcomplete.autocomplete(whole_parser(commands, os.environ.get("COMP_LINE", "").split()[1:]))
 
 
+def parser_of(name: str, module: str) -> Callable[[], argparse.ArgumentParser] | None:
+    """What makes a command's parser, imported without the command where that takes long; None: has none."""
+    return getattr(importlib.import_module(PARSERS.get(name, module)), "parser", None)
+
+
 def whole_parser(commands: Mapping[str, tuple[str, str]], words: list[str]) -> argparse.ArgumentParser:
     """A parser of all commands; the one that ``words`` begin with has its arguments."""
     parser = argparse.ArgumentParser(prog="trunk_ros")
     parser.add_argument("--version", action="store_true")
     each = parser.add_subparsers()
     for name, (module, what) in commands.items():
-        own = getattr(importlib.import_module(module), "parser", None) if words[:1] == [name] else None
+        own = parser_of(name, module) if words[:1] == [name] else None
         each.add_parser(name, help=what, parents=[own()] if own else [], add_help=own is None)
     return parser

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 FILES = ("diagnosis.json", "model.yaml", "report.html", "simulation.yaml", "*.yaml", "*.png")
 TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".npy", ".npz")
 # Shares of the time that had passed at the beginning of each stage, median over the bench's recordings.
-SHARES = {"reading": 0.0, "wire": 0.05, "wire: experiment": 0.6, "servo": 0.8, "arm": 0.9, "report": 0.93}
+SHARES = {"reading": 0.0, "wire": 0.05, "wire: evidence": 0.5, "wire: experiment": 0.7, "servo": 0.85,
+          "arm": 0.9, "report": 0.93}  # fmt: skip
 
 
 def parser() -> Parser:
@@ -55,7 +56,11 @@ def parser() -> Parser:
 
 def main(argv: list[str]) -> int:
     """Parse, diagnose, write, say."""
-    asked = parser().parse_args(argv)
+    try:
+        asked = parser().parse_args(argv)
+    except ArgumentError:
+        refuse_tables([word for word in argv if Path(word).is_file()])
+        raise
     refuse_tables([*asked.bag, *([asked.against] if asked.against else [])])
     from trunk_ros.arm.files import urdf_text
     from trunk_ros.diagnosis.diagnose import diagnose

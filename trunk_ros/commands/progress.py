@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from trunk_ros.commands.console import Level, asked
 
 EVERY = 10.0  # s between lines where nobody watches
-SHORTEST = 2.0  # s before it is guessed how long the rest takes
+SURE = 0.5  # share of the work behind which it can be told how long the rest takes
 Say = Callable[[str], None]
 
 
@@ -23,21 +23,26 @@ class Progress:
         ``show`` is given a line at each step.
         """
         self.shares, self.show, self.clock = shares, show, clock
-        self.began, self.text, self.done = clock(), "", 0.0
+        self.began, self.text, self.done, self.total = clock(), "", 0.0, 0.0
 
     def step(self, text: str) -> None:
         """``text``: "stage" or "stage: step"."""
         stages = [stage for stage in self.shares if text == stage or text.startswith(f"{stage}: ")]
         if stages:
-            self.done = max(self.done, self.shares[max(stages, key=len)])
+            self._reach(self.shares[max(stages, key=len)])
         self.text = text
         self.show(self.line())
 
+    def _reach(self, share: float) -> None:
+        """What all will take follows from when a stage began: within a stage it stays."""
+        if share > self.done:
+            self.done, self.total = share, (self.clock() - self.began) / share
+
     def line(self) -> str:
-        """What goes on now, since when, and for how long."""
+        """What goes on now, since when, and, once half is done, for how long."""
         passed = self.clock() - self.began
-        left = passed * (1.0 / self.done - 1.0) if self.done else 0.0
-        expected = f", about {spoken(left)} to go" if passed > SHORTEST and left > 1.0 else ""
+        left = self.total - passed
+        expected = f", about {spoken(left)} to go" if self.done >= SURE and left > 1.0 else ""
         return f"{self.text} ({spoken(passed)}{expected})"
 
 

@@ -241,13 +241,13 @@ def payload_of(hypothesis: Hypothesis) -> Payload:
 
 
 def describe(hypothesis: Hypothesis) -> str:
-    """One line for logs: effect(form)@joints."""
+    """One line for logs: effect (form) on joints, counted from 1."""
 
     def one(term: Term) -> str:
-        form = f"/{term.form}" if term.form else ""
-        return f"{term.effect}{form}@{','.join(str(c + 1) for c in term.columns)}"
+        form = f" ({term.form})" if term.form else ""
+        return f"{term.effect}{form} on {', '.join(str(c + 1) for c in term.columns)}".replace("_", " ")
 
-    return " + ".join(one(t) for t in hypothesis.values()) or "nominal"
+    return "; ".join(one(t) for t in hypothesis.values()) or "nothing"
 
 
 def on_the_arm(

@@ -10,8 +10,8 @@ from typing import Any
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.graph.losses import left_out
-from trunk_ros.nodes.run.plan import PARTS, PUBLISHED, Plan, plan_of
-from trunk_ros.nodes.run.plan import parser as parser
+from trunk_ros.nodes.run.arguments import PARTS
+from trunk_ros.nodes.run.plan import PUBLISHED, Plan, plan_of
 from trunk_ros.recording.bag.metadata import read_metadata
 
 LAG = 500  # messages of a topic that the recorder may be behind

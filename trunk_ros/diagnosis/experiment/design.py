@@ -179,21 +179,25 @@ def statement(
     """What to play, what to look for, and what its absence means."""
     joint = there.joints[seen.column]
     unit = units.get(joint, "rad")
+    truth, other = _words(duel.truth, duel.base[duel.truth].form), _words(duel.other)
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
     if seen.ratio < SURE:
         return (
-            f"No motion within the joint limits decides between {duel.truth} and {duel.other}: once both are "
+            f"No motion within the joint limits decides between {truth} and {other}: once both are "
             f"fitted to it, single samples differ by at most {gap} ({times}, on {joint}), and all samples "
             f"together give {seen.ratio / SURE:.0%} of the evidence that a decision takes."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
-    form = duel.base[duel.truth].form
-    truth = f"the {form} {duel.truth}" if form else duel.truth
     told = (
         f"Play {file} ({ceil(there.duration)} s) on the arm that was recorded, and look at {where}: if it is "
-        f"{truth}, the joint reads {gap} {'higher' if seen.gap > 0 else 'lower'} than if it is {duel.other} "
+        f"{truth}, the joint reads {gap} {'higher' if seen.gap > 0 else 'lower'} than if it is {other} "
         f"({times}; {seen.rms:.2g} times rms over the whole motion)."
     )
-    absent = f" If it does not, both remain possible: {duel.truth} can do what {duel.other} does."
+    absent = f" If that is not seen, both remain possible: {truth} can do what {other} does."
     return told if mutual else told + absent
+
+
+def _words(name: str, form: str = "") -> str:
+    """An effect and its form as words."""
+    return f"{name} ({form})".replace("_", " ") if form else name.replace("_", " ")

@@ -87,17 +87,21 @@ def _meaning(name: str, parameter: str) -> str:
 
 
 def sizes(finding: Finding) -> list[str]:
-    """The first value of each joint in a few words, for the list at the top."""
-    kept = []
-    for owner, held in finding.parameters.items():
-        name = next((n for n, v in held.items() if not isinstance(v.get("value"), str)), None)
-        if name is not None:
-            kept.append((owner, name, _value(name, held[name])))
-    shared = [f"{spoken(name)} {text}" for owner, name, text in kept if owner == ALL]
-    if shared or len(kept) == 1:
-        return shared or [f"{spoken(name)} {text}" for _, name, text in kept]
+    """A value of each joint in a few words, for the list at the top, or what all share."""
+    told = {owner: _telling(held) for owner, held in finding.parameters.items()}
+    of_joints = {owner: text for owner, text in told.items() if text and owner != ALL}
+    kept = of_joints or {owner: text for owner, text in told.items() if text}
+    if len(kept) == 1:
+        return list(kept.values())
     more = ["…"] if len(kept) > FEW else []
-    return [f"{owner}: {spoken(name)} {text}" for owner, name, text in kept[:FEW]] + more
+    return [f"{owner}: {text}" for owner, text in list(kept.items())[:FEW]] + more
+
+
+def _telling(held: dict[str, dict[str, Any]]) -> str:
+    """The first value with a spread, else the first that is a number; "" where none is."""
+    numbers = [name for name, said in held.items() if not isinstance(said.get("value"), str)]
+    name = next((n for n in numbers if held[n].get("std") is not None), next(iter(numbers), None))
+    return "" if name is None else f"{spoken(name)} {_value(name, held[name])}"
 
 
 def does(result: Diagnosis, finding: Finding) -> str:
@@ -161,10 +165,14 @@ def rivals(finding: Finding, samples: int) -> list[dict[str, Any]]:
         {
             "name": spoken(name),
             "loss": per_sample(float(loss), samples),
-            "why": "explains these data as well" if name in finding.equivalents else _why(name, loss, gain),
+            "why": _as_well(float(loss)) if name in finding.equivalents else _why(name, loss, gain),
         }
         for name, loss in near
     ]
+
+
+def _as_well(loss: float) -> str:
+    return f"explains these data {'better' if loss < 0.0 else 'as well'}"
 
 
 def _why(name: str, loss: float, gain: float) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.report.signals import Signal, entries, signals
+from trunk_ros.diagnosis.report.signals import Signal, entries, largest, signals
 from trunk_ros.diagnosis.report.units import quantity, significant
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis
 
@@ -51,20 +51,24 @@ def numbers(result: Diagnosis) -> list[dict[str, str]]:
     """Of each signal: errors on unseen data, noise floor, samples that count and apparent lag."""
     kept = {(s.stage, s.name): s for s in signals(result)}
     return [
-        {"signal": f"{stage} · {name}", **_errors(said), **_samples(kept.get((stage, name)))}
+        {
+            "signal": f"{stage} · {name}",
+            **_errors(said, largest(result, stage, str(said.get("unit", "rad")))),
+            **_samples(kept.get((stage, name))),
+        }
         for stage in STAGES
         for name, said in entries(result, stage).items()
     ]
 
 
-def _errors(said: dict[str, Any]) -> dict[str, str]:
+def _errors(said: dict[str, Any], size: float) -> dict[str, str]:
     unit = str(said.get("unit", "rad"))
-    found = said.get("rmse_after") != said.get("rmse_before")
-    return {
-        "before": quantity(said.get("rmse_before"), said.get("rmse_before_std"), unit),
-        "after": quantity(said.get("rmse_after"), said.get("rmse_after_std"), unit) if found else SAME,
-        "noise": quantity(said.get("noise_floor"), None, unit),
-    }
+    before, after = (
+        quantity(said.get(f"rmse_{when}"), said.get(f"rmse_{when}_std"), unit, size=size)
+        for when in ("before", "after")
+    )
+    noise = quantity(said.get("noise_floor"), None, unit, size=size)
+    return {"before": before, "after": SAME if after == before else after, "noise": noise}
 
 
 def _samples(signal: Signal | None) -> dict[str, str]:

@@ -69,18 +69,19 @@ def figure_before_after(result: Diagnosis, width: float = 5.2) -> Figure:
     rows = ratios(result)
     figure = Figure((width, 0.24 * len(rows) + 0.85), layout="constrained")
     axis = figure.subplots()
+    fitted = bool(result.findings) and bool(rows)
     for y, row in enumerate(rows):
         before, after = max(row.before, LEAST), max(row.after, LEAST)
         axis.plot([before, after], [y, y], color=LINE, lw=2.2, zorder=1, solid_capstyle="round")
-        _dot(axis, before, row.before_std, y, GREY, "before" if y == 0 else "")
-        _dot(axis, after, row.after_std, y, ACCENT, "after" if y == 0 else "")
+        _dot(axis, before, row.before_std, y, GREY, "before" if y == 0 and fitted else "")
+        _dot(axis, after, row.after_std, y, ACCENT, "after" if y == 0 and fitted else "")
     axis.axvline(1.0, color=INK, lw=0.8, ls=(0, (3, 3)), zorder=0)
     axis.set_yticks(range(len(rows)), [f"{row.stage} · {label(row.name)}" for row in rows])
     axis.set(xscale="log", ylim=(len(rows) - 0.4, -0.6), xlabel="rms error on unseen data / sensor noise")
     _plain(axis, rows)
     axis.tick_params(axis="y", length=0, labelcolor=INK)
     axis.spines["left"].set_visible(False)
-    if rows:
+    if fitted:
         figure.legend(loc="outside upper right", ncols=2, handletextpad=0.2, columnspacing=1.2)
     return figure
 
@@ -124,6 +125,12 @@ def loud(signal: Signal) -> float:
     return sum(end - start for start, end in culprit_spans(signal)) / length if length > 0.0 else 1.0
 
 
+def loudest(result: Diagnosis, few: list[Signal]) -> list[Signal]:
+    """The same signals, the largest error in times the noise first."""
+    size = {(r.stage, r.name): r.before for r in ratios(result)}
+    return sorted(few, key=lambda s: -size.get((s.stage, s.name), 0.0))
+
+
 def shown_over_time(result: Diagnosis) -> list[Signal]:
     """The signals with something to see, the loudest if there are many; the wire's where there is nothing."""
     every = signals(result)
@@ -136,7 +143,7 @@ def shown_over_time(result: Diagnosis) -> list[Signal]:
         or any(u.stage == s.stage and s.name in u.joints for u in result.unexplained)
     ]
     chosen = loud or [s for s in every if s.stage == "wire"]
-    kept = sorted(chosen, key=lambda s: -size.get((s.stage, s.name), 0.0))[:MOST]
+    kept = loudest(result, chosen)[:MOST]
     return [s for s in chosen if any(s is k for k in kept)]
 
 

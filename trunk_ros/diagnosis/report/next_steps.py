@@ -8,6 +8,7 @@ from math import ceil
 from shlex import quote
 from typing import Any
 
+from trunk_ros.diagnosis.report.errors import ratios
 from trunk_ros.diagnosis.report.units import listed, spoken
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.recording.topics import TOPICS
@@ -30,13 +31,21 @@ class Step:
 def next_steps(result: Diagnosis) -> list[Step]:
     """Put the data right, use the model, record what decides, measure what is missing, look at the rest."""
     return [
+        *_nothing(result),
         *_mixed_up(result),
         *_use(result),
         *_record(result),
         *_topics(result),
         *_move(result),
         *_rest(result),
-    ] or [Step("Nothing to change.", "Check the simulation on another motion:", (_scored("trunk", result),))]
+    ]
+
+
+def _nothing(result: Diagnosis) -> Iterator[Step]:
+    if result.verdict == "no_mismatch" and ratios(result):
+        yield Step(
+            "Nothing to change.", "Check the simulation on another motion:", (_scored("trunk", result),)
+        )
 
 
 def _mixed_up(result: Diagnosis) -> Iterator[Step]:

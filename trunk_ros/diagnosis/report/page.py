@@ -12,6 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from trunk_ros.diagnosis.report.cards import cards
 from trunk_ros.diagnosis.report.data import numbers, provenance, recordings
 from trunk_ros.diagnosis.report.errors import (
+    LEAST,
     WELL_ABOVE,
     figure_before_after,
     figure_over_time,
@@ -63,6 +64,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "maps": maps(result),
         "framed": any(cell.rest for m in maps(result) for _, row in m.rows for cell in row),
         "not_compared": not_compared(result),
+        "low": any(min(r.before, r.after) < LEAST for r in ratios(result)),
         "before_after": image(figure_before_after(result)) if ratios(result) else None,
         "over_time": image(figure_over_time(shown)) if shown else None,
         "quiet": quiet(result, shown),

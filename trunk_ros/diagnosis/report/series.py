@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.report.errors import culprit_spans, shown_over_time
+from trunk_ros.diagnosis.report.errors import culprit_spans, loudest, shown_over_time
 from trunk_ros.diagnosis.report.regimes import MEANING, stretches
 from trunk_ros.diagnosis.report.signals import Signal, concerns, joint_angle, signals
 from trunk_ros.diagnosis.report.style import label
@@ -28,7 +28,7 @@ def series(result: Diagnosis) -> dict[str, Any]:
     loud = shown_over_time(result)
     every = [s for s in signals(result) if len(s.stamp) > 1 and s.valid.any()]
     kept = every if len(every) <= MOST else [s for s in every if any(s is k for k in loud)] or every[:MOST]
-    open_ = {(s.stage, s.name) for s in loud[:FIRST]}
+    open_ = {(s.stage, s.name) for s in loudest(result, loud)[:FIRST]}
     return {"signals": [_signal(result, s, (s.stage, s.name) in open_) for s in kept]}
 
 

@@ -66,6 +66,12 @@ def entries(result: Diagnosis, stage: str) -> dict[str, dict[str, Any]]:
     return dict(said.get("tip" if stage == "arm" else "joints", {}))
 
 
+def largest(result: Diagnosis, stage: str, unit: str) -> float:
+    """Error of the worst of a stage's signals of one unit: all of a column are told in its multiple."""
+    every = entries(result, stage).values()
+    return max((float(e["rmse_before"] or 0.0) for e in every if e.get("unit", "rad") == unit), default=0.0)
+
+
 def concerns(finding: Finding, stage: str, name: str) -> bool:
     """Whether a finding acts on a signal: any of the tip's, where the finding is of the arm stage."""
     return finding.stage == stage and (stage == "arm" or not finding.joints or name in finding.joints)

@@ -32,13 +32,18 @@ def multiple(size: float, unit: str) -> tuple[float, str]:
     return 1.0, "" if unit == "1" else head.replace("*", "·") + slash + label
 
 
-def quantity(value: object, std: float | None = None, unit: str = "1", relative: bool = False) -> str:
-    """``1.223 ± 0.012 mrad``; words as they are, a dash where there is no number; ``relative`` in percent."""
+def quantity(
+    value: object, std: float | None = None, unit: str = "1", relative: bool = False, size: float = 0.0
+) -> str:
+    """``1.223 ± 0.012 mrad``; words as they are, a dash where there is no number; ``relative`` in percent.
+
+    The multiple suits the largest of value, spread and ``size``.
+    """
     if isinstance(value, str):
         return value
     if not isinstance(value, (int, float)) or not math.isfinite(value):
         return "–"
-    factor, label = (100.0, "%") if relative else multiple(value, unit)
+    factor, label = (100.0, "%") if relative else multiple(max(abs(value), _spread(std), size), unit)
     number, spread = float(value) * factor, (std or 0.0) * factor
     if spread > 0.0 and math.isfinite(spread):
         places = min(max(1 - math.floor(math.log10(spread)), 0), 7)
@@ -48,15 +53,19 @@ def quantity(value: object, std: float | None = None, unit: str = "1", relative:
     return f"{text}{NBSP}{label}".strip().replace("-", "−")
 
 
-def fall(before: float, after: float, unit: str) -> str:
-    """``4.65 → 0.095 mrad``: both in the multiple that suits the first."""
-    factor, label = multiple(before, unit)
+def _spread(std: float | None) -> float:
+    return std if std and math.isfinite(std) else 0.0
+
+
+def fall(before: float, after: float, unit: str, size: float = 0.0) -> str:
+    """``4.65 → 0.095 mrad``: both in the multiple that suits the first, or ``size``."""
+    factor, label = multiple(max(before, size), unit)
     return f"{significant(factor * before, 3)} → {significant(factor * after, 2)}{NBSP}{label}".strip()
 
 
-def rounded(value: float, unit: str) -> str:
-    """``4.65 mrad``: three digits, for tables at a glance."""
-    factor, label = multiple(value, unit)
+def rounded(value: float, unit: str, size: float = 0.0) -> str:
+    """``4.65 mrad``: three digits, for tables at a glance, in the multiple that suits it or ``size``."""
+    factor, label = multiple(max(abs(value), size), unit)
     return f"{significant(factor * value, 3)}{NBSP}{label}".strip()
 
 

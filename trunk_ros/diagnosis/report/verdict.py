@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import entries
-from trunk_ros.diagnosis.report.units import fall, listed, quantity, spoken, times
+from trunk_ros.diagnosis.report.units import fall, listed, rounded, spoken, times
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding
 
 FEW = 2  # findings that a sentence can hold
+LIKELY = 0.5  # confidence: below it a finding is a guess, and called one
 ABOVE = 1.15  # times the noise: what is more is said to be left
 
 
@@ -24,8 +25,17 @@ def headline(result: Diagnosis) -> str:
         where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
         return f"The recording departs from the simulation on {where}, and no effect explains it."
     if len(result.findings) > FEW:
-        return f"{len(result.findings)} effects are missing in the simulation."
+        return f"{len(result.findings)} effects are missing in the simulation{_doubts(result)}."
     return f"Missing in the simulation: {listed(_missing(result))}."
+
+
+def _doubts(result: Diagnosis) -> str:
+    """How many of what is counted could be something else, or nothing."""
+    open_ = sum(bool(f.equivalents) for f in result.findings)
+    guessed = sum(f.confidence < LIKELY for f in result.findings)
+    told = [f"{open_} of them could also be another effect"] if open_ else []
+    told += [f"{guessed} of them {'is' if guessed == 1 else 'are'} no more than a guess"] if guessed else []
+    return f"; {' and '.join(told)}" if told else ""
 
 
 def gain(result: Diagnosis) -> str:
@@ -56,21 +66,24 @@ def _fall(result: Diagnosis, row: Ratio) -> str:
 def _no_mismatch(result: Diagnosis) -> str:
     """How closely the simulation follows, in a unit."""
     every = [said for stage in STAGES for said in entries(result, stage).values()]
-    coarse = [said for said in every if said.get("resolution", 0.0) > said["noise_floor"]]
-    if not coarse:
-        return "No effect is missing: the simulation follows the recording down to the sensor noise."
-    worst = max(coarse, key=lambda said: float(said["rmse_before"]))
-    left = quantity(worst["rmse_before"], None, worst.get("unit", "rad"))
-    return f"No effect is missing: the residual that remains ({left} rms) is below a step of the encoder."
+    coarse = [bool(said.get("resolution", 0.0) > said["noise_floor"]) for said in every]
+    worst = max(every, key=lambda said: float(said["rmse_before"]))
+    left = rounded(worst["rmse_before"], worst.get("unit", "rad"))
+    if all(coarse):
+        return f"No effect is missing: the residual that remains ({left} rms) is below a step of the encoder."
+    grain = "noise and encoder steps" if any(coarse) else "noise"
+    return f"No effect is missing: what remains ({left} rms at most) is no more than the sensors' {grain}."
 
 
 def _missing(result: Diagnosis) -> list[str]:
-    named = [_named(result, f) for f in result.findings if f.effect != "unknown"]
-    return named + [_unnamed(result, f) for f in result.findings if f.effect == "unknown"]
+    """The likely ones first, in the order of the table."""
+    ranked = sorted(result.findings, key=lambda f: f.confidence < LIKELY)
+    return [_unnamed(result, f) if f.effect == "unknown" else _named(result, f) for f in ranked]
 
 
 def _named(result: Diagnosis, finding: Finding) -> str:
-    much = "less " if is_excess(finding) else ""
+    much = "perhaps " if finding.confidence < LIKELY else ""
+    much += "less " if is_excess(finding) else ""
     names = much + listed([spoken(name) for name in finding.candidates], "or")
     return f"{names} ({_place(result, finding.stage, finding.joints)}, {finding.confidence:.0%})"
 

@@ -18,6 +18,7 @@ POINTS = 1500
 CELLS = 60
 CELLS_OVER = {"time": 240, "travel": 30}
 PERIODS = 4.0  # of what comes back in time
+STANDS = 0.01  # of the largest speed
 SLID = 0.02  # of the joint's range after a reversal, from where the dead band is crossed
 
 
@@ -78,6 +79,8 @@ def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
     y = (signal.error_after + part) * sign
     keep &= np.isfinite(y) & np.isfinite(x) & (slid | (view.over == "travel"))
     keep &= _window(view, signal, part)
+    if view.over == "travel":
+        keep &= _moves(signal)
     log = view.along and view.over in ("travel", "speed")
     if log:
         keep &= x > (max(1e-4 * float(np.nanmax(x)), 1e-9))
@@ -138,6 +141,14 @@ def _motion(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.nd
         return np.ones(len(signal.stamp)), np.ones(len(signal.stamp), dtype=bool)
     direction, travel = reversals(angle)
     return direction, travel > SLID * float(np.ptp(angle))
+
+
+def _moves(signal: Signal) -> np.ndarray:
+    """(n,): where it does not stand, for there the steps of an encoder pass for reversals."""
+    if signal.velocity is None:
+        return np.ones(len(signal.stamp), dtype=bool)
+    speed = np.abs(signal.velocity)
+    return np.asarray(speed > STANDS * float(np.quantile(speed, 0.99)))
 
 
 def _window(view: View, signal: Signal, part: Array) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
-from trunk_ros.diagnosis.report.signals import concerns, entries
+from trunk_ros.diagnosis.report.signals import concerns, entries, largest
 from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import ABOVE
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -65,7 +65,9 @@ def _names(result: Diagnosis, stages: list[str]) -> list[str]:
 
 
 def _cell(result: Diagnosis, stage: str, name: str, ratio: Ratio | None) -> Cell:
-    found = [spoken(f.effect) for f in result.findings if concerns(f, stage, name)]
+    found = [
+        spoken(f.effect) + ("?" if f.equivalents else "") for f in result.findings if concerns(f, stage, name)
+    ]
     if ratio is None:
         silent = name in result.stages[stage].get("silent", [])
         return Cell(-1, SILENT if silent else "not measured", "", found)
@@ -75,7 +77,8 @@ def _cell(result: Diagnosis, stage: str, name: str, ratio: Ratio | None) -> Cell
     unit = str(said.get("unit", "rad"))
     noise = f"{times(ratio.before)} → {times(ratio.after)}" if changed else times(ratio.before)
     before, after = said["rmse_before"], said["rmse_after"]
-    text = fall(before, after, unit) if changed else rounded(before, unit)
+    size = largest(result, stage, unit)
+    text = fall(before, after, unit, size) if changed else rounded(before, unit, size)
     if stage == "arm" and not changed:  # a tip's coordinate that an arm effect leaves alone
         found = []
     return Cell(sum(ratio.before > limit for limit in HEAT), text, noise, found, rest and ratio.after > ABOVE)

@@ -74,8 +74,9 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """
     for desk.share in COARSE:
         while (better := first_that_pays(best, moves, desk)) is not None:
-            move, best = better[0], renewed(better[1]) if better[0].grows else relooked(better[1])
-            desk.say(f"{move.name}: {describe(best.hypothesis)}")
+            move, found = better
+            best = renewed(found) if move.grows else relooked(found)
+            desk.say(f"so far {describe(best.hypothesis)}")
     return best
 
 

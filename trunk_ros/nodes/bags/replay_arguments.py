@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 
 from trunk_ros.commands.arguments import Parser, add_namespace
-from trunk_ros.nodes.bags.through import NODES
+
+NODES = ("wire_elasticity",)  # that can be run over a bag
 
 
 def parser() -> argparse.ArgumentParser:

@@ -26,7 +26,6 @@ from trunk_ros.recording.topics import TOPICS
 SAME = 1e-9  # in the unit of a quantity: what rounding may do
 
 
-NODES = ("wire_elasticity",)
 INPUT = "gearbox_states"
 
 

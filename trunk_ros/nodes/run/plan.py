@@ -14,15 +14,14 @@ from typing import Any
 import numpy as np
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser
 from trunk_ros.errors import ArgumentError
 from trunk_ros.model import Model, load_model
 from trunk_ros.motion import NAMES, named_trajectory
 from trunk_ros.nodes.control.follower import check_rest, limits_of
+from trunk_ros.nodes.run.arguments import PARTS, parser
 from trunk_ros.recording.output import BAG_FILES, prepare_output
 from trunk_ros.trajectory import Trajectory, TrajectoryError, load_trajectory
 
-PARTS = ("servo_driver", "wire_elasticity", "compensator", "recorder")
 BELIEVES = {"servo_driver": "plant", "wire_elasticity": "plant", "compensator": "model"}
 PUBLISHED = {"servo_driver": "trunk/gearbox_states", "wire_elasticity": "joint_states"}
 
@@ -56,35 +55,6 @@ class Plan:
         if part == "wire_elasticity":
             common["tf"] = True
         return common | self.models[part].parameters()
-
-
-def parser() -> argparse.ArgumentParser:
-    """The arguments of bringup."""
-    parse = Parser(
-        prog="bringup",
-        description="Runs servo_driver, wire_elasticity, compensator and recorder with a trajectory.",
-    )
-    add = parse.add_argument
-    add("--output", metavar="BAG", help="folder of the recording; must not exist")
-    add("--overwrite", action="store_true", help="replace an existing recording")
-    add("--seconds", type=float, default=20.0, metavar="S", help="length of the run, 20 by default")
-    add(
-        "--trajectory",
-        default="default",
-        metavar="NAME|FILE",
-        help=f"YAML file, or one of {', '.join(NAMES)}",
-    )
-    add("--without", nargs="+", default=[], metavar="NODE", help=f"nodes to leave out, of {', '.join(PARTS)}")
-    add(
-        "--model",
-        metavar="MODEL",
-        help="what the compensator believes the arm to be: file or name in config/, trunk by default",
-    )
-    add("--plant-model", metavar="MODEL", help="what the simulated arm is, the nominal arm by default")
-    add("--rate", type=float, default=100.0, metavar="HZ", help="control rate, 100 by default")
-    add("--sim-time", action="store_true", help="simulated time with /clock, as fast as the machine goes")
-    add("--processes", action="store_true", help="each node in a process of its own")
-    return parse
 
 
 def plan_of(argv: Sequence[str]) -> Plan:
