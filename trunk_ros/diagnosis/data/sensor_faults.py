@@ -31,12 +31,12 @@ def without_faults(recording: Recording) -> Recording:
     series = recording.series.get("joint_states")
     if series is None or len(series.stamp) < 10 * STUCK:
         return recording
-    position, notes, repeats = series.position.copy(), [], bool(new_readings(series)[1])
+    position, notes = series.position.copy(), []
+    repeats = bool(new_readings(series)[1])  # old readings, beside a motor that goes on
     for j, joint in enumerate(series.joints):
         stuck = sticks(position[:, j], series.stamp)
-        off = strays(
-            position[:, j] if repeats else less_the_motor(recording, joint, series.stamp, position[:, j])
-        )  # readings that are repeated are old beside a motor that goes on
+        left = None if repeats else less_the_motor(recording, joint, series.stamp, position[:, j])
+        off = strays(position[:, j]) if left is None else strays(left, less=True)
         position[stuck | off, j] = np.nan
         if stuck.any():
             begin = series.stamp[np.flatnonzero(stuck)[0]]
@@ -110,8 +110,12 @@ def sticks(readings: Array, stamp: Array) -> np.ndarray:
     return out
 
 
-def strays(readings: Array) -> np.ndarray:
-    """(n,) readings that are far off, one or two at a time, while those beside them agree."""
+def strays(readings: Array, less: bool = False) -> np.ndarray:
+    """(n,) readings that are far off, one or two at a time, while those beside them agree.
+
+    ``less`` what a motor moves: then further than most of them differ, as a short reversal leaps as far as
+    the dead band is wide.
+    """
     out = np.zeros(len(readings), dtype=bool)
     known = np.flatnonzero(np.isfinite(readings))
     if len(known) <= 2 * BESIDE:
@@ -121,28 +125,29 @@ def strays(readings: Array) -> np.ndarray:
     before, after = np.median(beside[:, :BESIDE], axis=1), np.median(beside[:, BESIDE + 1 :], axis=1)
     off = np.abs(beside[:, BESIDE] - np.median(np.delete(beside, BESIDE, axis=1), axis=1))
     scatter = MEDIAN_TO_STD * float(np.median(off))
-    far = max(FAR * scatter, leap(readings, 1.0 - 2.0 * FEW))
+    usual = float(np.subtract(*np.quantile(readings, [1.0 - FEW / 2, FEW / 2])))
+    far = max(FAR * scatter, leap(readings, 1.0 - 2.0 * FEW), usual if less else 0.0)
     found = (off > far) & (np.abs(after - before) < off / 2)
     out[known[BESIDE:-BESIDE]] = found & (scatter > 0.0) & (found.mean() < FEW)
     return out
 
 
-def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Array) -> Array:
-    """Readings (n,) at ``stamp`` less what the joint's own motor moves, where that was recorded: in what is
-    left a single reading shows that a fast motion hides. NaN in gaps of the motor's readings.
+def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Array) -> Array | None:
+    """Readings (n,) at ``stamp`` less what the joint's own motor moves, None where that was not recorded: in
+    what is left a single reading shows that a fast motion hides. NaN in gaps of the motor's readings.
     """
     gearbox = recording.series.get("gearbox_states")
     if gearbox is None or joint not in gearbox.joints:
-        return readings
+        return None
     motor = gearbox.position[:, gearbox.joints.index(joint)]
     seen = np.isfinite(motor)
     if seen.sum() < LEAST:
-        return readings
+        return None
     there = np.interp(stamp, gearbox.stamp[seen], motor[seen])
     there[in_gaps(gearbox.select((joint,)), stamp)[:, 0]] = np.nan
     known = np.isfinite(readings + there)
     if known.sum() < LEAST or np.ptp(there[known]) == 0.0:
-        return readings
+        return None
     slope, _ = np.polyfit(there[known] - there[known].mean(), readings[known], 1)
     return np.asarray(readings - slope * there)
 

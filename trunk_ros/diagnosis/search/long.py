@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.moves import ADD, DROP, ONSET
 from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats
 
-WORK = 6e8  # simulated joint-steps that a search may take: half a minute of one core
+WORK = 4e8  # simulated joint-steps that a search may take: half a minute of one core
 SCAN = 160  # moments over the whole recording, then as many between two of them
 
 
