@@ -19,14 +19,12 @@ from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in, per_joint
 from trunk_ros.arm.parameters import ANY_JOINTS, RENAMED, check_names, checked, declared_arm
 from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
+from trunk_ros.effect_values import Values, at_end, bind, check_rivals, effect_values, payload_in, spread_over
 from trunk_ros.effects import Effect, effect, registry
-from trunk_ros.effects.effect import NEVER
-from trunk_ros.effects.lasting import NOTHING, Payload, share
+from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
 from trunk_ros.predictor import Predictor
-
-Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -72,23 +70,8 @@ class Model(Predictor):
         """The model as it is at the end of the recording that it was fitted on: what had ended by then is
         gone, what had begun lasts.
         """
-        return replace(self, effects={n: v for n, v in map(self._lasting, self.in_order()) if v})
-
-    def _lasting(self, item: tuple[str, Values]) -> tuple[str, Values]:
-        name, values = item
-        kind = effect(name)
-        moments = {m.name for m in kind.moments()} & set(values)
-        if not moments:
-            return name, values
-        left = {key: value for key, value in values.items() if key not in moments}
-        acts = _acting_at(self.duration, values)
-        lead = kind.own_parameters(str(values.get("form", kind.forms[0])))[0]
-        for p in (p for p in kind.parameters if p.name in left):
-            there = payload_in(p.name, values).lasts(self.duration) if p.carried else acts
-            if not (p.shared and np.size(there) > 1):
-                size = there if p is lead else there > 0
-                left[p.name] = np.asarray(p.null + size * (left[p.name] - p.null))[()]
-        return name, _effect_values(kind, left, self.arm.joints)
+        there = {name: at_end(name, v, self.duration, self.arm.joints) for name, v in self.in_order()}
+        return replace(self, effects={name: values for name, values in there.items() if values})
 
     def loaded_arm(self) -> Arm:
         """The arm with the payload that was found."""
@@ -100,10 +83,10 @@ class Model(Predictor):
             return replace(
                 self,
                 arm=_spread(self.arm, joints),
-                error=_per_joint(self.error, len(joints)),
-                reach=_per_joint(self.reach, len(joints)),
+                error=spread_over(self.error, len(joints)),
+                reach=spread_over(self.reach, len(joints)),
                 effects={
-                    name: {key: _per_joint(value, len(joints)) for key, value in values.items()}
+                    name: {key: spread_over(value, len(joints)) for key, value in values.items()}
                     for name, values in self.effects.items()
                 },
             )
@@ -175,7 +158,7 @@ class Model(Predictor):
             if len(known)
         }
         for name, values in self.in_order():
-            for key, value in _effect_values(effect(name), values, self.arm.joints).items():
+            for key, value in effect_values(effect(name), values, self.arm.joints).items():
                 flat[f"effects.{name}.{key}"] = np.asarray(value).tolist()
         return flat
 
@@ -197,10 +180,10 @@ class Model(Predictor):
                 for key, value in given.items()
                 if key.startswith(f"effects.{name}.")
             }
-            values = _effect_values(kind, own, arm.joints)
+            values = effect_values(kind, own, arm.joints)
             if values:
                 effects[name] = values
-        _check_rivals(effects)
+        check_rivals(effects)
         known = {name: per_joint(given, f"recording.{name}", len(arm.joints)) for name in ("error", "reach")}
         return Model(arm, effects, given.get("recording.duration", 0.0), **known)
 
@@ -210,93 +193,10 @@ class Model(Predictor):
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
-def bind(name: str, values: Values, joints: tuple[str, ...]) -> Effect:
-    """An effect over all joints from a model's values. Raises ModelError for words that name none of them."""
-    kind = effect(name)
-    numbers: dict[str, Array] = {
-        p.name: np.broadcast_to(np.asarray(values.get(p.name, p.null), dtype=float), (len(joints),)).copy()
-        for p in (*kind.parameters, *(m for m in kind.moments() if m.name in values))
-    }
-    block = kind(
-        numbers,
-        {text: tuple(values[text]) for text in kind.texts if text in values},
-        str(values.get("form", "")),
-    )
-    if joints != (ANY_JOINTS,):
-        block.check(joints)
-    return block
-
-
-def payload_in(name: str, values: Mapping[str, Any]) -> Payload:
-    """What an effect's values make the arm carry; ``name``: of the mass."""
-    mass, begin, until = (values.get(f"{name}{when}") for when in ("", "_from", "_until"))
-    return Payload(mass or 0.0, begin or 0.0, NEVER if until is None else until)
-
-
-def _acting_at(stamp: float, values: Values) -> Any:
-    """(joints,) or one: how much of an effect acts at a time [s]."""
-    begin, until, grown = (
-        np.asarray(values.get(name, default))
-        for name, default in (("from", 0.0), ("until", NEVER), ("grown", 0.0))
-    )
-    return share(np.array([stamp]), begin, until, grown)[0]
-
-
-def _effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[str, ...]) -> Values:
-    """All values of one effect that a model has of it; empty where everything is at its null."""
-    form = str(given.get("form") or kind.forms[0])
-    numbers = {
-        p.name: np.atleast_1d(np.asarray(given.get(p.name, p.null), dtype=float))
-        for p in (*kind.parameters, *kind.moments())
-    }
-    set_ = {p.name for p in kind.parameters if np.any(numbers[p.name] != p.null)}
-    if not set_:
-        return {}
-    set_ |= {m.name for m in kind.moments() if np.any(numbers[m.name] != m.null)}
-    values: Values = {"form": form} if len(kind.forms) > 1 else {}
-    for p in (*kind.parameters, *kind.moments()):
-        if numbers[p.name].size not in (1, len(joints)):
-            raise ModelError(
-                f"effects.{kind.id}.{p.name} has {numbers[p.name].size} values for {len(joints)} joints"
-            )
-        if p.name in set_ or (p in kind.own_parameters(form) and not p.optional):
-            values[p.name] = (
-                float(numbers[p.name][0]) if p.shared else _per_joint(numbers[p.name], len(joints))
-            )
-    values |= {
-        text: _per_joint(list(given[text]), len(joints)) for text in kind.texts if any(given.get(text, []))
-    }
-    bind(kind.id, values, joints)
-    return values
-
-
-def _check_rivals(effects: Mapping[str, Values]) -> None:
-    """Raise ModelError where one effect includes another that a joint has as well."""
-    for name in effects:
-        for other in effect(name).replaces:
-            if other in effects and np.any(_acts(name, effects) & _acts(other, effects)):
-                raise ModelError(f"effects.{name} includes effects.{other}: leave one of them out")
-
-
-def _acts(name: str, effects: Mapping[str, Values]) -> Any:
-    """(joints,) where an effect has values of its own that are not null; everywhere if all are shared."""
-    own = [p for p in effect(name).parameters if not p.shared and p.name in effects[name]]
-    return np.any([effects[name][p.name] != p.null for p in own], axis=0) if own else np.True_
-
-
-def _per_joint(values: Any, joints: int) -> Any:
-    """One value or word stands for all joints; shared values stay as they are."""
-    if isinstance(values, list):
-        return values * joints if len(values) == 1 else values
-    if isinstance(values, np.ndarray):
-        return np.broadcast_to(values, (joints,)).copy() if len(values) == 1 else values
-    return values
-
-
 def _spread(arm: Arm, joints: tuple[str, ...]) -> Arm:
     """The arm with as many joints as that, each like its only one."""
     names = ("ratio", "dead_band", "lower", "upper", "compliance", "link_length", "link_mass")
-    arrays: dict[str, Any] = {name: _per_joint(getattr(arm, name), len(joints)) for name in names}
+    arrays: dict[str, Any] = {name: spread_over(getattr(arm, name), len(joints)) for name in names}
     return replace(arm, joints=joints, wire=None, **arrays)
 
 

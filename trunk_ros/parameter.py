@@ -34,3 +34,15 @@ class Parameter:
     """The name under which the arm's description may state it for each joint."""
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""
+
+
+NEVER = 1e6
+"""s: until then what does not end lasts."""
+FROM = Parameter("from", "s", (0.0, NEVER), "when it begins", typical=1.0, optional=True, moment=True)
+UNTIL = Parameter(
+    "until", "s", (0.0, NEVER), "when it ends", typical=1.0, null=NEVER, optional=True, moment=True
+)
+GROWN = Parameter(
+    "grown", "s", (0.0, NEVER), "when it has its full size; at once where it is not said", typical=1.0,
+    optional=True, moment=True,
+)  # fmt: skip

@@ -28,9 +28,10 @@ from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
 from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Plots, Unexplained
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effect_values import Values
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
-from trunk_ros.model import Model, Values
+from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TIP_TOPIC
 from trunk_ros.start import SETTLE

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.effect_values import Values, payload_in
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.lasting import NOTHING, Payload
-from trunk_ros.model import Values, payload_in
 from trunk_ros.parameter import Parameter
 
 

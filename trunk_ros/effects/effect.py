@@ -14,18 +14,7 @@ from trunk_ros.arm import Arm, Wire
 from trunk_ros.arm.geometry import Geometry
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import Parameter
-
-NEVER = 1e6
-"""s: until then what does not end lasts."""
-FROM = Parameter("from", "s", (0.0, NEVER), "when it begins", typical=1.0, optional=True, moment=True)
-UNTIL = Parameter(
-    "until", "s", (0.0, NEVER), "when it ends", typical=1.0, null=NEVER, optional=True, moment=True
-)
-GROWN = Parameter(
-    "grown", "s", (0.0, NEVER), "when it has its full size; at once where it is not said", typical=1.0,
-    optional=True, moment=True,
-)  # fmt: skip
+from trunk_ros.parameter import FROM, GROWN, UNTIL, Parameter
 
 Stage = Literal["servo", "wire", "arm"]
 Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]

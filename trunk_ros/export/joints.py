@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import ClassVar
 from xml.etree.ElementTree import Element
 
+from trunk_ros.effect_values import Values
 from trunk_ros.errors import TrunkError
 from trunk_ros.export.markup import commented, parse, to_text, written
 from trunk_ros.export.sheet import Writer
-from trunk_ros.model import Model, Values
+from trunk_ros.model import Model
 
 
 class JointWriter(Writer):

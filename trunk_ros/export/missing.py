@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect
-from trunk_ros.model import Model, Values
+from trunk_ros.model import Model
 
 RELATIVE = "relative"  # of a gain: two of them multiply
 PLAY = ("backlash", "tension_error")

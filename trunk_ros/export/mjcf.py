@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.effect_values import Values
 from trunk_ros.errors import TrunkError
 from trunk_ros.export.markup import commented, parse, to_text
 from trunk_ros.export.mjcf_actuator import Drive, drive_of, tag_of
 from trunk_ros.export.mjcf_play import add_play
 from trunk_ros.export.sheet import Writer
-from trunk_ros.model import Model, Values
+from trunk_ros.model import Model
 
 STIFF = (0.999, 0.9999, 0.001, 0.5, 2.0)  # solimp of friction and of stops that hold
 PAYLOAD, GRAIN = "payload", 1e-3  # m, its radius

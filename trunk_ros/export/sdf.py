@@ -6,9 +6,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from trunk_ros.effect_values import Values
 from trunk_ros.export.joints import JointWriter
 from trunk_ros.export.markup import numbers, turned, written
-from trunk_ros.model import Values
 
 CONTROLLER = "JointPositionController"
 

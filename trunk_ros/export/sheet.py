@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from trunk_ros.effect_values import Values
 from trunk_ros.effects import effect
 from trunk_ros.export.missing import missing
-from trunk_ros.model import Model, Values
+from trunk_ros.model import Model
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import model_effects
 from trunk_ros.diagnosis.verdict.result import Finding
-from trunk_ros.model import Model, Values
+from trunk_ros.effect_values import Values
+from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
 REST = 1.0  # of the noise power that lengths and tilt may leave at the tip

@@ -31,8 +31,8 @@ from trunk_ros.diagnosis.tip.values import (
     point_of,
     told_otherwise,
 )
+from trunk_ros.effect_values import Values
 from trunk_ros.effects.effect import Core, Now
-from trunk_ros.model import Values
 from trunk_ros.stage import core_of
 
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name

@@ -8,8 +8,8 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect, registry
-from trunk_ros.model import Values
 from trunk_ros.parameter import Parameter
 
 SHIFT = "shift"  # of a signal by a constant: no effect of the arm, but other frames make one

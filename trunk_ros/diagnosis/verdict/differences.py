@@ -11,8 +11,9 @@ import numpy as np
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, title, unchanged
 from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
 from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect
-from trunk_ros.model import Model, Values
+from trunk_ros.model import Model
 from trunk_ros.parameter import Parameter
 
 SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}

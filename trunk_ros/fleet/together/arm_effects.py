@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.effect_values import Values
 from trunk_ros.effects import effect, registry
 from trunk_ros.fleet.run.outcome import Row
-from trunk_ros.model import Values
 
 LEAST = 2  # recordings that show an effect of the arm, where there are so many
 SHARE = 0.1  # of them

@@ -1,0 +1,118 @@
+"""The values of effects as a model holds them, and effects made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.arm.parameters import ANY_JOINTS
+from trunk_ros.compiled import Array
+from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.lasting import Payload, share
+from trunk_ros.errors import ModelError
+from trunk_ros.parameter import NEVER
+
+Values = dict[str, Any]
+"""Of one effect: (joints,) by parameter, a float where it is shared; words as lists; ``form``."""
+
+
+def bind(name: str, values: Values, joints: tuple[str, ...]) -> Effect:
+    """An effect over all joints from a model's values. Raises ModelError for words that name none of them."""
+    kind = effect(name)
+    numbers: dict[str, Array] = {
+        p.name: np.broadcast_to(np.asarray(values.get(p.name, p.null), dtype=float), (len(joints),)).copy()
+        for p in (*kind.parameters, *(m for m in kind.moments() if m.name in values))
+    }
+    block = kind(
+        numbers,
+        {text: tuple(values[text]) for text in kind.texts if text in values},
+        str(values.get("form", "")),
+    )
+    if joints != (ANY_JOINTS,):
+        block.check(joints)
+    return block
+
+
+def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[str, ...]) -> Values:
+    """All values of one effect that a model has of it; empty where everything is at its null."""
+    form = str(given.get("form") or kind.forms[0])
+    numbers = {
+        p.name: np.atleast_1d(np.asarray(given.get(p.name, p.null), dtype=float))
+        for p in (*kind.parameters, *kind.moments())
+    }
+    set_ = {p.name for p in kind.parameters if np.any(numbers[p.name] != p.null)}
+    if not set_:
+        return {}
+    set_ |= {m.name for m in kind.moments() if np.any(numbers[m.name] != m.null)}
+    values: Values = {"form": form} if len(kind.forms) > 1 else {}
+    for p in (*kind.parameters, *kind.moments()):
+        if numbers[p.name].size not in (1, len(joints)):
+            raise ModelError(
+                f"effects.{kind.id}.{p.name} has {numbers[p.name].size} values for {len(joints)} joints"
+            )
+        if p.name in set_ or (p in kind.own_parameters(form) and not p.optional):
+            values[p.name] = (
+                float(numbers[p.name][0]) if p.shared else spread_over(numbers[p.name], len(joints))
+            )
+    values |= {
+        text: spread_over(list(given[text]), len(joints)) for text in kind.texts if any(given.get(text, []))
+    }
+    bind(kind.id, values, joints)
+    return values
+
+
+def check_rivals(effects: Mapping[str, Values]) -> None:
+    """Raise ModelError where one effect includes another that a joint has as well."""
+    for name in effects:
+        for other in effect(name).replaces:
+            if other in effects and np.any(_acts(name, effects) & _acts(other, effects)):
+                raise ModelError(f"effects.{name} includes effects.{other}: leave one of them out")
+
+
+def _acts(name: str, effects: Mapping[str, Values]) -> Any:
+    """(joints,) where an effect has values of its own that are not null; everywhere if all are shared."""
+    own = [p for p in effect(name).parameters if not p.shared and p.name in effects[name]]
+    return np.any([effects[name][p.name] != p.null for p in own], axis=0) if own else np.True_
+
+
+def spread_over(values: Any, joints: int) -> Any:
+    """One value or word stands for all joints; shared values stay as they are."""
+    if isinstance(values, list):
+        return values * joints if len(values) == 1 else values
+    if isinstance(values, np.ndarray):
+        return np.broadcast_to(values, (joints,)).copy() if len(values) == 1 else values
+    return values
+
+
+def at_end(name: str, values: Values, duration: float, joints: tuple[str, ...]) -> Values:
+    """An effect as it is at the end of a recording of so many seconds, for good; empty where it is gone."""
+    kind = effect(name)
+    moments = {m.name for m in kind.moments()} & set(values)
+    if not moments:
+        return values
+    left = {key: value for key, value in values.items() if key not in moments}
+    acts = _acting_at(duration, values)
+    lead = kind.own_parameters(str(values.get("form", kind.forms[0])))[0]
+    for p in (p for p in kind.parameters if p.name in left):
+        there = payload_in(p.name, values).lasts(duration) if p.carried else acts
+        if not (p.shared and np.size(there) > 1):
+            size = there if p is lead else there > 0
+            left[p.name] = np.asarray(p.null + size * (left[p.name] - p.null))[()]
+    return effect_values(kind, left, joints)
+
+
+def payload_in(name: str, values: Mapping[str, Any]) -> Payload:
+    """What an effect's values make the arm carry; ``name``: of the mass."""
+    mass, begin, until = (values.get(f"{name}{when}") for when in ("", "_from", "_until"))
+    return Payload(mass or 0.0, begin or 0.0, NEVER if until is None else until)
+
+
+def _acting_at(stamp: float, values: Values) -> Any:
+    """(joints,) or one: how much of an effect acts at a time [s]."""
+    begin, until, grown = (
+        np.asarray(values.get(name, default))
+        for name, default in (("from", 0.0), ("until", NEVER), ("grown", 0.0))
+    )
+    return share(np.array([stamp]), begin, until, grown)[0]
