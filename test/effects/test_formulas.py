@@ -109,6 +109,21 @@ def test_friction_is_wider_at_low_speed(form: str, fade: Callable[[Array], Array
     assert got == pytest.approx(play(THETA, 1e-3 + 2e-3 * fade(np.abs(SPEED) / 0.1)), abs=1e-12)
 
 
+def test_friction_of_a_film_falls_with_the_speed_that_the_joint_has_had_of_late() -> None:
+    got = wire("stribeck_friction", dead_band=1e-3, form="film", amplitude=2e-3, velocity=0.1, memory=0.05)
+    theta, late, more, last = THETA[0].copy(), np.zeros(3), [], THETA[0]
+    for u in THETA:
+        for part in (0.5, 1.0) if more else (1.0,):  # of 5 ms
+            extra = 2e-3 * np.exp(-((late / 0.1) ** 2))
+            asked, before = last + part * (u - last), theta
+            theta = np.clip(theta, asked - 1e-3 - extra, asked + 1e-3 + extra)
+            if more:
+                late = late + (np.abs(theta - before) / 2.5e-3 - late) * (1.0 - np.exp(-2.5e-3 / 0.05))
+        more.append(extra)
+        last = u
+    assert got == pytest.approx(play(THETA, 1e-3 + np.array(more)), abs=1e-12)
+
+
 def test_a_load_stretches_the_wire_along_with_a_payload() -> None:
     got = wire("load_elasticity", compliance=0.05, payload=0.1)
     tau = ARM.load(got) + 0.1 * ARM.lever(got)

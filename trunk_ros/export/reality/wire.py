@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect
+from trunk_ros.effects.effect import Core, Effect
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.export.reality.blocks import Block, core_of, mixed
 from trunk_ros.export.reality.past import Past
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.model import Model
-from trunk_ros.stage import Order
+from trunk_ros.stage import Memory, Order
 
 DELAYS = {("sensor_delay", ""): "delay", ("viscous_lag", "shift"): "time_constant"}
 
@@ -40,6 +40,7 @@ class Wire:
             for some in (order.path, order.core, order.after, order.sensor)
         )
         self.stuck: object = None
+        self.memory: Memory = {}
 
     def drive(self, scene: Scene, clock: Scene, anew: np.ndarray | None) -> Array:
         """Joint angles (environments, joints) [rad] that the gearbox angles of a scene give."""
@@ -58,11 +59,22 @@ class Wire:
             state = block.run(state, clock if isinstance(block, Late) else scene, anew)
         return state
 
-    def _friction(self, u: Array, scene: Scene, anew: np.ndarray | None) -> Array:
+    def _adjusted(self, u: Array, scene: Scene, memory: Memory) -> Core:
+        """The friction element's settings, given what the effects that change it remember."""
         core = core_of(u)
+        core.old = memory
         for block in self.core + self.path:
             if isinstance(block, Block):
                 block.adjust(core, scene)
+        return core
+
+    def _friction(self, u: Array, scene: Scene, anew: np.ndarray | None) -> Array:
+        core = self._adjusted(u, scene, self.memory)
+        if anew is not None and self.memory:
+            first, which = self._adjusted(u, scene, {}), np.repeat(anew, u.shape[1])
+            core.width = np.where(anew[:, None], first.width, core.width)
+            core.new = {name: mixed(kept, first.new[name], which) for name, kept in core.new.items()}
+        self.memory = core.new
         element, flat, width = core.rounding or SharpPlay(), u.reshape(1, -1), core.width.reshape(1, -1)
         before = self.stuck
         out, self.stuck = element.run(flat, width, before)
