@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.candidates import extended, replaced, taken, usable
+from trunk_ros.diagnosis.search.candidates import extended, open_kinds, replaced, taken, usable
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves.drop import DROP
@@ -16,9 +16,11 @@ from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.swap_many import on_most
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.trial import column_trials
 from trunk_ros.effects import Effect, effect
 
 REFITTED = 3  # starts of an effect of the same kind that are fitted in full
+FURTHER_ONES = 4  # on a joint, that are refitted
 ALONE = 2  # joints that what acts on all must explain by itself
 PROMISED = 0.5  # of what the one in its place explains
 SEEN = 0.2  # of that: a linear look sees less of what bends
@@ -67,8 +69,24 @@ def _inherited(best: Fit, bare: Hypothesis, name: str, kind: type[Effect]) -> It
                         p.name, starts[c][k % len(starts[c])][p.name]
                     )
             begun.append(costed(context, Hypothesis({**bare.copy(), kind.id: term})))
-    for trial in sorted(begun, key=lambda fit: fit.total)[:REFITTED]:
-        yield refit(context, trial.hypothesis)
+    for start in sorted(begun, key=lambda fit: fit.total)[:REFITTED]:
+        trial = refit(context, start.hypothesis)
+        yield trial
+        yield _with_what_it_stood_for(best, trial)
+
+
+def _with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
+    """With a further effect on the few joints that are worse off: a law with more to it is bent to what is
+    missing beside it.
+    """
+    context = trial.context
+    worse = [c for c, cost in trial.cost.items() if cost - was.cost[c] > need(context, c, was.rest(c))]
+    for column in worse if 2 * len(worse) < len(trial.cost) else ():
+        kinds = open_kinds(context, trial.hypothesis, column)
+        trial = min(
+            column_trials(trial, trial.hypothesis, column, kinds, FURTHER_ONES), key=score, default=trial
+        )
+    return trial
 
 
 def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -> bool:
