@@ -14,6 +14,7 @@ from trunk_ros.recording.signal.resample import SLOW
 
 CELLS = 20
 COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
+BY_CHANCE = 4.0  # standard deviations of that share, where the noise comes in bursts
 TELLS = 0.05  # share of the rest's power that a variable must account for
 PERIODIC = 0.2  # likewise, a period of time
 
@@ -25,7 +26,7 @@ def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
 
 
 def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:
-    """Whether a residual goes on from sample to sample, which outliers do not."""
+    """Whether a residual goes on from sample to sample, which outliers and bursts of noise do not."""
     if context.step >= SLOW:
         return True
     noise, products = context.noise[column], []
@@ -33,8 +34,9 @@ def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:
         rest, follows = context.residual(i, hypothesis, column), view.follows[:, column]
         products.append((rest[1:] * rest[:-1])[follows[1:]])
     own = noise.correlation * (noise.std**2 - noise.white**2)
-    excess = float(np.mean(np.concatenate(products))) - own
-    return excess > COHERENT * context.rest(column) * noise.std**2
+    found = np.concatenate(products)
+    excess, chance = float(np.mean(found)) - own, float(np.sqrt(np.sum(found**2))) / len(found)
+    return excess > max(COHERENT * context.rest(column) * noise.std**2, BY_CHANCE * chance)
 
 
 def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[str]:
