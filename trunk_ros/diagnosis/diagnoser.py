@@ -149,8 +149,8 @@ class Diagnoser:
         self.say("wire")
         state = self._stage(WireStage(self.spans, self.path, self.recordings[0].units))
         if state is not None:
-            noises = zip(self.joints, state.context.noise, strict=True)
-            self.lasting = {joint: noise.std for joint, noise in noises if noise.correlation > 0.0}
+            noises = zip(self.joints, state.context.noise, state.context.stage.steps, strict=True)
+            self.lasting = {j: n.std if n.correlation > 0.0 else steps for j, n, steps in noises}
 
     def _stage(self, stage: Stage) -> Fit | None:
         context = Context.of(stage)

@@ -34,9 +34,15 @@ def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:
         rest, follows = context.residual(i, hypothesis, column), view.follows[:, column]
         products.append((rest[1:] * rest[:-1])[follows[1:]])
     own = noise.correlation * (noise.std**2 - noise.white**2)
-    found = np.concatenate(products)
-    excess, chance = float(np.mean(found)) - own, float(np.sqrt(np.sum(found**2))) / len(found)
-    return excess > max(COHERENT * context.rest(column) * noise.std**2, BY_CHANCE * chance)
+    return goes_on(np.concatenate(products), own, COHERENT * context.rest(column) * noise.std**2)
+
+
+def goes_on(products: Array, own: float, least: float) -> bool:
+    """Whether products (n,) of a residual and itself one sample before are more than the noise's ``own``, by
+    ``least`` and by more than chance makes of noise that comes in bursts.
+    """
+    chance = float(np.sqrt(np.sum(products**2))) / max(len(products), 1)
+    return float(np.mean(products)) - own > max(least, BY_CHANCE * chance)
 
 
 def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[str]:

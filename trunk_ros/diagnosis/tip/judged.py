@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import LEAST
+from trunk_ros.diagnosis.evidence.residual_dependence import goes_on
 from trunk_ros.diagnosis.tip.data import UNITS, tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
@@ -16,8 +17,10 @@ from trunk_ros.diagnosis.verdict.result import Finding
 from trunk_ros.effect_values import Values
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.signal.resample import SLOW
 
 REST = 1.0  # of the noise power that lengths and tilt may leave at the tip
+APART = 5  # poses: between its readings a joint's noise is interpolated
 SHARE = 0.02  # of the misfit, likewise
 
 Told = tuple[dict[str, Any], list[Finding], dict[str, Values]]
@@ -58,10 +61,19 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
     misfit, rest = (float(np.mean((off / problem.noise) ** 2)) - 1.0 for off in (before, after))
     joints = len(problem.arm.joints)
     stage = {"compared": True, "tip": tip, "strays": problem.strays}
-    if rest > REST and rest > SHARE * misfit:
+    if rest > REST and rest > SHARE * misfit and _goes_on(problem, after):
         said = unknown_arm_finding(problem, rest / max(misfit, rest))
         return stage, [said], model_effects(problem.known, joints)
     return stage, arm_findings(problem, done), model_effects(problem.known | done.values, joints)
+
+
+def _goes_on(problem: ArmProblem, after: Array) -> bool:
+    """Whether what is left (n, signals) lasts from sample to sample; of rare poses that is not known."""
+    steps = np.concatenate([np.diff(data.stamp) for data in problem.data])
+    if not len(steps) or float(np.median(steps)) >= SLOW:
+        return True
+    off = after / problem.noise
+    return any(goes_on(one[APART:] * one[:-APART], 0.0, 0.0) for one in off.T)
 
 
 def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
