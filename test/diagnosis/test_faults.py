@@ -73,3 +73,12 @@ def test_one_reading_in_fifty_far_off_is_left_out_also_in_fast_motion_and_two_at
     assert left_out[rows, 1].mean() > 0.98
     assert left_out.sum() == left_out[rows, 1].sum()
     assert any("joint_2" in note and "far from those beside" in note for note in put_right.notes)
+
+
+def test_a_burst_of_noise_is_no_row_of_single_readings_and_no_physics() -> None:
+    good = recorded(seconds=30.0)
+    position = good.series["joint_states"].position.copy()
+    position[1000:1500] += 1.4e-3 * np.random.default_rng(5).normal(size=(500, 5))
+    spoiled = reshaped(good, "joint_states", position=position)
+    assert not any("single readings" in note for note in without_faults(spoiled).notes)
+    assert diagnose([spoiled]).verdict == "no_mismatch"

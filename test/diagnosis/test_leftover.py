@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from trunk_ros.diagnosis.evidence.residual_dependence import CELLS, TELLS, accounted
+from trunk_ros.diagnosis.evidence.residual_dependence import CELLS, TELLS, accounted, goes_on
 
 
 @pytest.mark.parametrize("count", [20 * CELLS, 600, 6000])
@@ -31,3 +31,14 @@ def test_what_depends_on_a_variable_is_found_with_its_share() -> None:
     x = rng.uniform(-1, 1, 4000)
     residual = np.sqrt(3.0) * x + rng.normal(size=4000)  # half of the power
     assert accounted(x, residual) == pytest.approx(0.5, abs=0.04)
+
+
+def test_noise_that_comes_in_bursts_does_not_go_on_and_a_small_wave_does() -> None:
+    rng = np.random.default_rng(6)
+    often = 0
+    for _ in range(200):
+        noise = rng.normal(size=6000) * np.where((np.arange(6000) // 500) == 4, 10.0, 1.0)
+        often += goes_on(noise[1:] * noise[:-1], 0.0, 0.05)
+    assert often <= 2
+    wave = rng.normal(size=6000) + np.sin(np.arange(6000) / 50.0)
+    assert goes_on(wave[1:] * wave[:-1], 0.0, 0.05)

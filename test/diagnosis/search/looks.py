@@ -26,6 +26,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
     "slip": {"wire_slip": {"step": on(2, 2e-3), "onset": np.full(5, 17.0)}},
     "sag": {"load_elasticity": {"compliance": np.full(5, 0.02)}},
+    "rubbing": {
+        "load_elasticity": {"compliance": np.full(5, 0.03)},
+        "load_dependent_friction": {"gain": on(5, 0.03)},
+    },
+    "loosened": {"backlash": {"half_width": on(3, 1.5e-3), "from": np.full(5, 12.0)}},
+    "picked up": {
+        "load_elasticity": {"compliance": np.full(5, 0.03), "payload": 0.1, "payload_from": 9.0},
+    },
     "upstream": {"load_elasticity": {"compliance": np.full(5, 0.05), "upstream": 1.0}},
     "payload": {"load_elasticity": {"compliance": np.full(5, 0.03), "payload": 0.08}},
     "gaussian": {

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.search.descent import Move
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.moves import MOVES
+from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for
 from trunk_ros.diagnosis.search.score import beats
 
 MOVE = {move.name: move for move in MOVES}
@@ -81,6 +82,32 @@ def test_swap_all_says_once_what_all_joints_share() -> None:
     best = improved("swap_all", "tension", width)
     assert list(best.hypothesis) == ["tension_error"]
     assert best.hypothesis["tension_error"].shared["factor"] == pytest.approx(3.0, rel=0.02)
+
+
+def test_swap_all_has_a_plainer_law_with_what_the_richer_one_stood_for() -> None:
+    """What was explained on a joint before is asked of a further effect there."""
+    rubs = Term("load_dependent_friction", "sharp", own={4: {"gain": 0.03}})
+    before, plain = fitted("rubbing", sag(range(5)), rubs), fitted("rubbing", sag(range(5)))
+    better = with_what_it_stood_for(before, plain)
+    assert better.hypothesis["load_dependent_friction"].own[4]["gain"] == pytest.approx(0.03, rel=0.1)
+    assert with_what_it_stood_for(plain, plain) is plain
+
+
+def test_event_dates_what_was_taken_for_lasting() -> None:
+    best = improved("event", "loosened", Term("backlash", own={2: {"half_width": 1e-3}}))
+    assert best.hypothesis["backlash"].own[2]["from"] == pytest.approx(12.0, abs=0.5)
+
+
+def test_event_drops_a_moment_that_nothing_speaks_for() -> None:
+    wrong = Term("backlash", own={2: {"half_width": 1.5e-3, "from": 3.0}})
+    assert "from" not in improved("event", "backlash", wrong).hypothesis["backlash"].own[2]
+
+
+def test_event_takes_a_payload_up() -> None:
+    best = improved("event", "picked up", sag(range(5)))
+    found = best.hypothesis["load_elasticity"].shared
+    assert found["payload"] == pytest.approx(0.1, rel=0.1)
+    assert found["payload_from"] == pytest.approx(9.0, abs=0.5)
 
 
 def test_swap_many_moves_a_neighbour_off_all_joints_at_once() -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
@@ -24,7 +24,7 @@ WILD, MOST = 100.0, 0.8  # times as far as this share of the steps goes that a w
 LEAST = 20  # readings of which some can be called wild
 MEASURED = ("gearbox_states", "joint_states")
 FEW = 0.06  # of the readings: more of them are the sensor's noise
-NEAR = 101  # readings among which there may be no more: a burst of noise is no row of single readings
+NEAR = 101  # readings whose scatter counts: a burst of noise is no row of single readings
 
 
 def without_faults(recording: Recording) -> Recording:
@@ -130,8 +130,8 @@ def strays(readings: Array, less: bool = False) -> np.ndarray:
     usual = float(np.subtract(*np.quantile(readings, [1.0 - FEW / 2, FEW / 2])))
     far = max(FAR * scatter, leap(readings, 1.0 - 2.0 * FEW), usual if less else 0.0)
     found = (off > far) & (np.abs(after - before) < off / 2)
-    near = uniform_filter1d(found.astype(float), NEAR, mode="constant")
-    out[known[BESIDE:-BESIDE]] = found & (scatter > 0.0) & (found.mean() < FEW) & (near < FEW)
+    found &= off > FAR * MEDIAN_TO_STD * median_filter(off, NEAR)
+    out[known[BESIDE:-BESIDE]] = found & (scatter > 0.0) & (found.mean() < FEW)
     return out
 
 

@@ -72,10 +72,10 @@ def _inherited(best: Fit, bare: Hypothesis, name: str, kind: type[Effect]) -> It
     for start in sorted(begun, key=lambda fit: fit.total)[:REFITTED]:
         trial = refit(context, start.hypothesis)
         yield trial
-        yield _with_what_it_stood_for(best, trial)
+        yield with_what_it_stood_for(best, trial)
 
 
-def _with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
+def with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
     """With a further effect on the few joints that are worse off: a law with more to it is bent to what is
     missing beside it.
     """
