@@ -18,6 +18,7 @@ from trunk_ros.effects.curve import Curve
 TIED = 0.9  # correlation from which on two values are told together better than each: said in the report
 BLIND = 1e-18  # curvature of a value, in squared unit-noise residuals: the data do not see it
 AT = 1e-6  # of the way between the bounds
+SHARE = (0.0, 1.0)  # bounds of what is a share: all of it is no more than is possible
 RIDGE = 1e-12  # on a normal matrix of unit diagonal
 
 
@@ -111,7 +112,8 @@ def _at_bound(context: Context, free: list[Free], x: Array, slope: Array) -> lis
     out = []
     for k, f in enumerate(free):
         near = AT * (high[k] - low[k])
-        if issubclass(effect(f.effect), (Bank, Curve)):
+        share = f.parameter.unit == "1" and f.parameter.bounds == SHARE
+        if issubclass(effect(f.effect), (Bank, Curve)) or share:
             continue
         for side, end, beyond in (("lower", 0, slope[k] > 0.0), ("upper", 1, slope[k] < 0.0)):
             bound = f.parameter.bounds[end]

@@ -82,7 +82,7 @@ def _value(name: str, held: dict[str, Any] | None) -> str:
 
 def _meaning(name: str, parameter: str) -> str:
     kind = registry().get(name)
-    known = {p.name: p.meaning for p in kind.parameters} if kind else {}
+    known = {p.name: p.meaning for p in (*kind.parameters, *kind.moments())} if kind else {}
     return known.get(parameter, "")
 
 

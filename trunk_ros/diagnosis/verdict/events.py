@@ -13,6 +13,7 @@ TOGETHER = 0.5  # s, or SPREADS: joints on which the same begins so near to each
 SPREADS = 3.0
 ARM = "arm"
 WORDS = {"from": "begins at", "until": "ends at", "grown": "has its full size at"}
+CARRIED = {"from": "is taken up at", "until": "is put down at"}
 BEGINS, ENDS, GROWS = "from", "until", "grown"
 
 Times = dict[str, tuple[float, float | None]]
@@ -89,11 +90,15 @@ def _same(one: Times, other: Times) -> bool:
 
 def _event(finding: Finding, what: str, owners: list[str], times: Times) -> Event:
     joints = list(finding.joints) if owners == [ARM] else owners
-    subject = what.rstrip("_") or finding.effect
-    said = " and ".join(f"{WORDS[name]} {_time(*times[name])}" for name in WORDS if name in times)
+    words = CARRIED if what else WORDS
+    said = " and ".join(f"{words[name]} {_time(*times[name])}" for name in words if name in times)
+    subject = f"{', '.join(joints)}: {finding.effect.replace('_', ' ')}"
+    if what:
+        mass = finding.parameters[ARM][what.rstrip("_")]["value"]
+        subject = f"tip: {what.rstrip('_')} of {mass:.3g} kg"
     begin, until, grown = (times.get(name, (None, None))[0] for name in (BEGINS, ENDS, GROWS))
     std = next(times[name][1] for name in WORDS if name in times)
-    return Event(finding.effect, joints, begin, until, grown, std, f"{', '.join(joints)}: {subject} {said}.")
+    return Event(finding.effect, joints, begin, until, grown, std, f"{subject} {said}.")
 
 
 def _time(at: float, std: float | None) -> str:
