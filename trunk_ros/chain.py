@@ -63,8 +63,8 @@ class Chain:
         self.effects = model.bound(stage)
         self.order = Order.of(self.effects)
         self.duration = model.duration if hold_time else None
-        self._inner = [e for e in self.order.after if e.place < STOP]
-        self._outer = [e for e in self.effects if e.place >= STOP]
+        self._inner = [e for e in self.order.after if e.acts_at < STOP]
+        self._outer = [e for e in self.effects if e.acts_at >= STOP]
         self._rows = max(BLOCK // len(self.arm.joints), 1)
 
     def run(

@@ -35,7 +35,17 @@ class Parameter:
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""
 
+    def under(self, load: float) -> float:
+        """By how much the usual sizes differ on a joint that bears a ``load`` [N m]: what is told per moment is
+        less on a strong arm.
+        """
+        if load <= 0.0 or "N*m" not in self.unit:
+            return 1.0
+        return LOADED / load if self.unit.endswith("/(N*m)") else load / LOADED
 
+
+LOADED = 0.1
+"""N m: for joints that bear so much the usual sizes are told."""
 NEVER = 1e6
 """s: until then what does not end lasts."""
 FROM = Parameter("from", "s", (0.0, NEVER), "when it begins", typical=1.0, optional=True, moment=True)

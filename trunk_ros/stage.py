@@ -69,12 +69,12 @@ class Order:
         """Sort effects that are in physical order already."""
         return Order(
             [
-                *(e for e in effects if e.place < Effect.CORE),
+                *(e for e in effects if e.acts_at < Effect.CORE),
                 *(part for e in effects if (part := e.upstream()) is not None),
             ],
-            [e for e in effects if e.place == Effect.CORE],
-            [e.downstream() for e in effects if Effect.CORE < e.place < SENSOR],
-            [e for e in effects if e.place >= SENSOR],
+            [e for e in effects if e.acts_at == Effect.CORE],
+            [e.downstream() for e in effects if Effect.CORE < e.acts_at < SENSOR],
+            [e for e in effects if e.acts_at >= SENSOR],
         )
 
 
@@ -139,7 +139,7 @@ def run_servo(
         cogging=np.zeros((3, columns)),
     )
     for e in effects:
-        if e.place == Effect.CORE:
+        if e.acts_at == Effect.CORE:
             e.adjust(core, now)
     out, state = np.empty((n, columns)), start.copy()
     skip = len(stamps) - n

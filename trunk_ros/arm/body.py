@@ -128,16 +128,24 @@ class Body:
     def mass_matrix(self, theta: Array, payload: float = 0.0) -> Array:
         """M (n, joints, joints) kg m^2 of joint angles (n, joints)."""
         q = self._whole(theta) + self.offset
+        own = self._matrix(q, 0.0)
+        return own if payload == 0.0 else own + payload * (self._matrix(q, 1.0) - own)
+
+    def _matrix(self, q: Array, payload: float) -> Array:
+        """The same of a whole posture (n, all joints): what a payload adds grows with its mass."""
         key = payload, q.tobytes()  # a search asks for the same motion again and again
-        if key not in self._matrices:
-            pin, (model, data) = library(), self._with(payload, True)
-            out = np.empty((len(q), model.nv, model.nv))
-            for k in range(len(q)):
-                out[k] = pin.crba(model, data, q[k])
+        if key in self._matrices:
+            return self._matrices[key]
+        pin, (model, data) = library(), self._with(payload, True)
+        out = np.empty((len(q), model.nv, model.nv))
+        for k in range(len(q)):
+            out[k] = pin.crba(model, data, q[k])
+        matrix = np.asarray(self.spread.T @ out @ self.spread)
+        if len(q) > 1:
             if len(self._matrices) >= KEPT:
-                self._matrices.clear()
-            self._matrices[key] = np.asarray(self.spread.T @ out @ self.spread)
-        return self._matrices[key]
+                del self._matrices[next(iter(self._matrices))]
+            self._matrices[key] = matrix
+        return matrix
 
     def poses(self, theta: Array) -> Array:
         """Tip (n, 7) in the base link: x, y, z [m] and the quaternion x, y, z, w."""

@@ -161,7 +161,7 @@ class Context:
 
     def motion(self, column: int) -> Motion:
         """What a joint's motion is like."""
-        masses = self.arm.has_load and len(self.joints) > 1
+        masses = self.arm.has_load and self.arm.load_from == "weight"
         return Motion(column in self.wide, column in self.stage.one_way, masses)
 
     @property

@@ -140,6 +140,11 @@ class Hypothesis(dict[str, Term]):
             out = out.without(name, column)
         return out
 
+    @property
+    def shakes(self) -> bool:
+        """Whether joints move each other by their masses, so that all are computed together."""
+        return any(effect(name).shakes(term.form) for name, term in self.items())
+
     def model_effects(self, joints: int) -> dict[str, Values]:
         """The effects as a model holds them."""
         return {name: _model_values(self[name], joints) for name in registry() if name in self}
@@ -188,9 +193,14 @@ def bounds(free: list[Free]) -> tuple[Array, Array]:
     return low, high
 
 
-def scales(free: list[Free]) -> Array:
-    """The usual size of each free value; 1 for logarithms."""
-    return np.array([1.0 if f.parameter.scale == "log" else abs(f.parameter.typical) for f in free])
+def scales(free: list[Free], loads: Array) -> Array:
+    """The usual size of each free value on joints that bear ``loads`` (joints,) N m; 1 for logarithms."""
+    return np.array([1.0 if f.parameter.scale == "log" else _usual(f, loads) for f in free])
+
+
+def _usual(free: Free, loads: Array) -> float:
+    load = loads.max() if free.column is None else loads[free.column]
+    return abs(free.parameter.typical) * free.parameter.under(float(load))
 
 
 def _free(term: Term, columns: list[int]) -> Iterator[Free]:

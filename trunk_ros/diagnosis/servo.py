@@ -37,6 +37,6 @@ class ServoStage(Stage):
         start = np.array([[begin], [now.speed[0, 0] / now.ratio[0]], [begin]])
         out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start)
         for block in blocks:
-            if block.place > block.CORE:
+            if block.acts_at > block.CORE:
                 out, _ = block.run(out, now, None)
         return np.asarray(out[span.rows, 0])

@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.repeated_readings import coarseness
 from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
+from trunk_ros.effects.effect import borne
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
 
@@ -65,7 +66,8 @@ class Stage(ABC):
     def over(self, spans: Sequence[Span]) -> Stage:
         """The same stage and sensors over other spans of the same arm."""
         other = copy(self)
-        other.__dict__.pop("_bears", None)
+        for name in ("_bears", "loads"):
+            other.__dict__.pop(name, None)
         other._load(spans)
         return other
 
@@ -77,6 +79,13 @@ class Stage(ABC):
     def bears(self, column: int) -> bool:
         """Whether a joint feels any load: one about a vertical axis does not."""
         return self._bears[column]
+
+    @cached_property
+    def loads(self) -> Array:
+        """(joints,) N m that the joints bear."""
+        return np.max(
+            [[borne(view.load[:, c]) for c in range(len(self.joints))] for view in self.views], axis=0
+        )
 
     @cached_property
     def _bears(self) -> list[bool]:

@@ -22,6 +22,7 @@ from trunk_ros.stage import Order, State, through
 from trunk_ros.start import Driven, first_rows, history
 
 SAME = 1e-3  # of the motion: angles that are nearer change no load by more than fits tell
+SHAKEN = 1e-3  # of that: what shakes the links beyond goes by the angles' curvature
 STANDING = 40  # steps that a stand is looked at
 
 
@@ -69,14 +70,24 @@ class WireStage(Stage):
 
     def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
         columns = range(len(self.joints))
-        paths = [
-            np.column_stack([self._passed(context, index, hypothesis, c)[1][:, 0] for c in columns])
-            for index in range(len(context.views))
-        ]
+        if hypothesis.shakes:
+            chain = Chain(Model(context.arm, hypothesis.model_effects(len(self.joints))), "wire")
+            paths = [_together(chain, view.span) for view in context.views]
+        else:
+            paths = [
+                np.column_stack([self._passed(context, index, hypothesis, c)[1][:, 0] for c in columns])
+                for index in range(len(context.views))
+            ]
         pairs = list(zip(context.views, paths, strict=True))
-        if all(np.abs(view.angles - path).max() < SAME * np.ptp(path) for view, path in pairs):
+        same = SAME * (SHAKEN if hypothesis.shakes else 1.0)
+        if all(np.abs(view.angles - path).max() <= same * np.ptp(path) for view, path in pairs):
             return context.views
         return tuple(replace(view, angles=path) for view, path in pairs)
+
+
+def _together(chain: Chain, span: Span) -> Array:
+    """(m, joints) angles of joints that move each other."""
+    return chain.angles(span.gearbox, span.grid, span.velocity, span.resistance)
 
 
 def settled(state: Fit, seconds: float) -> Fit:

@@ -54,6 +54,11 @@ class Now:
     """With the payload that it carries; None where its links' masses are of no account."""
 
 
+def borne(load: Array) -> float:
+    """Size [N m] of what a joint bears (n,)."""
+    return float(np.sqrt(np.mean(load**2)))
+
+
 @dataclass(frozen=True)
 class Motion:
     """What a joint's motion is like, for what can be told from it."""
@@ -63,7 +68,7 @@ class Motion:
     one_way: bool = False
     """It never comes back."""
     masses: bool = True
-    """Those of several links are known."""
+    """Those of the links are known, and their inertia is in no load yet."""
 
 
 UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that never comes back shows nothing
@@ -196,6 +201,11 @@ class Effect(ABC):
         """Change the core's settings in place of acting on the signal."""
         return None
 
+    @property
+    def acts_at(self) -> int:
+        """Its place, in this form."""
+        return self.place
+
     def upstream(self) -> Effect | None:
         """The part of an effect behind the stage's core that lies before it, if any."""
         return None
@@ -203,6 +213,11 @@ class Effect(ABC):
     def downstream(self) -> Effect:
         """The part of an effect behind the stage's core that does lie behind it."""
         return self
+
+    @classmethod
+    def shakes(cls, form: str) -> bool:
+        """Whether joints that have it move each other by it, so that all are computed together."""
+        return False
 
     def check(self, joints: tuple[str, ...]) -> None:
         """Raise ModelError where the words do not fit the arm's joints."""
@@ -247,7 +262,8 @@ class Effect(ABC):
         """Start values of one parameter, in its unit; override where they depend on the recording. ``rest``
         (n,) rad: what is not explained yet.
         """
-        return parameter.scan or (parameter.typical,)
+        size = parameter.under(borne(now.load[:, column])) if "N*m" in parameter.unit else 1.0
+        return tuple(size * start for start in parameter.scan or (parameter.typical,))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

@@ -13,6 +13,7 @@ from trunk_ros.effects import effect
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
 ROUNDS = 12
+AGAIN = 3  # looks at links that shake each other: each leaves a tenth of the change before
 SURE = 2  # rounds after which gains only get smaller
 TRIES = 6  # dampings a round
 DAMPING = 1e-3
@@ -44,7 +45,7 @@ class Residuals:
     def __init__(self, context: Context, hypothesis: Hypothesis, columns: list[int]):
         self.context, self.hypothesis, self.columns = context, hypothesis, columns
         self.free = hypothesis.free(columns)
-        self.scale = scales(self.free)
+        self.scale = scales(self.free, context.stage.loads)
         self._at: tuple[bytes, list[Array]] | None = None
 
     def parts(self, x: Array) -> list[Array]:
@@ -116,6 +117,11 @@ def refit(context: Context, hypothesis: Hypothesis) -> Fit:
     done = _refit(context, hypothesis)
     if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
         done = _refit(context.seen_with(done.hypothesis), done.hypothesis)
+    for _ in range(AGAIN if hypothesis.shakes else 0):
+        seen = done.context.seen_with(done.hypothesis)
+        if seen is done.context:
+            break
+        done = _refit(seen, done.hypothesis)
     return done
 
 

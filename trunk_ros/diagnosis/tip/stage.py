@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import permutations
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -14,7 +15,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
 from trunk_ros.diagnosis.data.sensor_faults import FEW
 from trunk_ros.diagnosis.evidence.evidence import ROUGH, SCATTER
-from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT
+from trunk_ros.diagnosis.search.score import CURVE, FURTHER, NAME, RELEVANT, SIGNIFICANT
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
 from trunk_ros.diagnosis.tip.linear import Linear, Normal
 from trunk_ros.diagnosis.tip.slopes import Slopes
@@ -27,6 +28,7 @@ from trunk_ros.diagnosis.tip.values import (
     bound,
     candidates,
     credible,
+    owner,
     parameter_of,
     point_of,
     told_otherwise,
@@ -94,11 +96,13 @@ class ArmProblem:
         return max((SIGNIFICANT + FURTHER) * self.alike, RELEVANT * self.count)
 
     def price(self, keys: list[Key]) -> float:
-        """Of some values: what has no name is dearer; a frame that is off comes before a link that looks the
-        same.
+        """Of some values, as in the wires: a cause at its full price, further values of it at less. What has
+        no name is dearer; a frame that is off comes before a link that looks the same.
         """
-        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in keys)
-        return self.need * dear
+        causes = {(owner(key), key[1]) for key in keys}
+        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in causes)
+        names = len({name for name, _ in causes})
+        return self.need * dear + self.alike * (FURTHER * (len(keys) - len(causes)) + NAME * names)
 
     # Noise
 
@@ -267,8 +271,22 @@ class ArmProblem:
             if score >= best:
                 found, score = self._best([[*rest, k] for rest in fewer for k in others])
             if score >= best:
+                found, score = self._best(list(self._merged(keys)))
+            if score >= best:
                 return keys
             keys, best = found, score
+
+    def _merged(self, keys: list[Key]) -> Iterator[list[Key]]:
+        """One cause fewer: what another one that is there can do in its place, value by value."""
+        causes = list(dict.fromkeys(owner(k) for k in keys))
+        for gone, other in permutations(causes, 2):
+            found = [k for k in keys if owner(k) != gone]
+            free = [k for k in self.candidates if owner(k) == other and k not in self.told_otherwise]
+            while more := [[*found, k] for k in free if k not in found]:
+                found, score = self._best(more)
+                if score >= self.score(found[:-1]):
+                    break
+                yield found
 
     def _best(self, trials: list[list[Key]]) -> tuple[list[Key], float]:
         scores = [self.score(keys) for keys in trials]

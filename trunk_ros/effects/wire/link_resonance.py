@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Motion, Now
-from trunk_ros.effects.filters import lowpass, oscillator, rate
+from trunk_ros.effects.effect import Core, Effect, Motion, Now
+from trunk_ros.effects.filters import oscillator, rate
 from trunk_ros.effects.periods import periods
+from trunk_ros.effects.wire.held_link import HeldLink
 from trunk_ros.effects.wire.swing import free_swings, stops
-from trunk_ros.effects.wire.swinging_links import pushed_back, swing_link, swing_links
+from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
 LEAST_SWINGS, FASTEST = 4.0, 25.0  # in a recording; Hz: of a beam
@@ -27,7 +27,9 @@ class LinkResonance(Effect):
     beam: b = 0, and the sensor shows p + share (theta - p);
     links: b = 1, with the mass matrix M(q) of the chain: M_jj theta'' + sum M_jk theta_k'' in the place of
     M_jj theta'', so that the other joints' motion shakes the link too. ``frequency`` is that of the
-    straight arm.
+    straight arm;
+    held: b = 1, and the friction of the joint, the wire's dead band w, acts on the link itself: it adds
+    omega^2 w sign(theta'), and a link that comes to stand sticks.
     """
 
     id = "link_resonance"
@@ -36,7 +38,8 @@ class LinkResonance(Effect):
     signature = "After fast moves and stops the residual rings at a frequency of its own."
     source = (
         "Spong (1987), J. Dyn. Syst. 109(4): flexible joint, link inertia on the transmission's stiffness; "
-        "links: M(q) of the whole chain, as there in eq. (5)."
+        "links: M(q) of the whole chain, as there in eq. (5); held: Coulomb's friction at the link, "
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), sect. 5."
     )
     parameters = (
         Parameter(
@@ -69,7 +72,7 @@ class LinkResonance(Effect):
             scan=(0.9, 0.5, -0.5, -1.0),
         ),
     )
-    forms = ("absolute", "relative", "beam", "links")
+    forms = ("absolute", "relative", "beam", "links", "held")
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
@@ -85,9 +88,20 @@ class LinkResonance(Effect):
         forms = super().forms_shown(motion)
         return forms if motion.masses else tuple(form for form in forms if form != "links")
 
+    @classmethod
+    def shakes(cls, form: str) -> bool:
+        return form == "links"
+
+    @property
+    def acts_at(self) -> int:
+        return self.CORE if self.form == "held" else self.place
+
+    def adjust(self, core: Core, now: Now) -> None:
+        core.rounding = HeldLink(self._omega, self["damping"], now.dt)
+
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         if self.form == "links" and now.arm is not None and now.arm.has_load:
-            return self._shaken(x, now, now.arm, state)
+            return Links(now.arm, now.columns, self._omega, self["damping"]).run(x, now, state)
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
         oscillator(x, now.dt, self._omega, self["damping"], self.form in ("relative", "links"), state, out)
@@ -133,50 +147,13 @@ class LinkResonance(Effect):
         if self.form == "beam":
             return self._straightened(y, now, state)
         if self.form == "links" and now.arm is not None and now.arm.has_load:
-            return self._ahead(y, now, now.arm, state)
+            return Links(now.arm, now.columns, self._omega, self["damping"]).invert(y, now, state)
         first, second = (None, None) if state is None else state
         speed, first = rate(y, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
         omega = 2 * np.pi * self["frequency"]
         damped = 2 * self["damping"] / omega * speed if self.form == "absolute" else 0.0
         return y + damped + acceleration / omega**2, (first, second)
-
-    def _shaken(self, x: Array, now: Now, arm: Arm, state: Any) -> tuple[Array, Any]:
-        """Joint angles under what all joints' acceleration asks of the wires."""
-        swings = self._omega > 0.0
-        places, angles = np.array(now.columns)[swings], np.ascontiguousarray(now.angles)
-        if state is None:
-            state = np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]])
-        out, own, motion = x.copy(), state[0].copy(), state[1].copy()
-        before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
-        shown = np.empty_like(moved)
-        omega, zeta, straight = self._omega[swings], self["damping"][swings], _straight(arm)[places]
-        if len(places) == 1:
-            row = np.ascontiguousarray(arm.mass_matrix(angles)[:, places[0]])
-            one, alone = np.ascontiguousarray(moved[:, 0]), (straight[0], omega[0], zeta[0])
-            swing_link(one, now.dt, angles, places[0], row, *alone, before[:, 0], motion, shown[:, 0])
-        elif len(places):
-            mass = np.concatenate([arm.mass_matrix(motion[:1]), arm.mass_matrix(angles)])
-            swing_links(moved, now.dt, angles, places, mass, straight, omega, zeta, before, motion, shown)
-        own[:, swings], out[:, swings] = before, shown
-        return out, (own, motion)
-
-    def _ahead(self, y: Array, now: Now, arm: Arm, state: Any) -> tuple[Array, Any]:
-        """The wires' angle for joints at ``y``: ahead by what moves the masses, damped as the wires are."""
-        swings = self._omega > 0.0
-        places, angles = np.array(now.columns)[swings], np.array(now.angles)
-        angles[:, list(now.columns)] = y
-        first, second, lag = (None, None, np.zeros((2, len(places)))) if state is None else state
-        speed, first = rate(angles, now.dt, first)
-        acceleration, second = rate(speed, now.dt, second)
-        omega, lag = self._omega[swings], lag.copy()
-        stiffness = _straight(arm)[places] * omega**2
-        push = pushed_back(acceleration, places, arm.mass_matrix(angles), stiffness)
-        ahead = np.empty_like(push)
-        lowpass(push, now.dt, 2 * self["damping"][swings] / omega, lag, ahead)
-        out = y.copy()
-        out[:, swings] += ahead
-        return out, (first, second, lag)
 
     def _straightened(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         """p = (y - share swing(y))/(1 - share), a swing that is faster by the root of 1 - share."""
@@ -186,8 +163,3 @@ class LinkResonance(Effect):
         oscillator(y, now.dt, self._omega / np.sqrt(rest), self["damping"] * np.sqrt(rest), False, state, out)
         rigid = self._omega == 0.0
         return np.where(rigid, y, (y - self["share"] * out) / rest), state
-
-
-def _straight(arm: Arm) -> Array:
-    """(joints,) kg m^2: what each joint turns of the arm with all joints at 0."""
-    return np.asarray(arm.mass_matrix(np.zeros((1, len(arm.joints))))[0].diagonal())

@@ -2,10 +2,15 @@
 
 from typing import Any
 
+import numpy as np
+
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
+from trunk_ros.effects.wire.swinging_links import Links, inertia
 from trunk_ros.parameter import Parameter
+
+STIFFEST = 1e-9  # rad/(N m): nothing swings on less
 
 COMPLIANCE = Parameter(
     "compliance", "rad/(N*m)", (0.0, 20.0), "deflection per moment", typical=0.03, stated="compliance"
@@ -15,8 +20,16 @@ PAYLOAD = Parameter(
 )
 
 
+DAMPING = Parameter(
+    "damping", "1", (0.002, 0.95), "damping ratio of the straight arm", typical=0.1, null=0.1, scale="log",
+    scan=(0.05, 0.3),
+)  # fmt: skip
+
+
 class LoadElasticity(OnBothSides):
-    """theta += compliance tau."""
+    """weight: theta += compliance tau; links: the masses beyond the joint swing on the same spring,
+    compliance (M(q) theta'' + d (theta' - p')) + theta - p = compliance tau.
+    """
 
     id = "load_elasticity"
     stage, place, regime = "wire", 200, "posture"
@@ -24,9 +37,11 @@ class LoadElasticity(OnBothSides):
     signature = "The joint sags under weight: the residual follows the reach of all that hangs on the joint."
     source = (
         "Hooke: compliance = l_i/(E A_s R_c^2); Ciofu & Stan, sect. 4: "
-        "deformation from the resistance moment."
+        "deformation from the resistance moment. links: Spong (1987), J. Dyn. Syst. 109(4), eq. (5)."
     )
-    parameters = (COMPLIANCE, PAYLOAD, UPSTREAM)
+    parameters = (COMPLIANCE, PAYLOAD, UPSTREAM, DAMPING)
+    forms = ("weight", "links")
+    refined = ("links",)
     needs = ("load",)
     everywhere = True
     confused_with = (
@@ -34,8 +49,32 @@ class LoadElasticity(OnBothSides):
         ("joint_coupling", "reach the same moment with different joints"),
     )
 
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        return cls.forms if motion.masses else cls.forms[:1]
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        return (COMPLIANCE, PAYLOAD, DAMPING) if form == "links" else (COMPLIANCE, PAYLOAD, UPSTREAM)
+
+    @classmethod
+    def shakes(cls, form: str) -> bool:
+        return form == "links"
+
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return x + self["compliance"] * now.load, None
+        sagged = x + self["compliance"] * now.load
+        links = self._links(now)
+        return (sagged, None) if links is None else links.run(sagged, now, state)
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y - self["compliance"] * now.load, None
+        links = self._links(now)
+        still, state = (y, None) if links is None else links.invert(y, now, state)
+        return still - self["compliance"] * now.load, state
+
+    def _links(self, now: Now) -> Links | None:
+        """Those that swing; None where the form or the arm knows of no masses."""
+        if self.form != "links" or now.arm is None or not now.arm.has_load:
+            return None
+        soft = np.maximum(self["compliance"], STIFFEST) * inertia(now.arm)[list(now.columns)]
+        omega = np.where(self["compliance"] > STIFFEST, 1.0 / np.sqrt(soft), 0.0)
+        return Links(now.arm, now.columns, omega, self["damping"])

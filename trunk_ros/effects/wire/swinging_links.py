@@ -2,14 +2,75 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.filters import swing_step
+from trunk_ros.effects.effect import Now
+from trunk_ros.effects.filters import lowpass, rate, swing_step
 
 TURN = 0.1  # rad that the fastest joint's swing may go on in a step of the integration
 MOST = 64  # steps of one posture
 STANDS = 0.02  # s for which a posture lasts
+
+
+@dataclass(frozen=True)
+class Links:
+    """Joints in some ``columns`` of an arm behind wires of their own stiffness."""
+
+    arm: Arm
+    columns: tuple[int, ...]
+    omega: Array
+    """(columns,) rad/s of the straight arm; 0 where a joint is rigid."""
+    damping: Array
+    """(columns,) damping ratio there."""
+
+    @property
+    def _places(self) -> np.ndarray:
+        return np.array(self.columns)[self.omega > 0.0]
+
+    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        """Joint angles behind wires at ``x`` (n, columns), under what all joints' acceleration asks of them."""
+        swings, places, angles = self.omega > 0.0, self._places, np.ascontiguousarray(now.angles)
+        if state is None:
+            state = np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]])
+        out, own, motion = x.copy(), state[0].copy(), state[1].copy()
+        before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
+        shown = np.empty_like(moved)
+        omega, zeta, straight = self.omega[swings], self.damping[swings], inertia(self.arm)[places]
+        if len(places) == 1:
+            row = np.ascontiguousarray(self.arm.mass_matrix(angles)[:, places[0]])
+            one, alone = np.ascontiguousarray(moved[:, 0]), (straight[0], omega[0], zeta[0])
+            swing_link(one, now.dt, angles, places[0], row, *alone, before[:, 0], motion, shown[:, 0])
+        elif len(places):
+            mass = np.concatenate([self.arm.mass_matrix(motion[:1]), self.arm.mass_matrix(angles)])
+            swing_links(moved, now.dt, angles, places, mass, straight, omega, zeta, before, motion, shown)
+        own[:, swings], out[:, swings] = before, shown
+        return out, (own, motion)
+
+    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        """The wires' angle for joints at ``y``: ahead by what moves the masses, damped as the wires are."""
+        swings, places, angles = self.omega > 0.0, self._places, np.array(now.angles)
+        angles[:, list(self.columns)] = y
+        first, second, lag = (None, None, np.zeros((2, len(places)))) if state is None else state
+        speed, first = rate(angles, now.dt, first)
+        acceleration, second = rate(speed, now.dt, second)
+        omega, lag = self.omega[swings], lag.copy()
+        stiffness = inertia(self.arm)[places] * omega**2
+        push = pushed_back(acceleration, places, self.arm.mass_matrix(angles), stiffness)
+        ahead = np.empty_like(push)
+        lowpass(push, now.dt, 2 * self.damping[swings] / omega, lag, ahead)
+        out = y.copy()
+        out[:, swings] += ahead
+        return out, (first, second, lag)
+
+
+def inertia(arm: Arm) -> Array:
+    """(joints,) kg m^2: what each joint turns of the arm with all joints at 0."""
+    return np.asarray(arm.mass_matrix(np.zeros((1, len(arm.joints))))[0].diagonal())
 
 
 @compiled

@@ -12,7 +12,7 @@ from trunk_ros.parameter import Parameter
 
 KNEE = 0.03  # of the threshold: within that a sharp one goes slack, for the dead band
 SOFT = Parameter(
-    "softness", "N*m", (1e-4, 1.0), "moment within which it goes slack", typical=5e-3, null=5e-3, scale="log",
+    "softness", "N*m", (1e-4, 1e3), "moment within which it goes slack", typical=5e-3, null=5e-3, scale="log",
     scan=(2e-3, 8e-3),
 )  # fmt: skip
 

@@ -63,7 +63,7 @@ def layout_of(effect: Effect, arm: Arm) -> str:
     """How an effect takes many environments: found by trying it on one."""
     x = np.full((1, len(arm.joints)), 0.1)
     view = View(Scene(arm, 1.0, 0.01, x, x, x), "single")
-    if effect.place != Effect.CORE:
+    if effect.acts_at != Effect.CORE:
         _, memory = effect.run(x, view, None)
         if memory is None:
             return "rows"

@@ -23,11 +23,11 @@ class Servo:
 
     def __init__(self, model: Model, environments: int):
         arm, effects = model.arm, model.bound("servo")
-        self.blocks = [Block(e, arm, environments) for e in effects if e.place == Effect.CORE]
-        self.behind = [Block(e, arm, environments) for e in effects if e.place > Effect.CORE]
+        self.blocks = [Block(e, arm, environments) for e in effects if e.acts_at == Effect.CORE]
+        self.behind = [Block(e, arm, environments) for e in effects if e.acts_at > Effect.CORE]
         scene = Scene(arm, model.duration, 0.0, *(np.zeros((1, len(arm.joints))),) * 3)
         core = core_of(scene.gearbox)
-        for block in [Block(e, arm, 1) for e in effects if e.place == Effect.CORE]:
+        for block in [Block(e, arm, 1) for e in effects if e.acts_at == Effect.CORE]:
             block.adjust(core, scene)
         columns = environments * len(arm.joints)
 
