@@ -13,7 +13,8 @@ from test.effects.example import COMPENSABLE, arm_of, everything, in_plane, mode
 from trunk_ros.chain import Chain, State, tip_pass, wire_pass
 from trunk_ros.compiled import Array
 from trunk_ros.effects import registry
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Now
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model
 

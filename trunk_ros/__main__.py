@@ -15,7 +15,7 @@ from pathlib import Path
 
 from trunk_ros import __version__
 from trunk_ros.commands.arguments import did_you_mean
-from trunk_ros.commands.completion import PARSERS, complete, parser_of
+from trunk_ros.commands.completion import complete, quick_help
 from trunk_ros.commands.console import Level, ask_for
 from trunk_ros.errors import TrunkError, one_line
 from trunk_ros.nodes.stop import Stop
@@ -83,8 +83,8 @@ def usage() -> str:
 
 
 def _run(name: str, arguments: list[str]) -> int:
-    if name in PARSERS and {"-h", "--help"} & set(arguments) and (parser := parser_of(name, "")):
-        parser().print_help()
+    if {"-h", "--help"} & set(arguments) and (text := quick_help(name)):
+        print(text)
         return 0
     if COMMANDS[name][0].startswith("trunk_ros.nodes."):
         Stop()  # importing takes seconds on a busy machine

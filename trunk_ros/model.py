@@ -17,12 +17,12 @@ from trunk_ros.arm import Arm
 from trunk_ros.arm.description import Description
 from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in, per_joint
 from trunk_ros.arm.parameters import ANY_JOINTS, RENAMED, check_names, checked, declared_arm
-from trunk_ros.arm.parameters import Declaration as Declaration
 from trunk_ros.compiled import Array
 from trunk_ros.effect_values import Values, at_end, bind, check_rivals, effect_values, payload_in, spread_over
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.errors import ModelError
+from trunk_ros.parameter import Declaration
 from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
 from trunk_ros.predictor import Predictor
 

@@ -1,7 +1,7 @@
 """A parameter is declared once: nodes, fits, model files and docs all read this declaration."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,42 @@ class Parameter:
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""
 
     def under(self, load: float) -> float:
-        """By how much the usual sizes differ on a joint that bears a ``load`` [N m]: what is told per moment is
-        less on a strong arm.
+        """By how much the usual sizes differ on a joint that bears a ``load`` [N m]: per moment they are less
+        on a strong arm.
         """
         if load <= 0.0 or "N*m" not in self.unit:
             return 1.0
         return LOADED / load if self.unit.endswith("/(N*m)") else load / LOADED
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """One ROS parameter: the type is that of ``default``; a one-element list stands for one value per
+    joint.
+    """
+
+    name: str
+    default: Any
+    unit: str
+    bounds: tuple[float, float] | None
+    meaning: str
+    fixed: bool = False
+    """A node takes it at its start only."""
+    free: bool = False
+    """One number or a list: no ROS type is fixed."""
+
+    @property
+    def description(self) -> str:
+        """Meaning and unit."""
+        return self.meaning + (f" [{self.unit}]" if self.unit else "")
+
+    @property
+    def range(self) -> str:
+        """Bounds and unit; "" without bounds."""
+        if self.bounds is None:
+            return ""
+        low, high = self.bounds
+        return f"{low:g} to {high:g} {self.unit}".strip()
 
 
 LOADED = 0.1

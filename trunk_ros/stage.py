@@ -13,7 +13,8 @@ from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
 from trunk_ros.effects import lasting
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.servo.loop import servo_loop
 from trunk_ros.effects.wire.play import SharpPlay
 

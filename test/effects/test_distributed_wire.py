@@ -12,7 +12,8 @@ from test.concealed.wire_fe import Pair, joint_angle, pair_of
 from trunk_ros.arm import Arm, Wire
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.distributed_wire import DistributedWire, pieces_of
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model

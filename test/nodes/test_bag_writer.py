@@ -12,7 +12,8 @@ from trunk_ros.errors import ArgumentError
 from trunk_ros.nodes.bags import writer as bag_writer
 from trunk_ros.nodes.bags.writer import BagWriter, Channel, Entry, Options
 from trunk_ros.recording.bag.metadata import read_metadata
-from trunk_ros.recording.mcap.write import COMPRESSION, ChunkWriter
+from trunk_ros.recording.mcap import COMPRESSION
+from trunk_ros.recording.mcap.write import ChunkWriter
 from trunk_ros.recording.messages.message_types import RELIABLE, definition
 
 STRING = "std_msgs/msg/String"

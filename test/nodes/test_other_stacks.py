@@ -42,7 +42,7 @@ def test_the_planning_group_its_poses_and_pairs_are_of_the_description():
 
 
 def test_moveits_limits_are_within_what_the_compensator_takes():
-    from trunk_ros.nodes.control.parameters import MOTION
+    from trunk_ros.nodes.parameters import MOTION
 
     most = {each.name: each.default for each in MOTION}["max_acceleration"]
     limits = read(MOVEIT / "joint_limits.yaml")["joint_limits"]

@@ -11,6 +11,7 @@ import yaml
 
 from test.nodes.graph import JOINTS, environment, needs_ros, running
 from trunk_ros.model import Model, declared_parameters, load_model, save_model
+from trunk_ros.nodes.parameters import COMMON, PARAMETERS
 
 pytestmark = needs_ros
 NODES = ("servo_driver", "wire_elasticity", "compensator", "recorder")
@@ -85,8 +86,8 @@ def test_a_dump_is_a_tree_and_can_be_loaded_into_the_running_node(made, name):
 
 
 def test_no_parameter_is_the_group_of_another():
-    every = {d.name for d in declared_parameters()} | {d.name for name in NODES for d in kind(name).OWN}
-    every |= {"model", "rate", "autostart", "supervised", "use_sim_time"}
+    every = {d.name for own in (declared_parameters(), COMMON, *PARAMETERS.values()) for d in own}
+    every |= {"use_sim_time"}
     groups = {name.rsplit(".", count)[0] for name in every for count in range(1, name.count(".") + 1)}
     assert every & groups == set()
 
@@ -141,6 +142,13 @@ def test_what_makes_no_sense_is_refused_with_the_reason(made, name, parameter, v
     before = dumped(node)
     assert words in asked(node, parameter, value)
     assert dumped(node) == before
+
+
+def test_a_node_without_a_model_refuses_one_and_goes_on(made):
+    node = made("recorder", output="bag")
+    for name, value in (("model", "direct"), ("effects.backlash.half_width", [0.001])):
+        assert "unknown parameter" in asked(node, name, value)
+    assert asked(node, "rate", node.value("rate")) == ""
 
 
 def test_numbers_that_ros2_param_takes_for_words_are_numbers(made):

@@ -6,6 +6,9 @@ import sys
 import pytest
 
 from test.nodes.graph import ROOT, needs_ros, trunk
+from trunk_ros.__main__ import main
+from trunk_ros.nodes.parameters import PARAMETERS
+from trunk_ros.nodes.usage import usage
 
 NODES = ("servo_driver", "wire_elasticity", "compensator", "recorder")
 
@@ -37,6 +40,23 @@ def test_help_says_what_it_does_and_takes(name):
     if name in NODES:
         assert "rate" in done.stdout
         assert "1 to 2000 Hz" in done.stdout
+
+
+@needs_ros
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_help_lists_what_the_node_has_and_is_the_same_once_ros_is_there(name, peer, capsys):
+    from trunk_ros.nodes.compose import kind_of
+    from trunk_ros.nodes.graph.parameters import FOREIGN
+    from trunk_ros.nodes.graph.process import run_node
+
+    node = kind_of(name)(context=peer.context)
+    own = node.settings.own - {*FOREIGN}
+    assert usage(name).count("; default ") == len(own)
+    assert [each for each in own if f"\n  {each}" not in usage(name) or not node.has_parameter(each)] == []
+    assert node.needs_model == ("parameter of a model" in usage(name)) == hasattr(node, "model")
+    assert run_node(type(node), ["--help"]) == main([name, "--help"]) == 0
+    assert capsys.readouterr().out == 2 * f"{usage(name)}\n"
+    node.destroy_node()
 
 
 @needs_ros

@@ -5,8 +5,9 @@ import os
 import pytest
 from mcap.reader import make_reader
 
+from trunk_ros.recording.mcap import COMPRESSION
 from trunk_ros.recording.mcap.repair import is_whole
-from trunk_ros.recording.mcap.write import COMPRESSION, ChunkWriter
+from trunk_ros.recording.mcap.write import ChunkWriter
 
 
 def writer_of(path, chunks=3, compression="zstd"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,26 +11,10 @@ import numpy as np
 from trunk_ros.arm.arm import GRAVITY, LOADS
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
+from trunk_ros.parameter import Declaration
 
 ANY_JOINTS = "*"
 ANY_ANGLE = 1e3  # rad: no limit
-
-
-@dataclass(frozen=True)
-class Declaration:
-    """One ROS parameter: the type is that of ``default``; a one-element list stands for one value per
-    joint.
-    """
-
-    name: str
-    default: Any
-    unit: str
-    bounds: tuple[float, float] | None
-    meaning: str
-    fixed: bool = False
-    """A node takes it at its start only."""
-    free: bool = False
-    """One number or a list: no ROS type is fixed."""
 
 
 RENAMED = {"model.duration": "recording.duration"}

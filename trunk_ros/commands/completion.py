@@ -1,4 +1,6 @@
-"""Completion in a shell: ``eval "$(register-python-argcomplete trunk_ros)"``."""
+"""What a shell is told at once, whatever a command imports when it runs: its help, and completion by
+``eval "$(register-python-argcomplete trunk_ros)"``.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +8,9 @@ import argparse
 import importlib
 import os
 from collections.abc import Callable, Mapping
+
+from trunk_ros.nodes.parameters import PARAMETERS
+from trunk_ros.nodes.usage import usage
 
 PARSERS = {"bringup": "trunk_ros.nodes.run.arguments", "replay": "trunk_ros.nodes.bags.replay_arguments"}
 
@@ -21,7 +26,16 @@ def complete(commands: Mapping[str, tuple[str, str]]) -> None:
 
 def parser_of(name: str, module: str) -> Callable[[], argparse.ArgumentParser] | None:
     """What makes a command's parser, imported without the command where that takes long; None: has none."""
+    if name in PARAMETERS:  # ROS reads a node's arguments
+        return None
     return getattr(importlib.import_module(PARSERS.get(name, module)), "parser", None)
+
+
+def quick_help(name: str) -> str:
+    """The help of a command that takes long to import; "" of the others, which give it themselves."""
+    if name in PARSERS and (parser := parser_of(name, "")):
+        return parser().format_help().rstrip()
+    return usage(name) if name in PARAMETERS else ""
 
 
 def whole_parser(commands: Mapping[str, tuple[str, str]], words: list[str]) -> argparse.ArgumentParser:

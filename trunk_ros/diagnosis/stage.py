@@ -83,9 +83,8 @@ class Stage(ABC):
     @cached_property
     def loads(self) -> Array:
         """(joints,) N m that the joints bear."""
-        return np.max(
-            [[borne(view.load[:, c]) for c in range(len(self.joints))] for view in self.views], axis=0
-        )
+        seen = [[borne(view.load[:, c]) for c in range(len(self.joints))] for view in self.views]
+        return np.asarray(np.max(seen, axis=0))
 
     @cached_property
     def _bears(self) -> list[bool]:

@@ -15,7 +15,8 @@ from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.stage import Order, State, through

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import NEVER
 
 RISE = 0.02  # s, so that a fit can move a moment

@@ -12,9 +12,9 @@ from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, State
 from trunk_ros.errors import ArgumentError
 from trunk_ros.model import Model
+from trunk_ros.nodes.parameters import SIMULATED
 from trunk_ros.trajectory import Array
 
-SIMULATED = "simulated"
 WAITING = 1000  # setpoints of the future that are kept
 SLOW = 1e-3  # rad/s below which friction takes no side
 

@@ -11,7 +11,7 @@ from trunk_ros.nodes.control.begin import Graph
 from trunk_ros.nodes.control.controller import Controller
 from trunk_ros.nodes.control.controller_state import ControllerState
 from trunk_ros.nodes.control.foreign import ForeignReference
-from trunk_ros.nodes.control.parameters import OWN, settings_of
+from trunk_ros.nodes.control.parameters import settings_of
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.health import OK
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
@@ -20,13 +20,14 @@ from trunk_ros.nodes.graph.model_swap import check_description
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import FollowJointTrajectory, JointState, JointTrajectory, String
 from trunk_ros.nodes.graph.trajectory_reader import read_order
+from trunk_ros.nodes.parameters import PARAMETERS
 
 
 class Compensator(TrunkNode):
     """Holds the arm where it finds it, follows trajectories; a foreign ``trunk/reference`` has precedence."""
 
     NAME = "compensator"
-    OWN = OWN
+    OWN = PARAMETERS[NAME]
     controller: Controller | None = None
     action: FollowAction | None = None
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from trunk_ros.commands.arguments import did_you_mean
 from trunk_ros.errors import ArgumentError
-from trunk_ros.nodes.graph.base import TrunkNode
-from trunk_ros.nodes.graph.process import run_nodes
+from trunk_ros.nodes.parameters import PARAMETERS
 
-NODES = ("servo_driver", "wire_elasticity", "compensator", "recorder", "reality", "tip_error", "watch")
+if TYPE_CHECKING:
+    from trunk_ros.nodes.graph.base import TrunkNode
+
+NODES = tuple(PARAMETERS)
 USAGE = f"""{__doc__}
 
 usage: compose NODE NODE ... [--ros-args [--params-file FILE] [-p [NODE:]NAME:=VALUE] [-r __ns:=/SPACE] ...]
@@ -41,6 +44,8 @@ def main(argv: list[str]) -> int:
         raise ArgumentError(f"compose: name the nodes: {', '.join(NODES)}")
     if len(set(names)) < len(names):
         raise ArgumentError("compose: each node once: a second one would have the same name")
+    from trunk_ros.nodes.graph.process import run_nodes
+
     names.sort(key=lambda name: name == "recorder")  # which ends last, with all that the others said
     own, common = split(names, argv[end:])
     return run_nodes([partial(kind_of(name), cli_args=own[name]) for name in names], common)

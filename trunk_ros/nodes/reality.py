@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.export.reality import RealityLayer
-from trunk_ros.model import Declaration, Model, load_model
+from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.bus import gearbox_limits
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND
@@ -15,6 +15,7 @@ from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
 from trunk_ros.nodes.graph.messages import nanoseconds
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import JointState
+from trunk_ros.nodes.parameters import PARAMETERS
 from trunk_ros.trajectory import Array
 
 FIRST = 0.01  # s that pass with the first of the simulator's states
@@ -29,11 +30,7 @@ class Reality(TrunkNode):
     NAME = "reality"
     idle = True
     layer: RealityLayer | None = None
-    OWN = (
-        Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which either side is called stale"),
-        Declaration("simulation", "", "", None, "model of what the simulator does itself; empty: its ratios"),
-        Declaration("lag", 0.0, "s", (0.0, 10.0), "by which the simulator's joints follow a steady command"),
-    )
+    OWN = PARAMETERS[NAME]
 
     def configure(self) -> None:
         """Create the layer and the streams. Raises TrunkError where the model cannot be added."""

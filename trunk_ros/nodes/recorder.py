@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from trunk_ros.errors import TrunkError
-from trunk_ros.nodes.bags.recorder_parameters import MIB, PARAMETERS, bag_options
+from trunk_ros.nodes.bags.recorder_parameters import MIB, bag_options
 from trunk_ros.nodes.bags.run_notes import WallClock, manifest
 from trunk_ros.nodes.bags.writer import BagWriter, Channel, Entry
 from trunk_ros.nodes.graph.base import TrunkNode
@@ -19,6 +19,7 @@ from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.qos import hearing_all, latches, stricter, unique
 from trunk_ros.nodes.graph.ros import LifecycleState, TransitionCallbackReturn
 from trunk_ros.nodes.graph.topic_subscription import Ear, by_hand, subscribe
+from trunk_ros.nodes.parameters import PARAMETERS
 
 LOOK = 0.1  # s between two looks at the graph
 TURNS = 20  # looks after which a topic's publishers are asked for their QoS again
@@ -33,12 +34,11 @@ class Recorder(TrunkNode):
     """Takes messages from the middleware itself, not through the executor: faster, and with their numbers."""
 
     NAME = "recorder"
-    needs_model = False
     idle = True
     recording = False
     ending = 0  # ns at which it was asked to end
     writer: BagWriter | None = None
-    OWN = PARAMETERS
+    OWN = PARAMETERS[NAME]
 
     @property
     def subscriptions(self) -> Iterator[Any]:

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from typing import Any
 
 from trunk_ros.errors import ArgumentError, TrunkError
-from trunk_ros.model import Declaration
 from trunk_ros.nodes.bags.replay_arguments import parser
 from trunk_ros.nodes.bags.source import BagSource, Topic
 from trunk_ros.nodes.bags.through import through
@@ -44,8 +43,6 @@ class Replay(TrunkNode):
     """Publishes what a bag holds; ``~/pause`` (SetBool) and ``~/step`` (Trigger) while it plays."""
 
     NAME = "replay"
-    needs_model = False
-    OWN: tuple[Declaration, ...] = ()
 
     def prepare(self, given: argparse.Namespace, topics: list[Topic]) -> None:
         """Create publishers and services. Raises TrunkError where no topic is left."""

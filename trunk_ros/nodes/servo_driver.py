@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from trunk_ros.model import Declaration
 from trunk_ros.nodes.arm.servo import Servo
-from trunk_ros.nodes.bus import SIMULATED, bus_of
+from trunk_ros.nodes.bus import bus_of
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import JointState
-
-TIMEOUT = "silence after which the setpoints are called stale; the arm holds"
+from trunk_ros.nodes.parameters import PARAMETERS
 
 
 class ServoDriver(TrunkNode):
@@ -19,12 +17,7 @@ class ServoDriver(TrunkNode):
 
     NAME = "servo_driver"
     fixed_model = True
-    OWN = (
-        Declaration("timeout", 0.5, "s", (0.01, 60.0), TIMEOUT),
-        Declaration(
-            "bus", SIMULATED, "", None, "the motors: simulated, or MODULE:CLASS of another bus", True
-        ),
-    )
+    OWN = PARAMETERS[NAME]
     servo: Servo | None = None
 
     def configure(self) -> None:

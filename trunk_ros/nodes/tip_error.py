@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.model import Declaration
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.messages import nanoseconds
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import PointCloud2, PointField, PoseStamped
+from trunk_ros.nodes.parameters import PARAMETERS
 from trunk_ros.trajectory import Array
 
 KEPT = 500  # poses
@@ -57,9 +57,8 @@ class TipError(TrunkNode):
     """A point for each pose of the tip; ``intensity``: the distance [m]. RViz keeps them for a while."""
 
     NAME = "tip_error"
-    needs_model = False
     idle = True
-    OWN = (Declaration("predicted", "fitted/trunk/tip_pose", "", None, "topic of the model's tip", True),)
+    OWN = PARAMETERS[NAME]
 
     def configure(self) -> None:
         """Listen to both tips."""

@@ -14,7 +14,7 @@ import numpy as np
 from trunk_ros.errors import TrunkError
 from trunk_ros.fleet.watch.monitor import LOOK, Change, Monitor
 from trunk_ros.fleet.watch.second_look import SecondLook
-from trunk_ros.model import Declaration, Model, save_model
+from trunk_ros.model import Model, save_model
 from trunk_ros.nodes.bags.last_minutes import LastMinutes
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND
@@ -24,6 +24,7 @@ from trunk_ros.nodes.graph.joints import JointMatcher
 from trunk_ros.nodes.graph.messages import nanoseconds, time_message
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import DiagnosticArray, DiagnosticStatus, JointState, KeyValue, PoseStamped
+from trunk_ros.nodes.parameters import PARAMETERS
 
 STATES = ("trunk/setpoints", "trunk/gearbox_states", "joint_states")
 KEPT = ("trunk/reference",)  # for the bag alone
@@ -46,13 +47,7 @@ class Watch(TrunkNode):
 
     NAME = "watch"
     idle = True
-    OWN = (
-        Declaration("false_alarms", 0.1, "1/week", (1e-6, 1e3), "false alarms a week of motion, at most"),
-        Declaration("before", 120.0, "s", (1.0, 3600.0), "what the bag of a change holds from before it"),
-        Declaration("after", 60.0, "s", (1.0, 3600.0), "what it holds from after it"),
-        Declaration("output", "changes", "", None, "folder for bags and diagnoses; empty: none are made"),
-        Declaration("timeout", 2.0, "s", (0.01, 60.0), "silence after which a topic is called stale"),
-    )
+    OWN = PARAMETERS[NAME]
 
     def configure(self) -> None:
         """Create the monitor and the streams."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from trunk_ros.arm.urdf import urdf
-from trunk_ros.model import Declaration, Model
+from trunk_ros.model import Model
 from trunk_ros.nodes.arm.wire import Wire
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.frames import FrameStream
@@ -13,8 +13,7 @@ from trunk_ros.nodes.graph.messages import fill_pose, nanoseconds
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.qos import LATCHED
 from trunk_ros.nodes.graph.ros import PoseStamped, String
-
-DESCRIBE = "publish robot_description; false where robot_state_publisher does"
+from trunk_ros.nodes.parameters import PARAMETERS
 
 
 class WireElasticity(TrunkNode):
@@ -22,17 +21,7 @@ class WireElasticity(TrunkNode):
 
     NAME = "wire_elasticity"
     idle = True
-    OWN = (
-        Declaration("timeout", 0.5, "s", (0.01, 60.0), "silence after which gearbox_states are called stale"),
-        Declaration("base_frame", "", "", None, "frame of tip_pose; by default the arm's base link"),
-        Declaration(
-            "tf", False, "", None, "publish /tf, where tf2_msgs is installed and nobody else does", True
-        ),
-        Declaration(
-            "frame_prefix", "", "", None, "put in front of base_frame, as robot_state_publisher does"
-        ),
-        Declaration("publish_description", True, "", None, DESCRIBE, True),
-    )
+    OWN = PARAMETERS[NAME]
     wire: Wire | None = None
 
     def configure(self) -> None:

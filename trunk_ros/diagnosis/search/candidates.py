@@ -56,6 +56,12 @@ def usable(context: Context) -> list[type[Effect]]:
     ]
 
 
+def plain_forms(kind: type[Effect], context: Context) -> list[str]:
+    """The forms that all joints may show, but for those that are looked at once another has been found."""
+    shown = [kind.forms_shown(context.motion(c)) for c in context.columns]
+    return [f for f in kind.forms if f not in kind.refined and all(f in each for each in shown)]
+
+
 def local_kinds(context: Context) -> list[type[Effect]]:
     """Effects that a single joint may have."""
     return [k for k in usable(context) if not k.everywhere]

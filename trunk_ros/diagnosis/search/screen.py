@@ -12,7 +12,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, taken
+from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.fit import Residuals
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
@@ -139,7 +139,7 @@ class Screen:
         ``only``: in one form; ``also``: start values of what is optional.
         """
         found: dict[bool, Candidate] = {}
-        for form in self._everywhere_forms(kind) if only is None else (only,):
+        for form in plain_forms(kind, self.context) if only is None else (only,):
             for trial, each in self._on_all(kind, form, also or {}):
                 for free in self._freedoms(kind, form):
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)
@@ -148,11 +148,6 @@ class Screen:
         alike = any(p.shared for p in kind.moments()[:1])
         some = [self.lasting(c, self.context.columns) for c in found.values() if alike]
         return [*found.values(), *(c for c in some if c is not None)]
-
-    def _everywhere_forms(self, kind: type[Effect]) -> list[str]:
-        """Those that all joints may show, but for what is looked at once another one has been found."""
-        shown = [kind.forms_shown(self.context.motion(c)) for c in self.context.columns]
-        return [f for f in kind.forms if f not in kind.refined and all(f in each for each in shown)]
 
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
         """Whether a joint's size may be its own: where it is stated, both ways are tried."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from trunk_ros.arm.body import Body
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core
+from trunk_ros.effects.core import Core
 
 
 class Slopes:

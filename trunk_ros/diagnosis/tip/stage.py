@@ -34,7 +34,8 @@ from trunk_ros.diagnosis.tip.values import (
     told_otherwise,
 )
 from trunk_ros.effect_values import Values
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Now
 from trunk_ros.stage import core_of
 
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
@@ -260,21 +261,19 @@ class ArmProblem:
         return self._scores[frozenset(keys)]
 
     def _chosen(self) -> list[Key]:
-        """Add, leave out or put one in the place of another, while it pays."""
+        """Add, leave out, put one in the place of another, or do with one cause fewer, while it pays."""
         keys: list[Key] = []
-        best = self.score(keys)
-        while True:
-            others = [k for k in self.candidates if k not in keys and k not in self.told_otherwise]
-            fewer = [[x for x in keys if x != k] for k in keys]
-            changes = [[*keys, k] for k in others] + fewer
-            found, score = self._best(changes)
-            if score >= best:
-                found, score = self._best([[*rest, k] for rest in fewer for k in others])
-            if score >= best:
-                found, score = self._best(list(self._merged(keys)))
-            if score >= best:
-                return keys
-            keys, best = found, score
+        while better := next((k for k in self._steps(keys) if self.score(k) < self.score(keys)), None):
+            keys = better
+        return keys
+
+    def _steps(self, keys: list[Key]) -> Iterator[list[Key]]:
+        """The best of each kind of change."""
+        others = [k for k in self.candidates if k not in keys and k not in self.told_otherwise]
+        fewer = [[x for x in keys if x != k] for k in keys]
+        yield self._best([[*keys, k] for k in others] + fewer)
+        yield self._best([[*rest, k] for rest in fewer for k in others])
+        yield self._best(list(self._merged(keys)))
 
     def _merged(self, keys: list[Key]) -> Iterator[list[Key]]:
         """One cause fewer: what another one that is there can do in its place, value by value."""
@@ -283,14 +282,13 @@ class ArmProblem:
             found = [k for k in keys if owner(k) != gone]
             free = [k for k in self.candidates if owner(k) == other and k not in self.told_otherwise]
             while more := [[*found, k] for k in free if k not in found]:
-                found, score = self._best(more)
-                if score >= self.score(found[:-1]):
+                found = self._best(more)
+                if self.score(found) >= self.score(found[:-1]):
                     break
                 yield found
 
-    def _best(self, trials: list[list[Key]]) -> tuple[list[Key], float]:
-        scores = [self.score(keys) for keys in trials]
-        return (trials[int(np.argmin(scores))], min(scores)) if trials else ([], np.inf)
+    def _best(self, trials: list[list[Key]]) -> list[Key]:
+        return min(trials, key=self.score, default=[])
 
     def held_out(self, keys: list[Key]) -> Array:
         """(n, signals) residuals of all recordings, each half of the blocks predicted by a fit to the other

@@ -1,6 +1,7 @@
 """A joint's axis is tilted."""
 
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Now
 from trunk_ros.effects.geometric import Sideways, sideways
 
 

@@ -3,7 +3,7 @@
 from typing import ClassVar
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core
+from trunk_ros.effects.core import Core
 from trunk_ros.effects.geometric import FrameError
 from trunk_ros.parameter import Parameter
 

@@ -1,6 +1,7 @@
 """Links bend under what they carry, beyond the joint's sensor."""
 
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 

@@ -1,6 +1,7 @@
 """The position loop is slower or faster than nominal."""
 
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.effects.core import Core
 from trunk_ros.effects.curve import RANGE, VALUES, Curve
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.effect import Now
 
 TYPICAL = 5e-3  # rad
 

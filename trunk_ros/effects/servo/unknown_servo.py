@@ -1,7 +1,8 @@
 """Physics of the servo that no name fits."""
 
+from trunk_ros.effects.core import Core
 from trunk_ros.effects.curve import Curve
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.effect import Now
 
 
 class UnknownServo(Curve):

@@ -3,7 +3,8 @@
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 UNLIMITED = 1e3  # rad/s

@@ -1,6 +1,7 @@
 """An added dead band at reversal, whatever the load, speed or amplitude."""
 
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 

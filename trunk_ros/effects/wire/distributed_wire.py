@@ -6,7 +6,8 @@ import numpy as np
 
 from trunk_ros.arm import Wire
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.wire.wire_pair import WirePair
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter

@@ -37,8 +37,8 @@ class HeldLink:
         return out, memory
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
-        """As SharpPlay.invert, ahead by what moves the mass: the wire's damping is left out, which a dead band
-        that is crossed at once pulls at.
+        """As SharpPlay.invert, ahead by what moves the mass: the wire's damping, at which a dead
+        band pulls that is crossed at once, is left out.
         """
         first, second, play = state or (None, None, None)
         speed, first = rate(y, self.dt, first)

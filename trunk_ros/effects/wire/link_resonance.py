@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Effect, Motion, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.filters import oscillator, rate
 from trunk_ros.effects.periods import periods
 from trunk_ros.effects.wire.held_link import HeldLink

@@ -6,7 +6,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.on_both_sides import OnBothSides
 from trunk_ros.parameter import Parameter
 

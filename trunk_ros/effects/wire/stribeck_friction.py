@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.effect import Core, Effect, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 STEP = 0.0025  # s: friction that falls while the joint speeds up lets it leap

@@ -33,7 +33,7 @@ class Links:
         return np.array(self.columns)[self.omega > 0.0]
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        """Joint angles behind wires at ``x`` (n, columns), under what all joints' acceleration asks of them."""
+        """Joint angles behind wires at ``x`` (n, columns), under what all joints' acceleration asks."""
         swings, places, angles = self.omega > 0.0, self._places, np.ascontiguousarray(now.angles)
         if state is None:
             state = np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]])

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.effects.core import Core
 from trunk_ros.effects.curve import RANGE, VALUES, Curve
-from trunk_ros.effects.effect import Core, Now
+from trunk_ros.effects.effect import Now
 
 TYPICAL = 2e-4  # rad, less than the dead bands that it adds to or takes from
 

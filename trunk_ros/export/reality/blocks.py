@@ -8,7 +8,8 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Effect
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect
 from trunk_ros.errors import ModelError
 from trunk_ros.export.reality.scene import Scene, View
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Core, Effect
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.export.reality.blocks import Block, core_of, mixed
 from trunk_ros.export.reality.past import Past

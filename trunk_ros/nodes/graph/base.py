@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from trunk_ros.model import Declaration, Model
+from trunk_ros.model import Model
 from trunk_ros.nodes.graph import parameters
 from trunk_ros.nodes.graph.health import ERROR, OK, Health
 from trunk_ros.nodes.graph.loop import Loop, steady_clock
@@ -14,12 +14,8 @@ from trunk_ros.nodes.graph.model_swap import ModelSwap
 from trunk_ros.nodes.graph.report import Report
 from trunk_ros.nodes.graph.ros import INFO, WARNING
 from trunk_ros.nodes.graph.streams import Streams
-
-COMMON = (
-    Declaration("rate", 100.0, "Hz", (1.0, 2000.0), "rate of the node's loop", True),
-    Declaration("autostart", True, "", None, "configure and activate the node by itself", True),
-    Declaration("supervised", False, "", None, "tell a bringup how far the node is", True),
-)
+from trunk_ros.nodes.parameters import COMMON, MODEL
+from trunk_ros.parameter import Declaration
 
 
 class TrunkNode(ManagedNode):
@@ -27,7 +23,6 @@ class TrunkNode(ManagedNode):
 
     NAME = "node"
     OWN: tuple[Declaration, ...] = ()
-    needs_model = True
     fixed_model = False  # it holds from the start
     idle = False  # nothing to do in the loop of real time: the node acts on what arrives
     model: Model
@@ -37,10 +32,11 @@ class TrunkNode(ManagedNode):
         super().__init__(self.NAME, allow_undeclared_parameters=True, **options)  # Settings refuses them
         self.fault = ""
         for declaration in (*COMMON, *self.OWN):
-            parameters.declare(self, declaration)
+            if declaration is not MODEL:
+                parameters.declare(self, declaration)
         if self.needs_model:
             self.model = parameters.declare_model(self, self.fixed_model)
-            self.swap = ModelSwap(self.model, self.get_parameter(parameters.MODEL.name).value)
+            self.swap = ModelSwap(self.model, self.get_parameter(MODEL.name).value)
         for line in parameters.unknown(self):
             self.get_logger().warning(line)
         self.simulated = bool(self.get_parameter("use_sim_time").value)
@@ -84,6 +80,11 @@ class TrunkNode(ManagedNode):
         """Let go of what ``configure`` took, streams aside."""
 
     # What it can rely on
+
+    @property
+    def needs_model(self) -> bool:
+        """Whether it acts by a model."""
+        return MODEL in self.OWN
 
     def value(self, name: str) -> Any:
         """A parameter's value."""

@@ -10,7 +10,8 @@ from trunk_ros.arm import Arm
 from trunk_ros.arm.urdf import joint_limits
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model
-from trunk_ros.nodes.graph.parameters import MODEL, changed_model
+from trunk_ros.nodes.graph.parameters import changed_model
+from trunk_ros.nodes.parameters import MODEL
 
 CLOSE = 1e-6  # rad and relative, for numbers that went through text
 

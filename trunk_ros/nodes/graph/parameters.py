@@ -11,7 +11,7 @@ import numpy as np
 
 from trunk_ros.arm.parameters import RENAMED
 from trunk_ros.errors import ModelError, TrunkError
-from trunk_ros.model import Declaration, Model, declared_parameters, load_model
+from trunk_ros.model import Model, declared_parameters, load_model
 from trunk_ros.nodes.graph.ros import (
     FloatingPointRange,
     IntegerRange,
@@ -20,10 +20,9 @@ from trunk_ros.nodes.graph.ros import (
     ParameterException,
     SetParametersResult,
 )
+from trunk_ros.nodes.parameters import MODEL
+from trunk_ros.parameter import Declaration
 
-MODEL = Declaration(
-    "model", "trunk", "", None, "model file, or a name in config/, for what no parameter says"
-)
 FOREIGN = ("use_sim_time", "start_type_description_service")  # of rclpy itself
 
 
@@ -44,14 +43,15 @@ def declare(node: Any, declaration: Declaration, value: Any = None, fixed: bool 
 
 def descriptor(declaration: Declaration, fixed: bool = False) -> Any:
     """Description as ``ros2 param describe`` shows it; rclpy itself refuses scalars out of bounds."""
-    text = declaration.meaning + (f" [{declaration.unit}]" if declaration.unit else "")
     described = ParameterDescriptor(
-        description=text, read_only=fixed or declaration.fixed, dynamic_typing=declaration.free
+        description=declaration.description,
+        additional_constraints=declaration.range,
+        read_only=fixed or declaration.fixed,
+        dynamic_typing=declaration.free,
     )
     if declaration.bounds is None:
         return described
     low, high = declaration.bounds
-    described.additional_constraints = f"{low:g} to {high:g} {declaration.unit}".strip()
     if isinstance(declaration.default, int):
         described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=1)]
     elif (
@@ -166,7 +166,7 @@ class Settings:
 
     def __init__(self, node: Any, declarations: tuple[Declaration, ...]):
         self.node = node
-        self.own = {d.name for d in declarations} | {MODEL.name, *FOREIGN}
+        self.own = {d.name for d in declarations} | {*FOREIGN}
         self.taken: Model | None = None  # by the change under way
         self._values: dict[str, Any] = {}
         self._describing = False
@@ -192,13 +192,15 @@ class Settings:
 
     def _check(self, changes: dict[str, Any]) -> None:
         node = self.node
-        models = {d.name for d in declared_parameters()} | RENAMED.keys() if node.needs_model else set()
+        models = (
+            {MODEL.name, *RENAMED, *(d.name for d in declared_parameters())} if node.needs_model else set()
+        )
         for name, value in changes.items():
             if name == "use_sim_time" and value != node.simulated:
                 raise TrunkError("use_sim_time holds from the start of the node")
             if name not in self.own and name not in models and not node.has_parameter(name):
                 raise TrunkError(refusal(node, name))
-        if (models | {MODEL.name}) & changes.keys():
+        if models & changes.keys():
             if node.fixed_model:
                 raise TrunkError("the model holds from the start of the node")
             self.taken = node.swap.changed(changes)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import signal
-import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Any
 
 from trunk_ros.errors import TrunkError
-from trunk_ros.nodes.graph import parameters
-from trunk_ros.nodes.graph.base import COMMON, TrunkNode
+from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.loop import steady_clock
 from trunk_ros.nodes.graph.managed import end, retire, start
 from trunk_ros.nodes.graph.ros import EventsExecutor, Future, SignalHandlerOptions, rclpy
 from trunk_ros.nodes.stop import Stop
+from trunk_ros.nodes.usage import usage
 
 DELIVERY = 0.05  # s for the last messages to arrive; waiting for acknowledgements takes a heartbeat of 3 s
 MOMENT = 0.05  # s after which it is noticed that somebody asks to end
@@ -27,7 +26,7 @@ LONG = 1e5  # s; without a timeout the events executor does not see that the fut
 def run_node(kind: type[TrunkNode], argv: list[str]) -> int:
     """The life of a process with one node: 0 when asked to end, 2 (a TrunkError) when it cannot start."""
     if "-h" in argv or "--help" in argv:
-        print(usage(kind))
+        print(usage(kind.NAME))
         return 0
     return run_nodes([kind], argv)
 
@@ -96,24 +95,6 @@ def serve_for(seconds: float, executor: Any, node: Any) -> None:
     """Serve callbacks for a while."""
     end = time.monotonic() + seconds
     serve(executor, node, lambda: time.monotonic() > end)
-
-
-def usage(kind: type[TrunkNode]) -> str:
-    """What a node does, and its own parameters."""
-    module = sys.modules[kind.__module__]
-    lines = [
-        str(module.__doc__),
-        "",
-        f"usage: {kind.NAME} [--ros-args [--params-file FILE] [-p NAME:=VALUE] ...]",
-        "",
-    ]
-    for declaration in (*COMMON, *kind.OWN, *([parameters.MODEL] if kind.needs_model else [])):
-        described = parameters.descriptor(declaration)
-        bounds = f", {described.additional_constraints}" if described.additional_constraints else ""
-        lines.append(
-            f"  {declaration.name:18}{described.description}{bounds}; default {declaration.default!r}"
-        )
-    return "\n".join(lines + (["  and every parameter of a model file"] if kind.needs_model else []))
 
 
 def start_ros(argv: list[str]) -> None:

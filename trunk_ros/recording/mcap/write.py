@@ -15,7 +15,6 @@ from mcap.records import Channel, Chunk, ChunkIndex, DataEnd, Header, Metadata, 
 from trunk_ros.recording.mcap.records import MAGIC, MESSAGE
 from trunk_ros.recording.mcap.summary import bytes_of, counts_of, summary
 
-COMPRESSION = ("zstd", "lz4", "none")
 _MESSAGE = struct.Struct("<BQHIQQ")  # kind, length, channel, sequence, log ns, publish ns
 _INDEX = struct.Struct("<BQHI")  # kind, length, channel, bytes of (log ns, offset)
 

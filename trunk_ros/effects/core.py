@@ -1,0 +1,54 @@
+"""What a stage's own mechanism is set to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.arm import Wire
+from trunk_ros.arm.geometry import Geometry
+from trunk_ros.compiled import Array
+
+
+@dataclass
+class Core:
+    """The settings of a stage's own mechanism, which effects of that stage may change.
+
+    Wire: half-widths of the play and how a reversal is rounded. Servo: the loop. Arm: its geometry.
+    """
+
+    nominal_width: Array = field(default_factory=lambda: np.empty(0))
+    width: Array = field(default_factory=lambda: np.empty(0))
+    """(1 or n, columns) rad, half-width of the play."""
+    rounding: Any = None
+    """A friction element in the place of the sharp play: an object with ``run`` and ``invert``."""
+    wire: Wire | None = None
+    """The paper's wire, where the arm has one."""
+    old: dict[str, Any] = field(default_factory=dict)
+    """Memory, by ID, of wire effects that change the core; what comes after goes into ``new``."""
+    new: dict[str, Any] = field(default_factory=dict)
+    kp: Array = field(default_factory=lambda: np.empty(0))
+    tau_v: Array = field(default_factory=lambda: np.empty(0))
+    v_max: Array = field(default_factory=lambda: np.empty(0))
+    delay: Array = field(default_factory=lambda: np.empty(0))
+    pull: Array = field(default_factory=lambda: np.empty(0))
+    """(n, columns) rad added to the setpoint."""
+    rub: Array = field(default_factory=lambda: np.empty(0))
+    """(columns,) rad by which the friction of wires that slide holds the servo back."""
+    reach: Array = field(default_factory=lambda: np.empty(0))
+    """(columns,) rad that the servo goes from the middle of the wires' dead band until they slide."""
+    dead_zone: Array = field(default_factory=lambda: np.empty(0))
+    """(n, columns) rad of error that the loop does not answer to."""
+    cogging: Array = field(default_factory=lambda: np.empty(0))
+    """(3, columns): amplitude rad, cycles per revolution, phase rad."""
+    geometry: Geometry = field(default_factory=lambda: Geometry.nominal(0))
+    along: Array = field(default_factory=lambda: np.empty((0, 3)))
+    """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""
+    across: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    """(joints, 2, 3) unit vectors across those."""
+    beside: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    """(joints, 2, 3) unit vectors across each joint's axis."""
+    bent: Array | float = 0.0
+    """(n, joints) rad or m that the tip has more of each joint than its sensor shows."""

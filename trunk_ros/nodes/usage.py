@@ -1,0 +1,36 @@
+"""What ``--help`` says of a node, without importing it: ROS and the model take long."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+from trunk_ros.nodes.parameters import COMMON, MODEL, PARAMETERS
+from trunk_ros.parameter import Declaration
+
+
+def usage(name: str) -> str:
+    """What a node does, and its own parameters."""
+    own = PARAMETERS[name]
+    return "\n".join(
+        [
+            purpose(name),
+            "",
+            f"usage: {name} [--ros-args [--params-file FILE] [-p NAME:=VALUE] ...]",
+            "",
+            *(line(declaration) for declaration in (*COMMON, *own)),
+            *(["  and every parameter of a model file"] if MODEL in own else []),
+        ]
+    )
+
+
+def purpose(name: str) -> str:
+    """The docstring of a node's file."""
+    source = Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8")
+    return ast.get_docstring(ast.parse(source)) or name
+
+
+def line(declaration: Declaration) -> str:
+    """A parameter with its bounds and default."""
+    bounds = f", {declaration.range}" if declaration.range else ""
+    return f"  {declaration.name:18}{declaration.description}{bounds}; default {declaration.default!r}"
