@@ -41,20 +41,24 @@ def main(argv: list[str] | None = None) -> int:
         marks.append(json.loads(file.read_text()))
         print(f"\r{len(marks)} of {args.cases}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
-    told = summary(marks)
-    (args.output / "space.json").write_text(json.dumps({"summary": told, "cases": marks}, indent=1))
-    (args.output / "space.md").write_text(table(told))
-    print(table(told))
+    sums = summary(marks)
+    (args.output / "space.json").write_text(json.dumps({"summary": sums, "cases": marks}, indent=1))
+    (args.output / "space.md").write_text(table(sums))
+    print(table(sums))
     return 0
+
+
+def told(case: SpaceCase) -> Any:
+    """What is said of the motion that was recorded."""
+    from trunk_ros.diagnosis import diagnose
+
+    return diagnose([_recording(case, case.train)], _model(case))
 
 
 def judged(case: SpaceCase) -> dict[str, Any]:
     """Marks of one case: names, joint errors and tip errors on the other motion before and after."""
-    from trunk_ros.diagnosis import diagnose
-
     began = time.process_time()
-    model = _model(case)
-    result = diagnose([_recording(case, case.train)], model)
+    model, result = _model(case), told(case)
     found = [(f.effect, tuple(f.joints), tuple(map(str, f.equivalents))) for f in result.findings]
     hit, false = matched(case, found)
     before, after = (_joint_error(case, each) for each in (model, result.model))

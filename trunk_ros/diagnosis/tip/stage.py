@@ -273,7 +273,7 @@ class ArmProblem:
         fewer = [[x for x in keys if x != k] for k in keys]
         yield self._best([[*keys, k] for k in others] + fewer)
         yield self._best([[*rest, k] for rest in fewer for k in others])
-        yield self._best(list(self._merged(keys)))
+        yield self._best([*self._merged(keys)])
 
     def _merged(self, keys: list[Key]) -> Iterator[list[Key]]:
         """One cause fewer: what another one that is there can do in its place, value by value."""
