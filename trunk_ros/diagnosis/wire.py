@@ -24,6 +24,7 @@ from trunk_ros.start import Driven, first_rows, history
 
 SAME = 1e-3  # of the motion: angles that are nearer change no load by more than fits tell
 SHAKEN = 1e-3  # of that: what shakes the links beyond goes by the angles' curvature
+TOGETHER = 40  # joint-steps that one of joints costs which shake each other
 STANDING = 40  # steps that a stand is looked at
 
 
@@ -74,6 +75,7 @@ class WireStage(Stage):
         if hypothesis.shakes:
             chain = Chain(Model(context.arm, hypothesis.model_effects(len(self.joints))), "wire")
             paths = [_together(chain, view.span) for view in context.views]
+            context.work.done += TOGETHER * sum(path.size for path in paths)
         else:
             paths = [
                 np.column_stack([self._passed(context, index, hypothesis, c)[1][:, 0] for c in columns])

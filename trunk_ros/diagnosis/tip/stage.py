@@ -97,13 +97,13 @@ class ArmProblem:
         return max((SIGNIFICANT + FURTHER) * self.alike, RELEVANT * self.count)
 
     def price(self, keys: list[Key]) -> float:
-        """Of some values, as in the wires: a cause at its full price, further values of it at less. What has
-        no name is dearer; a frame that is off comes before a link that looks the same.
+        """Of some values, as in the wires: a cause, and less for its further values. What has no name is
+        dearer; a frame that is off comes before a link that looks the same.
         """
         causes = {(owner(key), key[1]) for key in keys}
         dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in causes)
-        names = len({name for name, _ in causes})
-        return self.need * dear + self.alike * (FURTHER * (len(keys) - len(causes)) + NAME * names)
+        further = FURTHER * (len(keys) - len(causes)) + NAME * len({name for name, _ in causes})
+        return self.need * dear + self.alike * further
 
     # Noise
 
@@ -277,8 +277,7 @@ class ArmProblem:
 
     def _merged(self, keys: list[Key]) -> Iterator[list[Key]]:
         """One cause fewer: what another one that is there can do in its place, value by value."""
-        causes = list(dict.fromkeys(owner(k) for k in keys))
-        for gone, other in permutations(causes, 2):
+        for gone, other in permutations(dict.fromkeys(map(owner, keys)), 2):
             found = [k for k in keys if owner(k) != gone]
             free = [k for k in self.candidates if owner(k) == other and k not in self.told_otherwise]
             while more := [[*found, k] for k in free if k not in found]:
