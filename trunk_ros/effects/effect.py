@@ -220,7 +220,8 @@ class Effect(ABC):
         """Start values of one parameter, in its unit; override where they depend on the recording. ``rest``
         (n,) rad: what is not explained yet.
         """
-        size = parameter.under(borne(now.load[:, column])) if "N*m" in parameter.unit else 1.0
+        own = "N*m" in parameter.unit and not self.everywhere  # what acts on all joints begins alike
+        size = parameter.under(borne(now.load[:, column])) if own else 1.0
         return tuple(size * start for start in parameter.scan or (parameter.typical,))
 
     @classmethod
