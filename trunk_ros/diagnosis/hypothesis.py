@@ -143,7 +143,7 @@ class Hypothesis(dict[str, Term]):
     @property
     def shakes(self) -> bool:
         """Whether joints move each other by their masses, so that all are computed together."""
-        return any(effect(name).shakes(term.form) for name, term in self.items())
+        return any(term.form in effect(name).shaking for name, term in self.items())
 
     def model_effects(self, joints: int) -> dict[str, Values]:
         """The effects as a model holds them."""

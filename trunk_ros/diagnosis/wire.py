@@ -73,7 +73,7 @@ class WireStage(Stage):
     def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
         columns = range(len(self.joints))
         if hypothesis.shakes:
-            chain = Chain(Model(context.arm, hypothesis.model_effects(len(self.joints))), "wire")
+            chain = _chain(context, hypothesis)
             paths = [_together(chain, view.span) for view in context.views]
             context.work.done += TOGETHER * sum(path.size for path in paths)
         else:
@@ -88,6 +88,11 @@ class WireStage(Stage):
         return tuple(replace(view, angles=path) for view, path in pairs)
 
 
+def _chain(context: Context, hypothesis: Hypothesis) -> Chain:
+    """All joints at once."""
+    return Chain(Model(context.arm, hypothesis.model_effects(len(context.joints))), "wire")
+
+
 def _together(chain: Chain, span: Span) -> Array:
     """(m, joints) angles of joints that move each other."""
     return chain.angles(span.gearbox, span.grid, span.velocity, span.resistance)
@@ -100,8 +105,7 @@ def settled(state: Fit, seconds: float) -> Fit:
     context = state.context
     if seconds <= 0.0 or not any(view.span.before for view in context.views):
         return state
-    effects = state.hypothesis.model_effects(len(context.joints))
-    chain = Chain(Model(context.arm, effects), "wire")
+    chain = _chain(context, state.hypothesis)
     views = tuple(_with_a_start(chain, view, seconds) for view in context.views)
     looked = replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
     return refit(looked, state.hypothesis)

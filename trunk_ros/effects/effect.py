@@ -93,6 +93,8 @@ class Effect(ABC):
     forms: ClassVar[tuple[str, ...]] = ("",)
     refined: ClassVar[tuple[str, ...]] = ()
     """Forms with more to them, which are looked at once another form has been found."""
+    shaking: ClassVar[tuple[str, ...]] = ()
+    """Forms by which joints move each other, so that all are computed together."""
     beyond: ClassVar[str] = ""
     """In a wide loop: another effect that is its flat part, and has to be there first."""
     named: ClassVar[bool] = True
@@ -171,11 +173,6 @@ class Effect(ABC):
     def downstream(self) -> Effect:
         """The part of an effect behind the stage's core that does lie behind it."""
         return self
-
-    @classmethod
-    def shakes(cls, form: str) -> bool:
-        """Whether joints that have it move each other by it, so that all are computed together."""
-        return False
 
     def check(self, joints: tuple[str, ...]) -> None:
         """Raise ModelError where the words do not fit the arm's joints."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -56,10 +57,12 @@ def usable(context: Context) -> list[type[Effect]]:
     ]
 
 
-def plain_forms(kind: type[Effect], context: Context) -> list[str]:
-    """The forms that all joints may show, but for those that are looked at once another has been found."""
-    shown = [kind.forms_shown(context.motion(c)) for c in context.columns]
-    return [f for f in kind.forms if f not in kind.refined and all(f in each for each in shown)]
+def plain_forms(kind: type[Effect], context: Context, columns: Iterable[int]) -> tuple[str, ...]:
+    """The forms that all of some joints may show, but for those that are looked at once another has been
+    found.
+    """
+    shown = [kind.forms_shown(context.motion(c)) for c in columns]
+    return tuple(f for f in kind.forms if f not in kind.refined and all(f in each for each in shown))
 
 
 def local_kinds(context: Context) -> list[type[Effect]]:

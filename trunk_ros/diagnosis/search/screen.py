@@ -123,9 +123,7 @@ class Screen:
         """The forms to try: that of the effect on other joints, if it is there."""
         if kind.id in self.hypothesis:
             return (self.hypothesis[kind.id].form,)
-        return tuple(
-            form for form in kind.forms_shown(self.context.motion(column)) if form not in kind.refined
-        )
+        return plain_forms(kind, self.context, [column])
 
     def everywhere(self, kind: type[Effect]) -> Candidate | None:
         """The most promising start of an effect that acts on all joints alike."""
@@ -139,7 +137,7 @@ class Screen:
         ``only``: in one form; ``also``: start values of what is optional.
         """
         found: dict[bool, Candidate] = {}
-        for form in plain_forms(kind, self.context) if only is None else (only,):
+        for form in plain_forms(kind, self.context, self.context.columns) if only is None else (only,):
             for trial, each in self._on_all(kind, form, also or {}):
                 for free in self._freedoms(kind, form):
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)

@@ -74,6 +74,7 @@ class LinkResonance(Effect):
         ),
     )
     forms = ("absolute", "relative", "beam", "links", "held")
+    shaking = ("links",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
@@ -89,10 +90,6 @@ class LinkResonance(Effect):
         forms = super().forms_shown(motion)
         return forms if motion.masses else tuple(form for form in forms if form != "links")
 
-    @classmethod
-    def shakes(cls, form: str) -> bool:
-        return form == "links"
-
     @property
     def acts_at(self) -> int:
         return self.CORE if self.form == "held" else self.place
@@ -101,8 +98,9 @@ class LinkResonance(Effect):
         core.rounding = HeldLink(self._omega, self["damping"], now.dt)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        if self.form == "links" and now.arm is not None and now.arm.has_load:
-            return Links(now.arm, now.columns, self._omega, self["damping"]).run(x, now, state)
+        arm = Links.arm_of(self, now)
+        if arm is not None:
+            return Links(arm, now.columns, self._omega, self["damping"]).run(x, now, state)
         state = np.vstack([x[0], x[0], np.zeros_like(x[0])]) if state is None else state.copy()
         out = np.empty_like(x)
         oscillator(x, now.dt, self._omega, self["damping"], self.form in ("relative", "links"), state, out)
@@ -147,8 +145,9 @@ class LinkResonance(Effect):
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         if self.form == "beam":
             return self._straightened(y, now, state)
-        if self.form == "links" and now.arm is not None and now.arm.has_load:
-            return Links(now.arm, now.columns, self._omega, self["damping"]).invert(y, now, state)
+        arm = Links.arm_of(self, now)
+        if arm is not None:
+            return Links(arm, now.columns, self._omega, self["damping"]).invert(y, now, state)
         first, second = (None, None) if state is None else state
         speed, first = rate(y, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)

@@ -41,7 +41,7 @@ class LoadElasticity(OnBothSides):
     )
     parameters = (COMPLIANCE, PAYLOAD, UPSTREAM, DAMPING)
     forms = ("weight", "links")
-    refined = ("links",)
+    refined = shaking = ("links",)
     needs = ("load",)
     everywhere = True
     confused_with = (
@@ -57,10 +57,6 @@ class LoadElasticity(OnBothSides):
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         return (COMPLIANCE, PAYLOAD, DAMPING) if form == "links" else (COMPLIANCE, PAYLOAD, UPSTREAM)
 
-    @classmethod
-    def shakes(cls, form: str) -> bool:
-        return form == "links"
-
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         sagged = x + self["compliance"] * now.load
         links = self._links(now)
@@ -72,9 +68,9 @@ class LoadElasticity(OnBothSides):
         return still - self["compliance"] * now.load, state
 
     def _links(self, now: Now) -> Links | None:
-        """Those that swing; None where the form or the arm knows of no masses."""
-        if self.form != "links" or now.arm is None or not now.arm.has_load:
+        arm = Links.arm_of(self, now)
+        if arm is None:
             return None
-        soft = np.maximum(self["compliance"], STIFFEST) * inertia(now.arm)[list(now.columns)]
+        soft = np.maximum(self["compliance"], STIFFEST) * inertia(arm)[list(now.columns)]
         omega = np.where(self["compliance"] > STIFFEST, 1.0 / np.sqrt(soft), 0.0)
-        return Links(now.arm, now.columns, omega, self["damping"])
+        return Links(arm, now.columns, omega, self["damping"])

@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.effect import Now
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.filters import lowpass, rate, swing_step
 
 TURN = 0.1  # rad that the fastest joint's swing may go on in a step of the integration
@@ -27,6 +27,11 @@ class Links:
     """(columns,) rad/s of the straight arm; 0 where a joint is rigid."""
     damping: Array
     """(columns,) damping ratio there."""
+
+    @staticmethod
+    def arm_of(e: Effect, now: Now) -> Arm | None:
+        """The arm whose links swing; None where the effect's form or the arm knows of no masses."""
+        return now.arm if e.form in e.shaking and now.arm is not None and now.arm.has_load else None
 
     @property
     def _places(self) -> np.ndarray:
