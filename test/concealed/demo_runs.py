@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ import yaml
 from test.concealed.nominal import JOINTS, RATIO, V_MAX, Array
 from test.concealed.removed import SKIP, read_angles
 from test.concealed.trajectory import draw_reference
+from test.nodes.domains import lock_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 15.0  # s for a process to end in good order
@@ -43,10 +45,16 @@ class Arm:
         return ["test.concealed.live", *own]
 
 
+@cache
+def domain() -> str:
+    """A ROS_DOMAIN_ID that no other demo and no test on this machine uses while this process lives."""
+    return str(lock_domain()[0])
+
+
 def environment() -> dict[str, str]:
     """This host only, and a domain of the demo's own."""
-    domain = {"ROS_DOMAIN_ID": str(91 + os.getpid() % 11), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    return {**os.environ, **domain, "PYTHONWARNINGS": "ignore"}
+    own = {"ROS_DOMAIN_ID": domain(), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    return {**os.environ, **own, "PYTHONWARNINGS": "ignore"}
 
 
 @contextmanager
@@ -74,12 +82,16 @@ def end(process: subprocess.Popen[str]) -> None:
 
 
 def trunk(*arguments: Any) -> str:
-    """A command of trunk_ros to its end; what it prints. Raises DemoError with its last words."""
+    """A command of trunk_ros to its end; what it prints. What it warns of is passed on. Raises DemoError with
+    its last words.
+    """
     with running(["trunk_ros", *map(str, arguments)]) as process:
         out, error = process.communicate()
     if process.returncode:
         last = (error.strip().splitlines() or ["no word"])[-1]
         raise DemoError(f"{arguments[0]} ended with {process.returncode}: {last}")
+    if warned := "\n".join(line for line in error.splitlines() if line.startswith(f"{arguments[0]}: ")):
+        print(warned, file=sys.stderr)
     return out
 
 

@@ -19,7 +19,7 @@ SHARED_MEMORY = Path("/dev/shm")
 def own_domain() -> Iterator[int]:
     """A ROS_DOMAIN_ID that no other test on this machine uses until this one has ended."""
     before = {path.name for path in segments()}
-    domain, lock = _locked()
+    domain, lock = lock_domain()
     try:
         yield domain
     finally:
@@ -27,8 +27,11 @@ def own_domain() -> Iterator[int]:
         os.close(lock)
 
 
-def _locked() -> tuple[int, int]:
-    """A domain and the file that locks it. Raises RuntimeError where all are taken."""
+def lock_domain() -> tuple[int, int]:
+    """A domain and the open file that locks it as long as this process lives.
+
+    Raises RuntimeError where all are taken.
+    """
     for number in itertools.islice(NEXT, COUNT):
         domain = FIRST + number % COUNT
         lock = os.open(Path(tempfile.gettempdir(), f"trunk_ros_domain_{domain}"), os.O_CREAT | os.O_RDWR)

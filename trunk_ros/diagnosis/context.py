@@ -57,6 +57,8 @@ class Context:
     """The same but for a ratio that was not known."""
     claims: bool = False
     """Whether effects are weighed as what will be said, no more as steps on the way to it."""
+    doubts: bool = False
+    """Whether what a motion that never comes back cannot show is open all the same: it is as possible."""
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
@@ -122,6 +124,10 @@ class Context:
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
         return replace(self, noise=tuple(self.stage.noises(found)))
 
+    def doubting(self) -> Context:
+        """The same for what may stand in the place of what was found."""
+        return self if self.doubts else replace(self, doubts=True, shown_before={})
+
     def over(self, spans: Sequence[Span]) -> Context:
         """The same noise over other spans of the same arm."""
         stage = self.stage.over(spans)
@@ -162,7 +168,8 @@ class Context:
     def motion(self, column: int) -> Motion:
         """What a joint's motion is like."""
         masses = self.arm.has_load and self.arm.load_from == "weight"
-        return Motion(column in self.wide, column in self.stage.one_way, masses)
+        one_way = column in self.stage.one_way and not self.doubts
+        return Motion(column in self.wide, one_way, masses)
 
     @property
     def formed(self) -> frozenset[int]:

@@ -4,12 +4,13 @@ well.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
+from trunk_ros.diagnosis.search.candidates import confused, extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
 from trunk_ros.diagnosis.search.score import need
@@ -195,11 +196,14 @@ def strength(state: Fit, name: str) -> float:
 
 
 def _rivals(state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Hypothesis]]:
-    """Loss of each promising effect in the place of one, on the same joints, and the hypothesis with it."""
-    context = state.context
+    """Loss of each promising effect in the place of one, on the same joints, and the hypothesis with it: also
+    of what the motion cannot show, as it cannot rule it out either.
+    """
+    context = state.context.doubting()
+    bare = replace(bare, context=context)
     columns = [c for c in state.hypothesis[name].columns if c in context.columns]
     kinds = [k for k in usable(context) if k.id != name]
-    losses = _local_rivals(state, bare, columns, [k for k in kinds if not k.everywhere])
+    losses = _local_rivals(state, bare, columns, [k for k in kinds if not k.everywhere], confused(name))
     if effect(name).everywhere or len(columns) == len(context.columns):
         for kind in (k for k in kinds if k.everywhere and k.id not in state.hypothesis):
             candidate = Screen(context, bare.hypothesis).everywhere(kind)
@@ -210,15 +214,17 @@ def _rivals(state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Hypothes
 
 
 def _local_rivals(
-    state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]]
+    state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]], like: Collection[str]
 ) -> dict[str, tuple[float, Hypothesis]]:
-    """The same of effects that a joint has by itself; where a joint has one already, that is refitted."""
-    context, screen = state.context, Screen(state.context, bare.hypothesis, columns)
+    """The same of effects that a joint has by itself, of all ``like`` it among them; where a joint has one
+    already, that is refitted.
+    """
+    context, screen = bare.context, Screen(bare.context, bare.hypothesis, columns)
     new = {k.id: _without(bare.hypothesis, k.id, columns) for k in kinds}
     kinds = [
         k for k in kinds if new[k.id] and all(is_open(context, bare.hypothesis, k, c) for c in new[k.id])
     ]
-    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, RIVALS) for c in columns}
+    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, RIVALS, like) for c in columns}
     losses: dict[str, tuple[float, Hypothesis]] = {}
     for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
         loss, fitted = 0.0, bare.hypothesis.copy()

@@ -130,6 +130,12 @@ def extended(context: Context, hypothesis: Hypothesis, candidate: Candidate) -> 
     return out
 
 
+def confused(name: str) -> frozenset[str]:
+    """The effects that look much like one, as either of the two says."""
+    own = {other for other, _ in effect(name).confused_with}
+    return frozenset(own | {k.id for k in registry().values() if name in dict(k.confused_with)})
+
+
 def replaced(kind: type[Effect], hypothesis: Hypothesis) -> list[str]:
     """The effects of a hypothesis that include another or are included in it."""
     return [name for name in hypothesis if name in kind.replaces or kind.id in effect(name).replaces]

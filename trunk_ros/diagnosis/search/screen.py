@@ -101,12 +101,15 @@ class Screen:
         some = [lasting for c in near if (lasting := self.lasting(c, [column])) is not None]
         return some if kind.everywhere else [*near, *some]
 
-    def ranked(self, kinds: list[type[Effect]], column: int, most: int) -> list[Candidate]:
-        """The most promising effects, each in its promising forms."""
+    def ranked(
+        self, kinds: list[type[Effect]], column: int, most: int, always: Collection[str] = ()
+    ) -> list[Candidate]:
+        """The most promising effects and those of ``always``, each in its promising forms."""
         found = sorted(
             (f for f in (self.forms(k, column) for k in kinds) if f), key=lambda f: -max(c.gain for c in f)
         )
-        return [candidate for forms in found[:most] for candidate in forms]
+        chosen = [*found[:most], *(forms for forms in found[most:] if forms[0].effect in always)]
+        return [candidate for forms in chosen for candidate in forms]
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -17,11 +17,15 @@ PROMISED = 0.5  # of what it takes to win: a linear look does not see all of it
 
 @dataclass(frozen=True)
 class Look:
-    """A hypothesis, and by a linear look what is left of a joint before it and how much it gains."""
+    """A hypothesis, and by a linear look what is left of a joint before it and how much it gains.
+
+    ``always``: it is refitted whatever that promises.
+    """
 
     hypothesis: Hypothesis
     left: float
     gain: float
+    always: bool = False
 
 
 def column_trials(
@@ -31,24 +35,29 @@ def column_trials(
     yield from refitted(best, column, looks(best, bare, column, kinds, most))
 
 
-def looks(best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int) -> Iterator[Look]:
-    """The most promising effects on a joint of ``bare``, each in its promising forms."""
+def looks(
+    best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int,
+    always: Collection[str] = (),
+) -> Iterator[Look]:  # fmt: skip
+    """The most promising effects on a joint of ``bare`` and those of ``always``, in their promising forms."""
     screen = Screen(best.context, bare, [column])
     left = screen.left(column)
-    for candidate in screen.ranked(kinds, column, most):
-        yield Look(extended(best.context, bare, candidate), left, candidate.gain)
+    for candidate in screen.ranked(kinds, column, most, always):
+        there = extended(best.context, bare, candidate)
+        yield Look(there, left, candidate.gain, candidate.effect in always)
 
 
 def most_promising(best: Fit, column: int, found: Iterable[Look], most: int) -> list[Look]:
-    """Of looks at different hypotheses those that come nearest to what they need."""
-    return sorted(found, key=lambda look: look.left - look.gain - _goal(best, look.hypothesis, column))[:most]
+    """Of looks at different hypotheses those nearest to what they need, and what is always tried."""
+    found = sorted(found, key=lambda look: look.left - look.gain - _goal(best, look.hypothesis, column))
+    return [*found[:most], *(look for look in found[most:] if look.always)]
 
 
 def refitted(best: Fit, column: int, found: Iterable[Look]) -> Iterator[Fit]:
     """Those that may beat ``best``, and what was better before them, refitted on their joint."""
     for look in found:
         goal = _goal(best, look.hypothesis, column)
-        if look.left - look.gain / PROMISED <= goal:
+        if look.always or look.left - look.gain / PROMISED <= goal:
             trial = refit_column(best, look.hypothesis, column, goal)
             if score(trial) < score(best):
                 best = trial

@@ -17,7 +17,10 @@ class ZeroOffset(Effect):
     parameters = (
         Parameter("offset", "rad", (-10.0, 10.0), "joint reading where the gearbox shows zero", typical=1e-3),
     )
-    confused_with = (("thermal_drift", "look at the start: a drift begins at zero"),)
+    confused_with = (
+        ("thermal_drift", "look at the start: a drift begins at zero"),
+        ("backlash", "turn the joint: a dead band changes its sign"),
+    )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self["offset"], None

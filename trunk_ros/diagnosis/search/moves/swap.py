@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import combinations
 
-from trunk_ros.diagnosis.search.candidates import open_kinds, own_effects
+from trunk_ros.diagnosis.search.candidates import confused, open_kinds, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.trial import Look, looks, most_promising, refitted
@@ -31,7 +31,8 @@ def _looks(best: Fit, column: int) -> Iterator[Look]:
     local = own_effects(best.hypothesis, column)
     for gone in [*((a,) for a in local), *combinations(local, 2)]:
         bare = best.hypothesis.less(gone, column)
-        yield from looks(best, bare, column, open_kinds(best.context, bare, column), EACH)
+        like = frozenset().union(*map(confused, gone))
+        yield from looks(best, bare, column, open_kinds(best.context, bare, column), EACH, like)
 
 
 SWAP = Move("swap", groups)
