@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from test.diagnosis.arms import on, recorded
+from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
+from trunk_ros.diagnosis.search.candidates import confused
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects import registry
 from trunk_ros.model import load_model
+from trunk_ros.recording.recording import Recording
 
 LATE = {"sensor_delay": {"delay": 0.02}}
 COUPLED = {"joint_coupling": {"gain": on(5, 0.1), "source": ["", "", "", "", "joint_2"]}}
@@ -37,3 +42,22 @@ def test_a_joint_that_lags_pulls_late_where_a_sensor_that_is_late_does_not() -> 
     assert found.equivalents == []
     assert found.rivals["viscous_lag"] > 1000.0
     assert found.confidence == pytest.approx(0.95)
+
+
+def stretch(whole: Recording, begin: float, end: float) -> Recording:
+    """What was recorded from ``begin`` to ``end`` [s]."""
+    return replace(whole, series={key: each.between(begin, end) for key, each in whole.series.items()})
+
+
+@pytest.mark.parametrize(("begin", "end"), [(1.5, 4.0), (4.5, 6.0), (7.0, 8.5), (7.0, 9.5)])
+def test_a_dead_band_is_not_ruled_out_by_a_motion_that_shows_no_reversal(begin: float, end: float) -> None:
+    whole = recorded({"backlash": {"half_width": on(5, 1.6e-3)}}, 12.0, seed=3)
+    (found,) = diagnose(stretch(whole, begin, end)).findings
+    assert "backlash" in [found.effect, *found.equivalents]
+    assert found.confidence < 0.9
+
+
+def test_what_looks_like_another_effect_does_so_from_both_sides() -> None:
+    assert "backlash" in confused("stribeck_friction")
+    for name in registry():
+        assert all(name in confused(other) for other in confused(name))

@@ -18,7 +18,8 @@ from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 
-RIVALS = 3
+RIVALS = 3  # the most promising, besides what is known to look alike
+EQUIVALENTS = 5  # that are said
 BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
 REST = 1.5  # times the power of noise: what is left is more than that
 LATE = 0.01  # of the time between samples: what lies between them is guessed
@@ -169,7 +170,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         near = [rival for rival, loss in out.rivals.items() if loss < limit]
         before = {rival: len(_without(bare.hypothesis, rival, columns)) for rival in near}
         told = [rival for rival in near if len(_without(out.fitted[rival], rival, columns)) < before[rival]]
-        out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:RIVALS]
+        out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:EQUIVALENTS]
     out.confidence = likely(limit or 1.0, sum(gain.values()), list(out.rivals.values()))
     return out
 

@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import CLEARLY, score
 
 OFTEN = 1  # times that a search may come to a structure
-COARSE = (0.01, 0.0)  # of what is left: what a change has to gain at first, and in the end
+COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain at first, then, and in the end
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
@@ -31,11 +31,14 @@ class Group:
 
 @dataclass(frozen=True)
 class Move:
-    """One kind of change. ``grows``: it explains something new, so that the arm is looked at again."""
+    """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
+    ``resort``: it waits until no other one gains much.
+    """
 
     name: str
     groups: Callable[[Fit, Desk], Iterator[Group]]
     grows: bool = False
+    resort: bool = False
 
 
 @dataclass
@@ -70,10 +73,11 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """The best hypothesis that single changes lead to; after each the arm is looked at again.
 
     Changes that gain a small share of what is left wait until none gains more: what is still missing would
-    make them anew.
+    make them anew, or make them up.
     """
     for desk.share in COARSE:
-        while (better := first_that_pays(best, moves, desk)) is not None:
+        now = moves if desk.share < COARSE[0] else [move for move in moves if not move.resort]
+        while (better := first_that_pays(best, now, desk)) is not None:
             move, found = better
             best = renewed(found) if move.grows else relooked(found)
             desk.say(f"so far {describe(best.hypothesis)}")

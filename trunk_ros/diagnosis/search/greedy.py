@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.context import Context, Work
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -21,15 +21,21 @@ FIRSTS = 3  # first steps that are gone
 
 
 def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
-    """The hypothesis that no single change improves by what is needed."""
+    """The hypothesis that no single change improves by what is needed; what would not be claimed is left out
+    even where the work that was granted is done.
+    """
     first = renewed(begun(context, start))
     best = descend(first, MOVES, desk)
     others = sorted(additions(first, desk), key=score)[1:FIRSTS] if incomplete(best) else []
     for other in others:
         if incomplete(best):
             best = better_of(best, descend(renewed(other), MOVES, Desk(desk.say, vain=desk.vain)))
-    claimed = replace(best, context=replace(best.context, claims=True))
-    return plain(descend(claimed, (DROP,), desk))
+    work = best.context.work
+    closing = Work(work.most)
+    claimed = replace(best, context=replace(best.context, claims=True, work=closing))
+    done = descend(claimed, (DROP,), desk)
+    work.done += closing.done
+    return plain(replace(done, context=replace(done.context, work=work)))
 
 
 def incomplete(best: Fit) -> bool:

@@ -4,7 +4,7 @@ from trunk_ros.diagnosis.search.moves.add import ADD
 from trunk_ros.diagnosis.search.moves.curve import CURVE, EARLY_CURVE
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
-from trunk_ros.diagnosis.search.moves.form import FORM
+from trunk_ros.diagnosis.search.moves.form import FORM, SHAKE
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import ONSET
 from trunk_ros.diagnosis.search.moves.option import OPTION
@@ -26,6 +26,7 @@ MOVES = (
     SWAP,
     SWAP_MANY,
     SWAP_ALL,
+    SHAKE,
     ADD,
     RESTART,
     CURVE,

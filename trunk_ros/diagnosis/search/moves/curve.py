@@ -112,5 +112,5 @@ def _everywhere(best: Fit, shared: list[str]) -> Iterator[Fit]:
     yield Fit(bare, cost, best.context)
 
 
-CURVE = Move("curve", groups, grows=True)
-EARLY_CURVE = Move("early_curve", early_groups, grows=True)
+CURVE = Move("curve", groups, grows=True, resort=True)
+EARLY_CURVE = Move("early_curve", early_groups, grows=True, resort=True)

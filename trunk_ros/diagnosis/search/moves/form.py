@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -11,25 +11,37 @@ from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
-from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.score import goal_of, score
 from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.effects import effect
+from trunk_ros.effects import Effect, effect
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """The forms of each effect."""
+    """The forms of each effect, but for those by which joints move each other."""
+    return _groups(best, lambda kind: [form for form in kind.forms if form not in kind.shaking])
+
+
+def shaking(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Those by which joints move each other: as they take by far the most time, what else mends comes
+    before.
+    """
+    return _groups(best, lambda kind: list(kind.shaking))
+
+
+def _groups(best: Fit, forms_of: Callable[[type[Effect]], list[str]]) -> Iterator[Group]:
     for name, term in best.hypothesis.items():
-        if len(effect(name).forms) > 1 and set(term.columns) & set(best.context.columns):
-            columns = [c for c in term.columns if c in best.context.columns]
-            yield Group(name, columns, partial(reforms, best, name))
+        forms = [form for form in forms_of(effect(name)) if form != term.form]
+        columns = [c for c in term.columns if c in best.context.columns]
+        if forms and columns:
+            yield Group(name, columns, partial(reforms, best, name, forms))
 
 
-def reforms(best: Fit, name: str) -> Iterator[Fit]:
-    """An effect in each other form that its joints can show."""
+def reforms(best: Fit, name: str, forms: Sequence[str]) -> Iterator[Fit]:
+    """An effect in each of some forms that its joints can show."""
     kind, columns = effect(name), best.hypothesis[name].columns
-    for form in kind.forms:
+    for form in forms:
         seen = all(form in kind.forms_shown(best.context.motion(c)) for c in columns)
-        if seen and form != best.hypothesis[name].form and kind.own_parameters(form):
+        if seen and kind.own_parameters(form):
             trial = _reformed(best, name, form)
             if trial is not None:
                 yield trial
@@ -43,10 +55,11 @@ def _reformed(now: Fit, name: str, form: str) -> Fit | None:
     begun = _begun(now, name, form)
     if begun is None:
         return None
-    trial = refit(context, begun)
+    trial = refit(context, begun, goal_of(now, begun))
     if form not in kind.refined or old.form in kind.refined:
         return trial
-    trial = min([trial, *(refit(context, h) for h in _refinements(now.hypothesis, name, form))], key=score)
+    others = [refit(context, h, goal_of(now, h)) for h in _refinements(now.hypothesis, name, form)]
+    trial = min([trial, *others], key=score)
     for column in hidden(trial.context, trial.hypothesis[name]):
         kept = trial.hypothesis.copy()
         kept[name].own[column] = dict(old.own[column])
@@ -85,3 +98,4 @@ def _refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypot
 
 
 FORM = Move("form", groups)
+SHAKE = Move("shake", shaking)

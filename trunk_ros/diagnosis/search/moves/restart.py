@@ -46,4 +46,4 @@ def _grown(now: Fit, desk: Desk, column: int) -> Fit:
     return now
 
 
-RESTART = Move("restart", groups, grows=True)
+RESTART = Move("restart", groups, grows=True, resort=True)

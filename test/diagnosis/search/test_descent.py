@@ -1,0 +1,63 @@
+"""In which order changes are taken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from test.diagnosis.search.looks import context, fitted
+from trunk_ros.diagnosis.context import Work
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.descent import COARSE, Desk, Group, Move, descend
+from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.greedy import search
+
+LITTLE, HALF, ALL = 1e-4, 8e-4, 1.5e-3  # rad of the half-width of joint 3, which is 1.5e-3
+
+
+def with_width(best: Fit, half_width: float) -> Fit:
+    return costed(
+        best.context, Hypothesis({"backlash": Term("backlash", own={2: {"half_width": half_width}})})
+    )
+
+
+def to(half_width: float, resort: bool = False) -> Move:
+    """A change to one half-width."""
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        yield Group("width", [2], lambda: [with_width(best, half_width)])
+
+    return Move(f"to {half_width}", groups, resort=resort)
+
+
+def steps(*moves: Move) -> int:
+    """In how many steps the search gets to the whole of it."""
+    said: list[str] = []
+    best = descend(fitted("backlash"), moves, Desk(said.append))
+    assert best.hypothesis["backlash"].own[2]["half_width"] == ALL
+    return len(said)
+
+
+def test_what_gains_much_is_taken_before_what_comes_first_and_gains_little() -> None:
+    nothing = fitted("backlash")
+    gain = nothing.cost[2] - with_width(nothing, LITTLE).cost[2]
+    assert COARSE[1] < gain / nothing.rest(2) < COARSE[0]
+    assert steps(to(LITTLE), to(ALL)) == 1
+
+
+def test_among_what_gains_much_the_first_one_is_taken() -> None:
+    assert steps(to(HALF), to(ALL)) == 2
+
+
+def test_a_last_resort_waits_for_what_gains_much() -> None:
+    assert steps(to(ALL, resort=True), to(HALF)) == 2
+    assert steps(to(ALL, resort=True), to(LITTLE)) == 1
+
+
+def test_what_would_not_be_claimed_is_left_out_where_the_work_is_done() -> None:
+    useless = Hypothesis({"zero_offset": Term("zero_offset", own={1: {"offset": 1e-6}})})
+    spent = replace(context("clean"), work=Work(1.0))
+    done = search(spent, Desk(), useless)
+    assert not done.hypothesis
+    assert done.context.work is spent.work
+    assert spent.work.over
