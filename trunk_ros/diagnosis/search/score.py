@@ -164,12 +164,13 @@ def _shared_slice(fit: Fit, columns: list[int]) -> float:
 
 def formed_misfits(fit: Fit) -> dict[int, float]:
     """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
-    unit-noise residuals; where the ratio is FAR_OFF, what the right one would leave.
+    unit-noise residuals, with the right zero, as a constant has no formula; where the ratio is FAR_OFF, with
+    the right one of that as well.
     """
-    return {c: min(fit.rest(c), _right_ratio(fit, c)) for c in fit.cost}
+    return {c: min(fit.rest(c), _right_line(fit, c)) for c in fit.cost}
 
 
-def _right_ratio(fit: Fit, column: int) -> float:
+def _right_line(fit: Fit, column: int) -> float:
     context = fit.context
     if context.stage.name != "wire":
         return np.inf
@@ -177,6 +178,7 @@ def _right_ratio(fit: Fit, column: int) -> float:
     zeros = [np.ones_like(angle) for angle in angles]
     line = np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros)])
     rest = context.whitened(fit.hypothesis, column)
-    found = np.linalg.lstsq(line, rest, rcond=None)[0]
-    left = float(np.sum((rest - line @ found) ** 2)) - context.count(column)
-    return max(left, 0.0) if abs(found[0]) > FAR_OFF else np.inf
+    ratio, _ = found = np.linalg.lstsq(line, rest, rcond=None)[0]
+    if abs(ratio) <= FAR_OFF:
+        found = np.array([0.0, float(line[:, 1] @ rest / (line[:, 1] @ line[:, 1]))])
+    return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)

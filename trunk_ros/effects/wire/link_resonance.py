@@ -77,6 +77,7 @@ class LinkResonance(Effect):
     shaking = ("links",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
+        ("sensor_delay", "stop abruptly: a delay does not ring"),
         ("unknown_cycle", "stand still: a resonance dies out, what shakes the arm goes on"),
     )
 

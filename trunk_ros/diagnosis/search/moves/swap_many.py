@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import extended, local_kinds
+from trunk_ros.diagnosis.search.candidates import confused, extended, local_kinds
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -24,7 +24,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     if not any(effect(name).everywhere for name in best.hypothesis):
         return
     for name in [name for name in best.hypothesis if on_most(best, name)]:
-        for rival in [effect(rival) for rival, _ in effect(name).confused_with]:
+        for rival in map(effect, sorted(confused(name))):
             if rival in local_kinds(best.context):
                 yield Group((name, rival.id), best.context.columns, partial(_on_the_same, best, name, rival))
 
