@@ -58,11 +58,12 @@ def usable(context: Context) -> list[type[Effect]]:
 
 
 def plain_forms(kind: type[Effect], context: Context, columns: Iterable[int]) -> tuple[str, ...]:
-    """The forms that all of some joints may show, but for those that are looked at once another has been
-    found.
+    """The forms that some joints may show, all those of them that may show any, but for those that are looked
+    at once another has been found.
     """
-    shown = [kind.forms_shown(context.motion(c)) for c in columns]
-    return tuple(f for f in kind.forms if f not in kind.refined and all(f in each for each in shown))
+    shown = [forms for c in columns if (forms := kind.forms_shown(context.motion(c)))]
+    known = kind.forms if shown else ()
+    return tuple(f for f in known if f not in kind.refined and all(f in each for each in shown))
 
 
 def local_kinds(context: Context) -> list[type[Effect]]:

@@ -23,16 +23,16 @@ MOVES = (
     EVENT,
     DROP,
     EARLY_CURVE,
-    SWAP,
-    SWAP_MANY,
     SWAP_ALL,
+    SWAP_MANY,
+    SWAP,
     SHAKE,
     ADD,
     RESTART,
     CURVE,
 )
-"""In the order in which they are tried: what mends before what adds, names before curves where names may
-do.
+"""In the order in which they are tried: what mends before what adds, what all joints share before what each has,
+names before curves where names may do.
 """
 
 __all__ = ["ADD", "CURVE", "DROP", "MOVES", "ONSET"]

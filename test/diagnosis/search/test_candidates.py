@@ -1,0 +1,35 @@
+"""What may be tried on joints that show different things."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.search.candidates import plain_forms
+from trunk_ros.effects import effect
+from trunk_ros.effects.effect import Motion
+
+
+class OneWay:
+    """A context of which some joints never come back."""
+
+    def __init__(self, *columns: int):
+        self.columns = columns
+
+    def motion(self, column: int) -> Motion:
+        return Motion(one_way=column in self.columns)
+
+
+def forms(name: str, one_way: Any, *columns: int) -> tuple[str, ...]:
+    return plain_forms(effect(name), cast(Context, one_way), columns)
+
+
+def test_joints_that_never_come_back_do_not_hide_what_acts_on_all() -> None:
+    assert forms("tension_error", OneWay(0, 2), 0, 1, 2) == ("",)
+    assert forms("tension_error", OneWay(0, 1, 2), 0, 1, 2) == ()
+    assert forms("backlash", OneWay(0), 0) == ()
+
+
+def test_a_refined_form_is_not_looked_at_first() -> None:
+    assert "links" in effect("load_elasticity").forms
+    assert "links" not in forms("load_elasticity", OneWay(), 0, 1)
