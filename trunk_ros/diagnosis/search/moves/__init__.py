@@ -31,8 +31,8 @@ MOVES = (
     RESTART,
     CURVE,
 )
-"""In the order in which they are tried: what mends before what adds, what all joints share before what each has,
-names before curves where names may do.
+"""In the order in which they are tried: what mends before what adds, what all joints share before
+what each has, names before curves where names may do.
 """
 
 __all__ = ["ADD", "CURVE", "DROP", "MOVES", "ONSET"]
