@@ -151,9 +151,11 @@ class Screen:
         return [*found.values(), *(c for c in some if c is not None)]
 
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
-        """Whether a joint's size may be its own: where it is stated, both ways are tried."""
+        """Whether each joint begins at a size of its own: where one is stated, both ways are tried."""
         lead = kind.own_parameters(form)[0]
-        return (False, True) if kind.scalable and lead.name in given(kind, self.context) else (False,)
+        if not kind.scalable or lead.shared:
+            return (False,)
+        return (False, True) if lead.name in given(kind, self.context) else (True,)
 
     def _on_all(
         self, kind: type[Effect], form: str, also: dict[str, float]
