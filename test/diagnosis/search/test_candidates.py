@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+from test.diagnosis.search.looks import fitted
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.search.candidates import plain_forms
+from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import effect
 from trunk_ros.effects.effect import Motion
 
@@ -33,3 +35,12 @@ def test_joints_that_never_come_back_do_not_hide_what_acts_on_all() -> None:
 def test_a_refined_form_is_not_looked_at_first() -> None:
     assert "links" in effect("load_elasticity").forms
     assert "links" not in forms("load_elasticity", OneWay(), 0, 1)
+
+
+def test_joints_of_very_different_sizes_begin_each_at_its_own() -> None:
+    now = fitted("graded")
+    found = Screen(now.context, now.hypothesis).everywhere(effect("load_elasticity"))
+    assert found is not None
+    sizes = [found.own[c]["compliance"] for c in found.columns]
+    assert len(sizes) >= 4
+    assert max(sizes) > 30.0 * min(sizes)
