@@ -22,7 +22,6 @@ from trunk_ros.parameter import Parameter
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 FREED = 0.5  # of what an effect must gain on a joint: a linear look does not see all of it
-
 BAGS = 2  # of an arm's recordings that give an effect its starts
 
 Products = dict[int, tuple[float, float]]
@@ -108,8 +107,8 @@ class Screen:
         found = sorted(
             (f for f in (self.forms(k, column) for k in kinds) if f), key=lambda f: -max(c.gain for c in f)
         )
-        chosen = [*found[:most], *(forms for forms in found[most:] if forms[0].effect in always)]
-        return [candidate for forms in chosen for candidate in forms]
+        further = [forms for forms in found[most:] if forms[0].effect in always]
+        return [candidate for forms in [*found[:most], *further] for candidate in forms]
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""
@@ -153,9 +152,8 @@ class Screen:
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
         """Whether each joint begins at a size of its own: where one is stated, both ways are tried."""
         lead = kind.own_parameters(form)[0]
-        if not kind.scalable or lead.shared:
-            return (False,)
-        return (False, True) if lead.name in given(kind, self.context) else (True,)
+        stated = lead.name in given(kind, self.context)
+        return (False, True) if kind.scalable and stated else (kind.scalable and not lead.shared,)
 
     def _on_all(
         self, kind: type[Effect], form: str, also: dict[str, float]
