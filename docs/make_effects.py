@@ -10,7 +10,7 @@ from pathlib import Path
 DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS.parent))
 
-from trunk_ros.effects import Effect, registry  # noqa: E402
+from trunk_ros.effects import Effect, confused, registry  # noqa: E402
 from trunk_ros.effects.bank import Bank  # noqa: E402
 from trunk_ros.parameter import Parameter  # noqa: E402
 
@@ -76,7 +76,7 @@ def section(kind: type[Effect], kinds: list[type[Effect]]) -> Iterator[str]:
     yield ""
     yield f"- Source: {kind.source}"
     yield from facts(kind)
-    yield from rivals(kind, kinds)
+    yield from rivals(kind)
     yield ""
 
 
@@ -129,13 +129,9 @@ def facts(kind: type[Effect]) -> Iterator[str]:
         )
 
 
-def rivals(kind: type[Effect], kinds: list[type[Effect]]) -> Iterator[str]:
+def rivals(kind: type[Effect]) -> Iterator[str]:
     """What it is easily confused with, from either side, and the motion that separates the two."""
-    pairs = dict(kind.confused_with)
-    for other in kinds:
-        for name, motion in other.confused_with:
-            if name == kind.id:
-                pairs.setdefault(other.id, motion)
+    pairs = confused(kind.id)
     if pairs:
         yield "- Easily confused with"
         for name, motion in pairs.items():

@@ -13,10 +13,9 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
-from trunk_ros.diagnosis.search.candidates import confused
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.wire import WireStage
-from trunk_ros.effects import registry
+from trunk_ros.effects import confused, registry
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 

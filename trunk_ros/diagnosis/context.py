@@ -54,7 +54,7 @@ class Context:
     misfit: Mapping[int, float] = field(default_factory=dict)
     """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
-    """The same but for a ratio that was not known."""
+    """The same but for a zero, and a ratio that was not known."""
     claims: bool = False
     """Whether effects are weighed as what will be said, no more as steps on the way to it."""
     doubts: bool = False
@@ -126,7 +126,7 @@ class Context:
 
     def doubting(self) -> Context:
         """The same for what may stand in the place of what was found."""
-        return self if self.doubts else replace(self, doubts=True, shown_before={})
+        return replace(self, doubts=True)
 
     def over(self, spans: Sequence[Span]) -> Context:
         """The same noise over other spans of the same arm."""

@@ -43,6 +43,16 @@ def effect(name: str) -> type[Effect]:
         raise ModelError(f"unknown effect {name!r}: choose from {', '.join(registry())}") from None
 
 
+def confused(name: str) -> dict[str, str]:
+    """The effects that look much like one, as either of the two says, and the motion that separates them."""
+    pairs = dict(effect(name).confused_with)
+    for other in registry().values():
+        for one, motion in other.confused_with:
+            if one == name:
+                pairs.setdefault(other.id, motion)
+    return pairs
+
+
 def _modules() -> Iterator[ModuleType]:
     for _, name, _ in pkgutil.walk_packages(__path__, __name__ + "."):
         yield importlib.import_module(name)
@@ -78,4 +88,4 @@ def _load(path: Path) -> ModuleType:
     return module
 
 
-__all__ = ["Effect", "effect", "registry"]
+__all__ = ["Effect", "confused", "effect", "registry"]

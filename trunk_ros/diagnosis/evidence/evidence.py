@@ -10,12 +10,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.search.candidates import confused, extended, is_open, usable
+from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.effects import Effect, effect
+from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
 
 RIVALS = 3  # the most promising, besides what is known to look alike

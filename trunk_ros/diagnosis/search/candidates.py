@@ -62,8 +62,9 @@ def plain_forms(kind: type[Effect], context: Context, columns: Iterable[int]) ->
     at once another has been found.
     """
     shown = [forms for c in columns if (forms := kind.forms_shown(context.motion(c)))]
-    known = kind.forms if shown else ()
-    return tuple(f for f in known if f not in kind.refined and all(f in each for each in shown))
+    return tuple(
+        f for f in kind.forms if shown and f not in kind.refined and all(f in each for each in shown)
+    )
 
 
 def local_kinds(context: Context) -> list[type[Effect]]:
@@ -129,12 +130,6 @@ def extended(context: Context, hypothesis: Hypothesis, candidate: Candidate) -> 
             if kind.beyond in out and column in context.wide:
                 _take_off(out[kind.beyond], term, column)
     return out
-
-
-def confused(name: str) -> frozenset[str]:
-    """The effects that look much like one, as either of the two says."""
-    own = {other for other, _ in effect(name).confused_with}
-    return frozenset(own | {k.id for k in registry().values() if name in dict(k.confused_with)})
 
 
 def replaced(kind: type[Effect], hypothesis: Hypothesis) -> list[str]:

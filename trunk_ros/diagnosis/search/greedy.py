@@ -34,6 +34,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
     closing = Work(work.most)
     claimed = replace(best, context=replace(best.context, claims=True, work=closing))
     done = descend(claimed, (DROP,), desk)
+    work.most += closing.done  # granted besides: it is not what ends a search early
     work.done += closing.done
     return plain(replace(done, context=replace(done.context, work=work)))
 

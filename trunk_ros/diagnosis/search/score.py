@@ -178,7 +178,8 @@ def _right_line(fit: Fit, column: int) -> float:
     zeros = [np.ones_like(angle) for angle in angles]
     line = np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros)])
     rest = context.whitened(fit.hypothesis, column)
-    ratio, _ = found = np.linalg.lstsq(line, rest, rcond=None)[0]
-    if abs(ratio) <= FAR_OFF:
-        found = np.array([0.0, float(line[:, 1] @ rest / (line[:, 1] @ line[:, 1]))])
+    found = np.linalg.lstsq(line, rest, rcond=None)[0]
+    if abs(found[0]) <= FAR_OFF:
+        line = line[:, 1:]
+        found = np.linalg.lstsq(line, rest, rcond=None)[0]
     return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)

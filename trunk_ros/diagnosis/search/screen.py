@@ -152,8 +152,9 @@ class Screen:
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
         """Whether each joint begins at a size of its own: where one is stated, both ways are tried."""
         lead = kind.own_parameters(form)[0]
-        stated = lead.name in given(kind, self.context)
-        return (False, True) if kind.scalable and stated else (kind.scalable and not lead.shared,)
+        if not kind.scalable or lead.shared:
+            return (False,)
+        return (False, True) if lead.name in given(kind, self.context) else (True,)
 
     def _on_all(
         self, kind: type[Effect], form: str, also: dict[str, float]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -13,24 +13,25 @@ from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.score import goal_of, score
 from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.effects import Effect, effect
+from trunk_ros.effects import effect
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """The forms of each effect, but for those by which joints move each other."""
-    return _groups(best, lambda kind: [form for form in kind.forms if form not in kind.shaking])
+    return _groups(best, shaking=False)
 
 
-def shaking(best: Fit, desk: Desk) -> Iterator[Group]:
+def shaking_groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Those by which joints move each other: as they take by far the most time, what else mends comes
     before.
     """
-    return _groups(best, lambda kind: list(kind.shaking))
+    return _groups(best, shaking=True)
 
 
-def _groups(best: Fit, forms_of: Callable[[type[Effect]], list[str]]) -> Iterator[Group]:
+def _groups(best: Fit, shaking: bool) -> Iterator[Group]:
     for name, term in best.hypothesis.items():
-        forms = [form for form in forms_of(effect(name)) if form != term.form]
+        kind = effect(name)
+        forms = [f for f in kind.forms if f != term.form and (f in kind.shaking) == shaking]
         columns = [c for c in term.columns if c in best.context.columns]
         if forms and columns:
             yield Group(name, columns, partial(reforms, best, name, forms))
@@ -98,4 +99,4 @@ def _refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypot
 
 
 FORM = Move("form", groups)
-SHAKE = Move("shake", shaking)
+SHAKE = Move("shake", shaking_groups)

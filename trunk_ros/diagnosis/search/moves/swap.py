@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import combinations
 
-from trunk_ros.diagnosis.search.candidates import confused, open_kinds, own_effects
+from trunk_ros.diagnosis.search.candidates import open_kinds, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.trial import Look, looks, most_promising, refitted
+from trunk_ros.effects import confused
 
 EACH = 5  # effects that are looked at in the place of the same ones
 REFITTED = 8  # of all of them that are refitted in full
@@ -31,7 +32,7 @@ def _looks(best: Fit, column: int) -> Iterator[Look]:
     local = own_effects(best.hypothesis, column)
     for gone in [*((a,) for a in local), *combinations(local, 2)]:
         bare = best.hypothesis.less(gone, column)
-        like = frozenset().union(*map(confused, gone))
+        like = {other for name in gone for other in confused(name)}
         yield from looks(best, bare, column, open_kinds(best.context, bare, column), EACH, like)
 
 

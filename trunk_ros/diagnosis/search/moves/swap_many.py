@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import confused, extended, local_kinds
+from trunk_ros.diagnosis.search.candidates import extended, local_kinds
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.effects import Effect, effect
+from trunk_ros.effects import Effect, confused, effect
 
 MOST = 0.5  # of the joints: an effect on as many may be one of all
 
