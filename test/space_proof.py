@@ -66,7 +66,7 @@ def judged(case: SpaceCase) -> dict[str, Any]:
         "seed": case.seed, "arm": case.arm, "truth": [(h.effect, h.joints) for h in case.truth],
         "found": found, "hit": hit, "false": false, "verdict": result.verdict,
         "removed": 1.0 - (after / before) ** 2 if before > 1e-5 else None,
-        "tip": {s: v["rmse_after"] / v["noise_floor"] for s, v in result.stages["arm"]["tip"].items()},
+        "tip": _tip_error(case, result.model),
         "seconds": time.process_time() - began,
     }  # fmt: skip
 
@@ -120,6 +120,15 @@ def _joint_error(case: SpaceCase, model: Any) -> float:
     return float(np.sqrt(np.mean((said - shown)[SETTLED:] ** 2)))
 
 
+def _tip_error(case: SpaceCase, model: Any) -> float:
+    """Rms of what is left of the other motion's tip, in the noise of its sensor: the worst of its signals."""
+    from trunk_ros.evaluate.score import score
+    from trunk_ros.evaluate.source import of_model
+
+    rows = score("test", [of_model(_recording(case, case.test), "found", model)])
+    return max(row.in_noise for row in rows if row.stage == "arm")
+
+
 def summary(marks: list[dict[str, Any]]) -> dict[str, Any]:
     """Recall, precision, what is removed, clean arms with a finding, by arm and in all."""
     out = {}
@@ -135,6 +144,7 @@ def summary(marks: list[dict[str, Any]]) -> dict[str, Any]:
             "cases": len(some), "recall": hit / hidden if hidden else None,
             "precision": hit / (hit + false) if hit + false else None,
             "removed": float(np.median(removed)) if removed else None,
+            "tip_in_noise": float(np.median([m["tip"] for m in some])),
             "clean": len(clean), "clean_with_finding": sum(bool(m["found"]) for m in clean),
             "seconds": float(np.median([m["seconds"] for m in some])),
         }  # fmt: skip
@@ -143,7 +153,7 @@ def summary(marks: list[dict[str, Any]]) -> dict[str, Any]:
 
 def table(told: dict[str, Any]) -> str:
     """Markdown of a summary."""
-    keys = ("cases", "recall", "precision", "removed", "clean", "clean_with_finding", "seconds")
+    keys = list(told["all"])
     rows = ["| arm | " + " | ".join(keys) + " |", "|---" * (len(keys) + 1) + "|"]
     for arm, each in told.items():
         values = ("" if each[k] is None else f"{each[k]:.3g}" for k in keys)

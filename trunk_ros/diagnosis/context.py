@@ -211,9 +211,8 @@ class Context:
 
     def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) measured less predicted, 0 where nothing counts."""
-        span = self.views[index].span
-        off = span.target[:, column] - self.predict(index, hypothesis, column)
-        return np.where(span.valid[:, column], off, 0.0)
+        seen = self.views[index].columns[column]
+        return np.where(seen.valid, seen.target - self.predict(index, hypothesis, column), 0.0)
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
@@ -221,19 +220,17 @@ class Context:
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
-        seen = [
-            np.where(view.span.valid[:, column], change, 0.0)
-            for view, change in zip(self.views, changes, strict=True)
-        ]
+        pairs = zip(self.views, changes, strict=True)
+        seen = [np.where(view.columns[column].valid, change, 0.0) for view, change in pairs]
         return self.whiten(seen, column)
 
     def whiten(self, signals: list[Array], column: int) -> Array:
         """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""
         parts = []
         for view, signal in zip(self.views, signals, strict=True):
-            white = self.noise[column].whiten(signal, view.follows[:, column])
-            parts.append(white[view.span.valid[:, column]])
-        return np.concatenate(parts)
+            seen = view.columns[column]
+            parts.append(self.noise[column].whiten(signal, seen.follows).take(seen.counted))
+        return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
     # What the motion shows.
 

@@ -94,9 +94,13 @@ class Hypothesis(dict[str, Term]):
     def put(self, free: list[Free], x: Array) -> Hypothesis:
         """A copy with the values ``x`` (free,), on the scales of their parameters."""
         out = self.copy()
-        for f, value in zip(free, x, strict=True):
-            out._home(f)[f.parameter.name] = _decode(f.parameter, float(value))
+        out.set(free, x)
         return out
+
+    def set(self, free: list[Free], x: Array) -> None:
+        """Take the values ``x`` (free,), on the scales of their parameters."""
+        for f, value in zip(free, x, strict=True):
+            self._home(f)[f.parameter.name] = _decode(f.parameter, float(value))
 
     def get_words(self, name: str, column: int) -> tuple[str, ...]:
         """The words that an effect has on a joint, such as the sources of a coupling."""

@@ -40,7 +40,7 @@ class WireStage(Stage):
     def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
         shown, _, now, blocks = self._passed(context, index, hypothesis, column)
         span = context.views[index].span
-        return _besides(span, column, now, blocks, np.asarray(shown[span.rows, 0]))
+        return _besides(span, column, now, blocks, shown[:, 0].take(span.rows))
 
     def _passed(
         self, context: Context, index: int, hypothesis: Hypothesis, column: int

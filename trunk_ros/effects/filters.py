@@ -129,53 +129,36 @@ def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tu
 def delayed(stamp: Array, x: Array, delay: Array, skip: int, out: Array) -> None:
     """``x`` (m, columns) as it was ``delay`` (columns,) s ago, from row ``skip`` on.
 
-    Cubic (Catmull-Rom), using the past alone; where two delays are the same, so are the weights.
+    Cubic (Catmull-Rom), using the past alone; where two delays are the same, so are the weights. A time that
+    is a row's own gets that row alone.
     """
     rows, columns = x.shape
     at = np.zeros(columns, dtype=np.int64)
-    weight = np.empty(4)
+    alone, left, right, before, after = True, 0.0, 0.0, 0.0, 0.0
     for k in range(skip, rows):
         for j in range(columns):
-            same = j > 0 and delay[j] == delay[j - 1]
-            if same:
-                at[j] = at[j - 1]
+            if j > 0 and delay[j] == delay[j - 1]:
+                m = at[j - 1]
             else:
-                at[j] = weigh(stamp, k, stamp[k] - delay[j], at[j], weight)
-            m = at[j]
-            y = weight[1] * x[m, j]
-            if weight[1] != 1.0:
-                y += (
-                    weight[0] * x[max(m - 1, 0), j]
-                    + weight[2] * x[m + 1, j]
-                    + weight[3] * x[min(m + 2, k), j]
-                )
-            out[k - skip, j] = y
-
-
-@compiled
-def weigh(stamp: Array, last: int, t: float, start: int, weight: Array) -> int:
-    """Row m, from ``start`` on, before the time ``t``; ``weight`` (4,): of the rows m - 1 ... m + 2.
-
-    Rows after ``last`` are not known yet. A time that is a row's own gets that row alone.
-    """
-    weight[:] = 0.0
-    weight[1] = 1.0
-    if t <= stamp[0]:
-        return 0
-    if t >= stamp[last]:
-        return last
-    m = start
-    while m + 1 < last and stamp[m + 1] < t:
-        m += 1
-    h = stamp[m + 1] - stamp[m]
-    s = (t - stamp[m]) / h
-    left = s * (1.0 - s) ** 2 * h / (stamp[m + 1] - stamp[max(m - 1, 0)])
-    right = s * s * (s - 1.0) * h / (stamp[min(m + 2, last)] - stamp[m])
-    weight[0] = -left
-    weight[1] = (1.0 + 2.0 * s) * (1.0 - s) ** 2 - right
-    weight[2] = s * s * (3.0 - 2.0 * s) + left
-    weight[3] = right
-    return m
+                t, m = stamp[k] - delay[j], at[j]
+                alone = t <= stamp[0] or t >= stamp[k]
+                if alone:
+                    m = 0 if t <= stamp[0] else k
+                else:
+                    while m + 1 < k and stamp[m + 1] < t:
+                        m += 1
+                    h = stamp[m + 1] - stamp[m]
+                    s = (t - stamp[m]) / h
+                    left = s * (1.0 - s) * (1.0 - s) * h / (stamp[m + 1] - stamp[max(m - 1, 0)])
+                    right = s * s * (s - 1.0) * h / (stamp[min(m + 2, k)] - stamp[m])
+                    before = (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s) - right
+                    after = s * s * (3.0 - 2.0 * s) + left
+            at[j] = m
+            if alone:
+                out[k - skip, j] = x[m, j]
+            else:
+                far, near = x[max(m - 1, 0), j], x[min(m + 2, k), j]
+                out[k - skip, j] = before * x[m, j] - left * far + after * x[m + 1, j] + right * near
 
 
 def rate(y: Array, dt: Array, state: Array | None) -> tuple[Array, Array]:

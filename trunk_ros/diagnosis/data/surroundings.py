@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,17 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
+
+
+class Column(NamedTuple):
+    """One joint's measured values (n,), where they count (n,), these rows (k,), and where the one before
+    counts as well (n,).
+    """
+
+    target: Array
+    valid: np.ndarray
+    counted: np.ndarray
+    follows: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -28,6 +39,20 @@ class View:
     speeds: Array
     follows: np.ndarray
     cuts: dict[int, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @cached_property
+    def columns(self) -> list[Column]:
+        """What was measured of each joint."""
+        span = self.span
+        return [
+            Column(
+                np.ascontiguousarray(span.target[:, c]),
+                np.ascontiguousarray(span.valid[:, c]),
+                np.flatnonzero(span.valid[:, c]),
+                np.ascontiguousarray(self.follows[:, c]),
+            )
+            for c in range(span.target.shape[1])
+        ]
 
     @cached_property
     def load(self) -> Array:

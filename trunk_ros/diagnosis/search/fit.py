@@ -47,13 +47,14 @@ class Residuals:
         self.context, self.hypothesis, self.columns = context, hypothesis, columns
         self.free = hypothesis.free(columns)
         self.scale = scales(self.free, context.stage.loads)
+        self._moved = hypothesis.copy()
         self._at: tuple[bytes, list[Array]] | None = None
 
     def parts(self, x: Array) -> list[Array]:
         """Residuals by column."""
         if self._at is None or self._at[0] != x.tobytes():
-            there = self.hypothesis.put(self.free, x)
-            self._at = x.tobytes(), [self.context.whitened(there, c) for c in self.columns]
+            self._moved.set(self.free, x)
+            self._at = x.tobytes(), [self.context.whitened(self._moved, c) for c in self.columns]
         return self._at[1]
 
     def __call__(self, x: Array) -> Array:
@@ -78,12 +79,12 @@ class Residuals:
             step = STEP * self.scale[k] * (1.0 if x[k] + STEP * self.scale[k] <= high[k] else -1.0)
             moved = x.copy()
             moved[k] += step
-            there = self.hypothesis.put(self.free, moved)
+            self._moved.set(self.free, moved)
             touched = self.hypothesis[f.effect].columns if f.column is None else [f.column]
             for i, column in enumerate(self.columns):
                 if column in touched or f.parameter.carried:
                     found[i][0].append(k)
-                    found[i][1].append((self.context.whitened(there, column) - base[i]) / step)
+                    found[i][1].append((self.context.whitened(self._moved, column) - base[i]) / step)
         return [
             (free, np.array(rows).T if rows else np.zeros((len(part), 0)))
             for (free, rows), part in zip(found, base, strict=True)
@@ -160,7 +161,8 @@ def costed(context: Context, hypothesis: Hypothesis) -> Fit:
 
 def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) -> Array:
     """Levenberg-Marquardt within bounds. Values that are good enough stay as they are, so that what is known
-    of them stays true.
+    of them stays true. It ends where a round gained too little, or as much as its linear look had promised:
+    then the next would.
 
     Few values against many samples: the normal equations cost a tenth of the decompositions that
     ``scipy.optimize.least_squares`` makes of the whole derivative.
@@ -171,7 +173,7 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) 
     first, start = cost, x
     for done in range(1, rounds + 1):
         slope, normal = residuals.normal(x)
-        before = cost
+        before, looked = cost, x
         for _ in range(TRIES):
             trial = np.clip(x - _step(normal, slope, damping, x, low, high), low, high)
             there = residuals(trial)
@@ -183,7 +185,18 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) 
         hopeless = done > SURE and (rounds - done) * (before - cost) < cost - goal
         if before - cost < enough or hopeless:
             break
+        most = looked - np.clip(looked - _step(normal, slope, 0.0, looked, low, high), low, high)
+        if _unforeseen(normal, slope, looked - x, most, before - cost) < enough:
+            break
     return x if first - cost >= enough else start
+
+
+def _unforeseen(normal: Array, slope: Array, moved: Array, most: Array, gained: float) -> float:
+    """How far what a round ``gained`` is from what its linear look promised for the values that it ``moved``,
+    and that from what it promised at ``most``.
+    """
+    here, there = (float(2.0 * slope @ d - d @ normal @ d) for d in (moved, most))
+    return abs(gained - here) + max(there - here, 0.0)
 
 
 def _step(normal: Array, slope: Array, damping: float, x: Array, low: Array, high: Array) -> Array:

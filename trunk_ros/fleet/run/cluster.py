@@ -37,6 +37,7 @@ def connected(scheduler: str | None, workers: int | None = None) -> Iterator[Any
         "distributed.scheduler.allowed-failures": DEATHS,
         "distributed.comm.timeouts.connect": "20s",
         "distributed.worker.memory.terminate": 0.95,
+        "distributed.worker.profile.enabled": False,  # keeps stacks for an hour: 1 MB a recording
     }
     with dask.config.set(settings):
         if scheduler is None:

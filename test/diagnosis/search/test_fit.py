@@ -1,0 +1,46 @@
+"""Fits: as exact as the data allow, and no look more than that takes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.search.looks import context
+from trunk_ros.diagnosis.context import Context, Work
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import Fit, Residuals, fit
+
+
+def predictions(look: Context, hypothesis: Hypothesis, column: int) -> tuple[Fit, float]:
+    """The fit of one joint, and how many predictions it took."""
+    counted = replace(look, work=Work())
+    done = fit(counted, hypothesis, [column])
+    return done, counted.work.done / len(look.views[0].span.grid)
+
+
+def test_what_is_linear_takes_two_steps() -> None:
+    look = context("clean")
+    shifted = Hypothesis(zero_offset=Term("zero_offset", own={2: {"offset": 0.02}}))
+    done, took = predictions(look, shifted, 2)
+    assert took == 5  # where it begins, two slopes, where they lead; the first step is damped
+    best = np.mean(look.whitened(Hypothesis(), 2)) * look.noise[2].std
+    assert done.hypothesis["zero_offset"].own[2]["offset"] == pytest.approx(best, abs=1e-6)
+
+
+def test_what_bends_is_followed_until_nothing_is_left_to_gain() -> None:
+    look = context("backlash")
+    wide = Hypothesis(backlash=Term("backlash", own={2: {"half_width": 6e-3}}))
+    done, took = predictions(look, wide, 2)
+    assert took > 5
+    there = Residuals(look, done.hypothesis, [2])
+    slope, normal = there.normal(done.hypothesis.get(there.free))
+    assert slope[0] ** 2 / normal[0, 0] < 0.1  # of squared unit noise
+    assert done.hypothesis["backlash"].own[2]["half_width"] == pytest.approx(1.5e-3, abs=5e-5)
+
+
+def test_a_fit_does_not_change_what_it_began_with() -> None:
+    wide = Hypothesis(backlash=Term("backlash", own={2: {"half_width": 6e-3}}))
+    fit(context("backlash"), wide, [2])
+    assert wide["backlash"].own[2]["half_width"] == 6e-3
