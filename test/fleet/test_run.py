@@ -10,6 +10,7 @@ pytest.importorskip("pyarrow")
 distributed = pytest.importorskip("distributed")
 
 from trunk_ros.fleet.inputs.listing import Job  # noqa: E402
+from trunk_ros.fleet.run.cluster import connected, each  # noqa: E402
 from trunk_ros.fleet.run.loop import Plan, run  # noqa: E402
 from trunk_ros.fleet.run.outcome import FINDINGS, unread  # noqa: E402
 from trunk_ros.fleet.run.store import Store, flat  # noqa: E402
@@ -135,3 +136,17 @@ def test_findings_become_rows_with_the_columns_that_others_rely_on(client, jobs,
     ]  # fmt: skip
     assert table["recording"].to_pylist() == ["good", "twin"]
     assert set(table["time"].to_pylist()) == {5.0}, "the recording's own time, where no list has one"
+
+
+def profiled(n):
+    """What a worker's sampling profiler has kept while it computed."""
+    from distributed import get_worker
+
+    sum(k * k for k in range(n))
+    worker = get_worker()
+    return sum(kept["count"] for _, kept in worker.profile_history) + worker.profile_recent["count"]
+
+
+def test_a_worker_keeps_nothing_of_what_it_has_done():
+    with connected(None, 1) as there:
+        assert [r for _, r in each(there, profiled, [(None, (3_000_000,))] * 3)] == [0, 0, 0]

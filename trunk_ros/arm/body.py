@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm.pinocchio import library
+from trunk_ros.arm.weight import Tree, tree_of, weigh
 from trunk_ros.compiled import Array
 
 KEPT = 8  # models with a payload that are kept, and motions with their mass matrices
@@ -33,7 +34,7 @@ class Body:
     """(nv,) rad or m."""
     path: tuple[int, ...]
     """The model's joints on the way from base to tip."""
-    _loaded: dict[Any, tuple[Any, Any]] = field(default_factory=dict, repr=False)
+    _loaded: dict[Any, tuple[Any, Any, Tree]] = field(default_factory=dict, repr=False)
     _matrices: dict[Any, Array] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -98,9 +99,14 @@ class Body:
         ``payload`` kg at the tip; without ``links`` it is all that has mass.
         """
         pin = library()
-        model, data = self._with(payload, links)
-        model.gravity.linear = self.base.rotation @ np.asarray(gravity, dtype=float)
+        model, data, tree = self._with(payload, links)
+        pull = self.base.rotation @ np.asarray(gravity, dtype=float)
         q = self._whole(theta) + self.offset
+        if speed is None and acceleration is None:
+            weight = np.empty_like(q)
+            weigh(q, pull, tree, weight)
+            return np.asarray(weight @ self.spread)
+        model.gravity.linear = pull
         still = np.zeros_like(q)
         v = still if speed is None else self._whole(speed)
         a = still if acceleration is None else self._whole(acceleration)
@@ -116,7 +122,7 @@ class Body:
         the joints, as ``moments`` has it: the weight is a sum of these, whatever the masses.
         """
         pin = library()
-        model, data = self._with(0.0, True)
+        model, data, _ = self._with(0.0, True)
         model.gravity.linear = self.base.rotation @ np.asarray(gravity, dtype=float)
         q, still = self._whole(theta) + self.offset, np.zeros(model.nv)
         static = np.add.outer(10 * np.arange(model.njoints - 1), np.arange(4)).ravel()
@@ -136,7 +142,7 @@ class Body:
         key = payload, q.tobytes()  # a search asks for the same motion again and again
         if key in self._matrices:
             return self._matrices[key]
-        pin, (model, data) = library(), self._with(payload, True)
+        pin, (model, data, _) = library(), self._with(payload, True)
         out = np.empty((len(q), model.nv, model.nv))
         for k in range(len(q)):
             out[k] = pin.crba(model, data, q[k])
@@ -150,7 +156,7 @@ class Body:
     def poses(self, theta: Array) -> Array:
         """Tip (n, 7) in the base link: x, y, z [m] and the quaternion x, y, z, w."""
         pin = library()
-        model, data = self._with(0.0, True)
+        model, data, _ = self._with(0.0, True)
         q, back = self._whole(theta) + self.offset, self.base.inverse()
         out = np.empty((len(q), 7))
         for k in range(len(q)):
@@ -163,7 +169,7 @@ class Body:
         in the base link.
         """
         pin, own, back = library(), self.own, self.base.inverse()
-        model, data = self._with(0.0, True)
+        model, data, _ = self._with(0.0, True)
         q = self._whole(theta) + self.offset
         place, turn = np.empty((len(q), len(own) + 1, 3)), np.empty((len(q), len(own) + 1, 3, 3))
         for k in range(len(q)):
@@ -175,14 +181,14 @@ class Body:
 
     def frames(self, theta: Array, ids: list[int]) -> list[Any]:
         """Poses (SE3) of frames in the model's root at joint angles (joints,)."""
-        model, data = self._with(0.0, True)
+        model, data, _ = self._with(0.0, True)
         library().framesForwardKinematics(model, data, (self._whole(theta[None]) + self.offset)[0])
         return [data.oMf[i].copy() for i in ids]
 
     def jacobian(self, theta: Array) -> Array:
         """(n, 6, joints) of the tip: m and rad along and about the base's axes per rad or m of each joint."""
         pin = library()
-        model, data = self._with(0.0, True)
+        model, data, _ = self._with(0.0, True)
         q, turn = self._whole(theta) + self.offset, np.kron(np.eye(2), self.base.rotation.T)
         out = np.empty((len(q), 6, model.nv))
         for k in range(len(q)):
@@ -193,8 +199,8 @@ class Body:
         """(n, nv) of the arm's (n, joints)."""
         return np.ascontiguousarray(np.asarray(theta, dtype=float) @ self.spread.T)
 
-    def _with(self, payload: float, links: bool) -> tuple[Any, Any]:
-        """The model with a mass at the tip, and its scratch space."""
+    def _with(self, payload: float, links: bool) -> tuple[Any, Any, Tree]:
+        """The model with a mass at the tip, its scratch space, and its links."""
         key = (float(payload), links)
         if key not in self._loaded:
             pin = library()
@@ -207,7 +213,7 @@ class Body:
             model.appendBodyToJoint(frame.parentJoint, lump, frame.placement)
             if len(self._loaded) >= KEPT:
                 self._loaded.clear()
-            self._loaded[key] = model, model.createData()
+            self._loaded[key] = model, model.createData(), tree_of(model)
         return self._loaded[key]
 
 

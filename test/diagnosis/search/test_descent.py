@@ -61,3 +61,16 @@ def test_what_would_not_be_claimed_is_left_out_where_the_work_is_done() -> None:
     assert not done.hypothesis
     assert done.context.work is spent.work
     assert spent.work.over
+
+
+def test_what_could_not_gain_enough_is_not_tried() -> None:
+    tried: list[tuple[int, float]] = []
+    desk = Desk()
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        for column in (0, 2):
+            yield Group(column, [column], lambda c=column: tried.append((c, desk.share)) or [])
+
+    descend(fitted("backlash"), [Move("any", groups)], desk)
+    assert (2, COARSE[0]) in tried
+    assert (0, COARSE[0]) not in tried

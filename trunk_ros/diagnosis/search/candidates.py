@@ -57,14 +57,15 @@ def usable(context: Context) -> list[type[Effect]]:
     ]
 
 
-def plain_forms(kind: type[Effect], context: Context, columns: Iterable[int]) -> tuple[str, ...]:
-    """The forms that some joints may show, all those of them that may show any, but for those that are looked
-    at once another has been found.
-    """
+def shown_forms(kind: type[Effect], context: Context, columns: Iterable[int]) -> tuple[str, ...]:
+    """The forms that some joints may show, all those of them that may show any."""
     shown = [forms for c in columns if (forms := kind.forms_shown(context.motion(c)))]
-    return tuple(
-        f for f in kind.forms if shown and f not in kind.refined and all(f in each for each in shown)
-    )
+    return tuple(f for f in kind.forms if shown and all(f in each for each in shown))
+
+
+def plain_forms(kind: type[Effect], context: Context, columns: Iterable[int]) -> tuple[str, ...]:
+    """The same but for those that are looked at once another has been found."""
+    return tuple(f for f in shown_forms(kind, context, columns) if f not in kind.refined)
 
 
 def local_kinds(context: Context) -> list[type[Effect]]:

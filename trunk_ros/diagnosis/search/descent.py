@@ -64,6 +64,13 @@ class Desk:
         """A group was tried in vain: its best trial is better by no more than a ``gain``."""
         self.vain[move.name, group.what, state_of(best, group.columns)] = gain
 
+    def in_reach(self, group: Group, best: Fit) -> bool:
+        """Whether a group would pay if it explained all that is left on its columns, and all names were
+        free.
+        """
+        left = sum(best.rest(c) for c in group.columns if c in best.cost)
+        return self.pays(left + score(best) - best.total, best)
+
     def pays(self, gain: float, best: Fit) -> bool:
         """Whether a gain is worth a step: more than rounding, and large things first."""
         return gain > max(CLEARLY, self.share * sum(map(best.rest, best.cost)))
@@ -98,7 +105,7 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
         for group in move.groups(best, desk):
             if best.context.work.over:
                 return None
-            if desk.is_vain(move, group, best):
+            if desk.is_vain(move, group, best) or not desk.in_reach(group, best):
                 continue
             trial = min(group.trials(), key=score, default=best)
             gain = score(best) - score(trial)

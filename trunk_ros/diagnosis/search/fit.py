@@ -14,7 +14,6 @@ from trunk_ros.effects import effect
 STEP = 0.005  # of a parameter's usual size, for derivatives
 ROUNDS = 12
 AGAIN = 3  # looks at links that shake each other: each leaves a tenth of the change before
-FAR = 2.0  # times what a fit has to come to: from there a further look does not lead there
 SURE = 2  # rounds after which gains only get smaller
 TRIES = 6  # dampings a round
 DAMPING = 1e-3
@@ -112,26 +111,25 @@ def fit(context: Context, hypothesis: Hypothesis, columns: list[int], goal: floa
     return Fit(hypothesis.put(residuals.free, x), cost, context)
 
 
-def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf) -> Fit:
+def refit(context: Context, hypothesis: Hypothesis) -> Fit:
     """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
-    postures. Given up where the squared residuals of all joints will not come down to ``goal``.
+    postures.
     """
-    done = _refit(context, hypothesis, goal)
+    done = _refit(context, hypothesis)
     if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
-        done = _refit(context.seen_with(done.hypothesis), done.hypothesis, goal)
+        done = _refit(context.seen_with(done.hypothesis), done.hypothesis)
     for _ in range(AGAIN if hypothesis.shakes else 0):
         seen = done.context.seen_with(done.hypothesis)
-        if seen is done.context or done.total > FAR * goal:
+        if seen is done.context:
             break
-        done = _refit(seen, done.hypothesis, goal)
+        done = _refit(seen, done.hypothesis)
     return done
 
 
-def _refit(context: Context, hypothesis: Hypothesis, goal: float) -> Fit:
+def _refit(context: Context, hypothesis: Hypothesis) -> Fit:
     cost: dict[int, float] = {}
-    together = groups(context, hypothesis)
-    for group in together:
-        done = fit(context, hypothesis, group, goal if len(together) == 1 else np.inf)
+    for group in groups(context, hypothesis):
+        done = fit(context, hypothesis, group)
         hypothesis = done.hypothesis
         cost |= done.cost
     return Fit(hypothesis, cost, context)

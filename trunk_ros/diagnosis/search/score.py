@@ -61,12 +61,6 @@ def priced(fit: Fit) -> float:
     return fit.total + sum(price(fit, term) for term in fit.hypothesis.values())
 
 
-def goal_of(best: Fit, hypothesis: Hypothesis) -> float:
-    """What the squared residuals of a hypothesis have to come to for it to be as good as ``best``."""
-    there = Fit(hypothesis, best.cost, best.context)
-    return priced(best) - (priced(there) - there.total)
-
-
 def beats(trial: Fit, best: Fit) -> bool:
     """Whether a fit is better by more than rounding."""
     return score(trial) < score(best) - CLEARLY

@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import extended
+from trunk_ros.diagnosis.search.candidates import extended, shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
-from trunk_ros.diagnosis.search.score import goal_of, score
+from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import effect
 
@@ -39,10 +39,10 @@ def _groups(best: Fit, shaking: bool) -> Iterator[Group]:
 
 def reforms(best: Fit, name: str, forms: Sequence[str]) -> Iterator[Fit]:
     """An effect in each of some forms that its joints can show."""
-    kind, columns = effect(name), best.hypothesis[name].columns
+    kind = effect(name)
+    shown = shown_forms(kind, best.context, best.hypothesis[name].columns)
     for form in forms:
-        seen = all(form in kind.forms_shown(best.context.motion(c)) for c in columns)
-        if seen and kind.own_parameters(form):
+        if form in shown and kind.own_parameters(form):
             trial = _reformed(best, name, form)
             if trial is not None:
                 yield trial
@@ -56,10 +56,10 @@ def _reformed(now: Fit, name: str, form: str) -> Fit | None:
     begun = _begun(now, name, form)
     if begun is None:
         return None
-    trial = refit(context, begun, goal_of(now, begun))
+    trial = refit(context, begun)
     if form not in kind.refined or old.form in kind.refined:
         return trial
-    others = [refit(context, h, goal_of(now, h)) for h in _refinements(now.hypothesis, name, form)]
+    others = [refit(context, h) for h in _refinements(now.hypothesis, name, form)]
     trial = min([trial, *others], key=score)
     for column in hidden(trial.context, trial.hypothesis[name]):
         kept = trial.hypothesis.copy()
