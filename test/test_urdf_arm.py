@@ -88,6 +88,16 @@ def test_load_and_tip_are_those_of_another_engine(name: str) -> None:
         )
 
 
+@pytest.mark.parametrize("links", [True, False])
+@pytest.mark.parametrize("name", sorted(URDFS))
+def test_weight_is_that_of_the_library(name: str, links: bool) -> None:
+    body, theta = arm_of(name).body, postures(arm_of(name))
+    still = np.zeros_like(theta)
+    weight = body.moments(theta, PULL, 0.3, links=links)
+    known = body.moments(theta, PULL, 0.3, still, still, links=links)
+    assert weight == pytest.approx(known, rel=1e-9, abs=1e-12 * max(np.abs(known).max(), 1.0))
+
+
 @pytest.mark.parametrize("name", sorted(URDFS))
 def test_inertia_and_mass_matrix_are_those_of_another_engine(name: str) -> None:
     arm, engine = arm_of(name), Engine(name, 0.0, np.zeros(3))

@@ -4,7 +4,7 @@ well.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -141,10 +141,17 @@ def banks_evidence(state: Fit) -> dict[str, Evidence]:
     for name in [n for n in state.hypothesis if issubclass(effect(n), Bank)]:
         less = {c: state.context.whitened(state.hypothesis.without(name), c) for c in state.cost}
         gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in state.hypothesis[name].columns}
-        limit = sum(need(state.context, c, state.rest(c)) for c in gain)
+        limit = doubt(state, gain)
         sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
         out[name] = Evidence(gain, strength(state, name), confidence=sure)
     return out
+
+
+def doubt(state: Fit, columns: Iterable[int]) -> float:
+    """What a name on some columns has to gain, and others in its place to lose: more than chance and formulas
+    make, and as much as is left there, since whatever that is may stand behind the name as well.
+    """
+    return sum(max(need(state.context, c, state.rest(c)), state.rest(c)) for c in columns)
 
 
 def _showing(state: Fit, whole: Fit | None, name: str) -> Fit:
@@ -158,7 +165,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     columns = state.hypothesis[name].columns
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
     out = Evidence(gain, strength(state, name))
-    limit = sum(need(context, c, state.rest(c)) for c in gain)
+    limit = doubt(state, gain)
     if effect(name).named:
         fits = _rivals(state, name, bare)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}

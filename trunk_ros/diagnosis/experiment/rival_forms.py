@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from trunk_ros.diagnosis.evidence.evidence import Evidence, by_its_own_angles
+from trunk_ros.diagnosis.evidence.evidence import Evidence, by_its_own_angles, doubt
 from trunk_ros.diagnosis.experiment.discrimination import Duel, Other
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import need
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 
@@ -17,7 +16,7 @@ def sides_of(state: Fit, name: str, rival: str, evidence: Evidence) -> list[Duel
     """What was found taken for the truth, then each form of the rival taken for it: one effect may be able to
     turn into the other, and then only one of the two can be ruled out.
     """
-    limit = sum(need(state.context, c, state.rest(c)) for c in evidence.gain)
+    limit = doubt(state, evidence.gain)
     others = forms_of(state, evidence.fitted[rival], rival, limit)
     own = forms_of(state, state.hypothesis, name, limit)
     forward = Duel(name, rival, Other(state.context, state.hypothesis, 0.0), others)
