@@ -41,23 +41,34 @@ def left(result: Diagnosis, joint: str) -> float:
 
 STAMP = np.arange(0.0, 60.0, 0.01)
 PASSES = 0.3 * np.sin(np.column_stack([0.9 * STAMP, 0.53 * STAMP + 1.0]))
+IN_TURN = np.column_stack([np.where(STAMP < 7.0, PASSES[:, 0], PASSES[699, 0]), PASSES[:, 1]])
+AT_TIMES = np.searchsorted([7.3, 12.9, 21.4, 33.8, 44.1, 52.6], STAMP) % 2 * 1.0
 
 
 @pytest.mark.parametrize(
-    ("rest", "by_motion"),
+    ("rest", "angles", "by_motion"),
     [
-        (np.sign(np.gradient(PASSES[:, 0])) * (STAMP > 30.0), True),  # friction that has changed
-        ((PASSES[:, 0] > 0.12) * 1.0, True),
-        ((PASSES[:, 1] > -0.07) * 1.0, True),
-        (np.searchsorted([7.3, 12.9, 21.4, 33.8, 44.1, 52.6], STAMP) % 2 * 1.0, False),
+        (np.sign(np.gradient(PASSES[:, 0])) * (STAMP > 30.0), PASSES, True),  # friction that has changed
+        ((PASSES[:, 0] > 0.12) * 1.0, PASSES, True),
+        ((PASSES[:, 1] > -0.07) * 1.0, PASSES, True),
+        (AT_TIMES, PASSES, False),
+        (AT_TIMES, IN_TURN, False),
     ],
-    ids=["at its turns", "at a place", "at another joint's place", "at moments of its own"],
+    ids=[
+        "at its turns",
+        "at a place",
+        "at another joint's place",
+        "at moments of its own",
+        "while it stands",
+    ],
 )
-def test_jumps_are_a_matter_of_time_unless_the_motion_brings_them_on(rest: Array, by_motion: bool) -> None:
+def test_jumps_are_a_matter_of_time_unless_the_motion_brings_them_on(
+    rest: Array, angles: Array, by_motion: bool
+) -> None:
     noise = np.random.default_rng(8).normal(size=len(STAMP))
     moments = jumps(STAMP, 10.0 * rest + noise, 60.0, 30)
     assert len(moments) > 4
-    assert moved_by(STAMP, rest, moments, PASSES, 0) == by_motion
+    assert moved_by(STAMP, rest, moments, angles, 0) == by_motion
 
 
 def test_what_follows_the_speed_of_another_joint_names_that_joint() -> None:

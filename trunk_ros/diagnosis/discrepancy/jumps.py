@@ -10,8 +10,7 @@ from trunk_ros.compiled import Array, compiled
 SHORTEST = 5  # samples between two jumps
 TURNED = 0.01  # of its range that a joint has to come back to have turned
 NEAR = 0.3  # s from a joint's turn within which a jump belongs to the turn
-CHANCE = 0.01  # of as many jumps at turns, were they anywhere
-ALIKE = 0.15  # of a joint's spread: positions closer than this are one place
+CHANCE = 0.01  # of as many jumps at turns or at one place, were they anywhere
 
 
 def jumps(stamp: Array, rest: Array, worth: float, most: int) -> Array:
@@ -47,7 +46,15 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
     kinds = [at[some] for some in (up, ~up) if some.sum() > 1]
     if len(kinds) < 2:
         return False
-    return bool(np.any(np.max([np.std(k, axis=0) for k in kinds], axis=0) < ALIKE * np.std(angles, axis=0)))
+    chance = np.prod([_there(angles, kind) ** (len(kind) - 1) for kind in kinds], axis=0)
+    return bool(chance.min() * len(chance) < CHANCE)
+
+
+def _there(angles: Array, seen: Array) -> Array:
+    """(joints,): the share of the time in which each joint is where it was ``seen`` (k, joints)."""
+    place = seen.mean(axis=0)
+    reach = np.maximum(np.abs(seen - place).max(axis=0), TURNED * np.ptp(angles, axis=0))
+    return np.asarray(np.mean(np.abs(angles - place) <= reach, axis=0))
 
 
 @compiled
