@@ -13,7 +13,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.motion_content import is_wide, speed_tells
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
-from trunk_ros.diagnosis.data.surroundings import View, at, repeated
+from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.effects.effect import Motion, Now
@@ -24,7 +24,7 @@ LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
 CLOSE = 0.01  # of the motion: a change of the angles that changes nothing of what was tried
 PLAIN = 0.25  # of the joints: so many show little but noise
-KEPT = 16  # surroundings of each joint and span that are kept
+KEPT = 8  # surroundings of each joint and span that are kept
 
 
 @dataclass
@@ -62,7 +62,9 @@ class Context:
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
-    _cache: dict[tuple[object, ...], Now] = field(default_factory=dict, repr=False)
+    _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
+        default_factory=dict, repr=False
+    )
 
     @staticmethod
     def of(stage: Stage, work: Work | None = None) -> Context:
@@ -184,21 +186,12 @@ class Context:
     # Predictions and residuals.
 
     def now(
-        self,
-        index: int,
-        column: int,
-        payload: Payload = NOTHING,
-        rows: tuple[int, ...] | None = None,
-        times: int = 1,
+        self, index: int, column: int, payload: Payload = NOTHING, rows: tuple[int, ...] | None = None
     ) -> Now:
-        """The surroundings of a column in a span, or at some ``rows`` of its grid, so many ``times`` side by
-        side; kept between calls.
-        """
-        key = (index, column, payload, rows, times)
+        """The surroundings of a column in a span, or at some ``rows`` of its grid, kept between calls."""
+        key = (index, column, payload, rows)
         if key not in self._cache:
-            if times > 1:
-                made = repeated(self.now(index, column, payload, rows), times)
-            elif rows is None:
+            if rows is None:
                 made = self.views[index].now(self.arm, column, payload)
             else:
                 made = at(self.now(index, column, payload), np.array(rows))
@@ -212,34 +205,18 @@ class Context:
         self.work.done += len(self.views[index].span.grid)
         return self.stage.predict(self, index, hypothesis, column)
 
-    def predict_each(self, index: int, hypotheses: Sequence[Hypothesis], column: int) -> list[Array]:
-        """The same of several hypotheses."""
-        self.work.done += len(self.views[index].span.grid) * len(hypotheses)
-        return self.stage.predict_each(self, index, hypotheses, column)
-
     def predictions(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Predictions of a column, one (n,) a span."""
         return [self.predict(index, hypothesis, column) for index in range(len(self.views))]
 
     def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) measured less predicted, 0 where nothing counts."""
-        return self._off(index, self.predict(index, hypothesis, column), column)
-
-    def _off(self, index: int, said: Array, column: int) -> Array:
         seen = self.views[index].columns[column]
-        return np.where(seen.valid, seen.target - said, 0.0)
+        return np.where(seen.valid, seen.target - self.predict(index, hypothesis, column), 0.0)
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
         return self.whiten([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
-
-    def whitened_each(self, hypotheses: Sequence[Hypothesis], column: int) -> list[Array]:
-        """The same of several hypotheses."""
-        said = [self.predict_each(i, hypotheses, column) for i in range(len(self.views))]
-        return [
-            self.whiten([self._off(i, one, column) for i, one in enumerate(each)], column)
-            for each in zip(*said, strict=True)
-        ]
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""

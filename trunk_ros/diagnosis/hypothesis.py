@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -45,11 +45,6 @@ class Term:
         own, words = self.own[column].items(), self.words.get(column, {}).items()
         return (self.effect, self.form, tuple(self.shared.items()), tuple(own), tuple(words))
 
-    def pattern(self, column: int) -> tuple[object, ...]:
-        """The same but for the joint's own values."""
-        words = self.words.get(column, {}).items()
-        return (self.effect, self.form, tuple(self.shared.items()), tuple(self.own[column]), tuple(words))
-
     @property
     def columns(self) -> list[int]:
         """The joints that the effect is on."""
@@ -86,7 +81,7 @@ class Hypothesis(dict[str, Term]):
 
     def bound(self, column: int) -> list[Effect]:
         """The effects on one joint, as blocks over that joint alone."""
-        return bound_together([self], column)
+        return [bind_column(term, column) for term in self.on(column)]
 
     def free(self, columns: list[int]) -> list[Free]:
         """What a fit of these joints moves; shared values only if the fit covers all joints they act on."""
@@ -127,10 +122,6 @@ class Hypothesis(dict[str, Term]):
             mine.own[column] = dict(term.own[column])
             if column in term.words:
                 mine.words[column] = dict(term.words[column])
-
-    def pattern(self, column: int) -> tuple[object, ...]:
-        """All that a prediction of one joint depends on but the joint's own values."""
-        return (payload_of(self), *(term.pattern(column) for term in self.on(column)))
 
     def key(self, column: int) -> tuple[object, ...]:
         """What a prediction of one joint depends on, for caches."""
@@ -190,20 +181,13 @@ def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
     )
 
 
-def bound_together(hypotheses: Sequence[Hypothesis], column: int) -> list[Effect]:
-    """The effects that hypotheses of one pattern have on a joint, as blocks over it, once for each."""
-    return [bind(terms, column) for terms in zip(*(h.on(column) for h in hypotheses), strict=True)]
-
-
-def bind(terms: Sequence[Term], column: int) -> Effect:
-    """A term of several hypotheses of one pattern as a block over one joint, once for each."""
-    one, kind = terms[0], effect(terms[0].effect)
-    null = kind.null()
-    names = {**null, **one.values(column)}
-    each = [term.values(column) for term in terms]
-    numbers = {name: np.array([v[name] if name in v else null[name] for v in each]) for name in names}
-    words = {name: (word,) * len(terms) for name, word in one.words.get(column, {}).items()}
-    return kind(numbers, words, one.form)
+def bind_column(term: Term, column: int) -> Effect:
+    """A term as a block over one joint."""
+    kind = effect(term.effect)
+    values = {**kind.null(), **term.values(column)}
+    numbers = {name: np.array([value]) for name, value in values.items()}
+    words = {name: (word,) for name, word in term.words.get(column, {}).items()}
+    return kind(numbers, words, term.form)
 
 
 def bounds(free: list[Free]) -> tuple[Array, Array]:

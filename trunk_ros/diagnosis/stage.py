@@ -105,12 +105,6 @@ class Stage(ABC):
     def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
 
-    def predict_each(
-        self, context: Context, index: int, hypotheses: Sequence[Hypothesis], column: int
-    ) -> list[Array]:
-        """The same of several hypotheses."""
-        return [self.predict(context, index, hypothesis, column) for hypothesis in hypotheses]
-
     def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
         """What is seen with the angles and loads that a hypothesis predicts, where the stage has any; as it
         is where they are nearly the same.

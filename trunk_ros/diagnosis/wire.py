@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +12,9 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View
-from trunk_ros.diagnosis.hypothesis import Hypothesis, bound_together, payload_of
+from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.effects import effect
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
@@ -26,7 +25,6 @@ from trunk_ros.start import Driven, first_rows, history
 SAME = 1e-3  # of the motion: angles that are nearer change no load by more than fits tell
 SHAKEN = 1e-3  # of that: what shakes the links beyond goes by the angles' curvature
 TOGETHER = 40  # joint-steps that one of joints costs which shake each other
-AT_ONCE = 60_000  # samples that go through one pass: as many as stay near the processor
 STANDING = 40  # steps that a stand is looked at
 
 
@@ -40,38 +38,22 @@ class WireStage(Stage):
         self._stands: dict[tuple[int, int], tuple[tuple[int, ...], float]] = {}
 
     def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
-        shown, _, now, blocks = self._passed(context, index, [hypothesis], column)
+        shown, _, now, blocks = self._passed(context, index, hypothesis, column)
         span = context.views[index].span
         return _besides(span, column, now, blocks, shown[:, 0].take(span.rows))
 
-    def predict_each(
-        self, context: Context, index: int, hypotheses: Sequence[Hypothesis], column: int
-    ) -> list[Array]:
-        """The same of several hypotheses, those of one pattern in one pass."""
-        rows, out = context.views[index].span.rows, {}
-        most = max(AT_ONCE // len(context.views[index].span.grid), 1)
-        for places in _alike(hypotheses, column, most):
-            if len(places) == 1:
-                out[places[0]] = self.predict(context, index, hypotheses[places[0]], column)
-                continue
-            shown = self._passed(context, index, [hypotheses[k] for k in places], column)[0]
-            out |= {k: shown[:, j].take(rows) for j, k in enumerate(places)}
-        return [out[k] for k in range(len(hypotheses))]
-
     def _passed(
-        self, context: Context, index: int, hypotheses: Sequence[Hypothesis], column: int
+        self, context: Context, index: int, hypothesis: Hypothesis, column: int
     ) -> tuple[Array, Array, Now, list[Effect]]:
-        """The joint's reading and its own angle (m, k) by k hypotheses of one pattern, what their effects
-        see, and these.
-        """
-        span, payload, times = context.views[index].span, payload_of(hypotheses[0]), len(hypotheses)
-        now = context.now(index, column, payload, times=times)
-        width = np.full((1, times), self.arm.dead_band[column])
-        blocks = bound_together(hypotheses, column)
+        """The joint's reading and its own angle (m, 1), what its effects see, and these."""
+        span, payload = context.views[index].span, payload_of(hypothesis)
+        now = context.now(index, column, payload)
+        width = self.arm.dead_band[None, column : column + 1]
+        blocks = hypothesis.bound(column)
         state = None
         if len(span.start[column]):
             rows, level = self._stand(span, column)
-            seen, one = (context.now(index, column, payload, some, times) for some in (rows, rows[:1]))
+            seen, one = (context.now(index, column, payload, some) for some in (rows, rows[:1]))
             state = begun(seen, one, blocks, width, level)
         shown, true, _ = wire_pass(now.gearbox, now, blocks, Core(nominal_width=width, width=width), state)
         return shown, true, now, blocks
@@ -96,7 +78,7 @@ class WireStage(Stage):
             context.work.done += TOGETHER * sum(path.size for path in paths)
         else:
             paths = [
-                np.column_stack([self._passed(context, index, [hypothesis], c)[1][:, 0] for c in columns])
+                np.column_stack([self._passed(context, index, hypothesis, c)[1][:, 0] for c in columns])
                 for index in range(len(context.views))
             ]
         pairs = list(zip(context.views, paths, strict=True))
@@ -104,19 +86,6 @@ class WireStage(Stage):
         if all(np.abs(view.angles - path).max() <= same * np.ptp(path) for view, path in pairs):
             return context.views
         return tuple(replace(view, angles=path) for view, path in pairs)
-
-
-def _alike(hypotheses: Sequence[Hypothesis], column: int, most: int) -> Iterator[list[int]]:
-    """Places of hypotheses that can go through one pass, so many at ``most``: joints that shake each other
-    are not the same one several times, and what rings besides is fitted to each by itself.
-    """
-    found: dict[object, list[int]] = {}
-    for place, hypothesis in enumerate(hypotheses):
-        kinds = [effect(term.effect) for term in hypothesis.on(column)]
-        alone = hypothesis.shakes or any(kind.transients is not Effect.transients for kind in kinds)
-        found.setdefault(place if alone else hypothesis.pattern(column), []).append(place)
-    for places in found.values():
-        yield from (places[k : k + most] for k in range(0, len(places), most))
 
 
 def _chain(context: Context, hypothesis: Hypothesis) -> Chain:
@@ -175,7 +144,7 @@ def begun(seen: Now, one: Now, blocks: list[Effect], width: Array, level: float)
     """
     core = Core(nominal_width=width, width=width)
     shown, true, _ = wire_pass(seen.gearbox, seen, blocks, core, None)
-    off = level - np.median(shown[1:], axis=0)
+    off = level - np.median(shown[1:])
     element = core.rounding or SharpPlay()
     u = through(one.gearbox * one.ratio, Order.of(blocks).path, one, {}, {})
     _, memory = element.run(np.vstack([u + off, u]), core.width[:1], None)

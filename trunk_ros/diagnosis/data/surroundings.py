@@ -128,22 +128,6 @@ class Seen(Now):
         self._load = load
 
 
-def repeated(now: Now, times: int) -> Now:
-    """The surroundings of one joint so many times beside each other."""
-
-    def wide(one: Array) -> Array:
-        return np.ascontiguousarray(np.repeat(one, times, axis=1))
-
-    return replace(
-        now,
-        gearbox=wide(now.gearbox),
-        speed=wide(now.speed),
-        load=lambda: wide(now.load),  # type: ignore[arg-type]
-        ratio=np.repeat(now.ratio, times),
-        columns=now.columns * times,
-    )
-
-
 def following(valid: np.ndarray) -> np.ndarray:
     """(n, joints): where the sample before counts as well."""
     out = np.zeros_like(valid)

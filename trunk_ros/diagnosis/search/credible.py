@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 
@@ -38,7 +38,7 @@ def ends_within(block: Effect, now: Now) -> bool:
 def _shown(context: Context, term: Term, column: int) -> int:
     key = (column, *term.key(column))
     if key not in context.shown_before:
-        block = bind([term], column)
+        block = bind_column(term, column)
         alone = context.shows(block.credible, column) and context.shows(partial(ends_within, block), column)
         near = alone or context.shows(partial(block.credible, beside=True), column)
         context.shown_before[key] = ALONE if alone else BESIDE if near else 0

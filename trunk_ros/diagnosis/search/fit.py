@@ -72,30 +72,22 @@ class Residuals:
     def slopes(self, x: Array) -> list[tuple[list[int], Array]]:
         """By column: the values that move its residual, and (rows, values) by how much."""
         base = self.parts(x)
-        moved: list[list[tuple[int, float, Hypothesis]]] = [[] for _ in self.columns]
+        found: list[tuple[list[int], list[Array]]] = [([], []) for _ in self.columns]
         _, high = bounds(self.free)
-        self._moved.set(self.free, x)
         for k, f in enumerate(self.free):
             step = STEP * self.scale[k] * (1.0 if x[k] + STEP * self.scale[k] <= high[k] else -1.0)
-            there = Hypothesis({**self._moved, f.effect: self._moved[f.effect].copy()})
-            there.set([f], x[k : k + 1] + step)
+            moved = x.copy()
+            moved[k] += step
+            self._moved.set(self.free, moved)
             touched = self.hypothesis[f.effect].columns if f.column is None else [f.column]
             for i, column in enumerate(self.columns):
                 if column in touched or f.parameter.carried:
-                    moved[i].append((k, step, there))
+                    found[i][0].append(k)
+                    found[i][1].append((self.context.whitened(self._moved, column) - base[i]) / step)
         return [
-            self._slopes(column, some, part)
-            for column, some, part in zip(self.columns, moved, base, strict=True)
+            (free, np.array(rows).T if rows else np.zeros((len(part), 0)))
+            for (free, rows), part in zip(found, base, strict=True)
         ]
-
-    def _slopes(
-        self, column: int, moved: list[tuple[int, float, Hypothesis]], base: Array
-    ) -> tuple[list[int], Array]:
-        if not moved:
-            return [], np.zeros((len(base), 0))
-        free, steps, hypotheses = (list(each) for each in zip(*moved, strict=True))
-        ends = self.context.whitened_each(hypotheses, column)
-        return free, (np.array(ends).T - base[:, None]) / np.array(steps)
 
     def normal(self, x: Array) -> tuple[Array, Array]:
         """(free,) J^T r and (free, free) J^T J, column by column."""

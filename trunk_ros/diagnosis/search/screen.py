@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -52,21 +52,18 @@ class Screen:
         size = np.linalg.norm(jacobian, axis=0)
         return np.asarray(np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0])
 
-    def products(self, candidates: Sequence[Candidate], column: int) -> list[tuple[float, float]]:
-        """(rest . d, d . d) of each candidate's change of the prediction, as far as the fitted terms cannot
+    def products(self, candidate: Candidate, column: int) -> tuple[float, float]:
+        """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot
         follow it.
         """
-        rest, q = self.rest[column], self.basis[column]
-        there = [extended(self.context, self.hypothesis, candidate) for candidate in candidates]
-        changes = (d - q @ (q.T @ d) for d in self.changes(there, column))
-        return [(float(rest @ d), float(d @ d)) for d in changes]
+        d, q = self.change(extended(self.context, self.hypothesis, candidate), column), self.basis[column]
+        d = d - q @ (q.T @ d)
+        return float(self.rest[column] @ d), float(d @ d)
 
-    def changes(self, there: Sequence[Hypothesis], column: int) -> list[Array]:
-        """(rows,) unit noise by which each of other hypotheses changes the prediction."""
-        base = self.base[column]
-        said = [self.context.predict_each(index, there, column) for index in range(len(base))]
-        off = ([a - b for a, b in zip(each, base, strict=True)] for each in zip(*said, strict=True))
-        return [self.context.whiten_change(one, column) for one in off]
+    def change(self, there: Hypothesis, column: int) -> Array:
+        """(rows,) unit noise by which another hypothesis changes the prediction."""
+        pairs = zip(self.context.predictions(there, column), self.base[column], strict=True)
+        return self.context.whiten_change([a - b for a, b in pairs], column)
 
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
         """A candidate with the time in which it gains most; None where it acts all the time."""
@@ -88,9 +85,9 @@ class Screen:
             return None
         span = self.context.views[0].span
         edges = edges_of(span.stamp)
-        by = {c: self.changes([there], c)[0] for c in columns}
         sums = [
-            Sums.of(edges, span.stamp[span.valid[:, c]], self.rest[c], by[c], self.basis[c]) for c in columns
+            Sums.of(edges, span.stamp[span.valid[:, c]], self.rest[c], self.change(there, c), self.basis[c])
+            for c in columns
         ]
         price = float(np.median([need(self.context, c) for c in columns]))
         return best_window(sums, edges, gain, price, grows)
@@ -115,10 +112,14 @@ class Screen:
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""
-        trials = [Candidate(kind.id, form, column, start) for start in self._starts(kind, form, column)]
-        pairs = zip(trials, self.products(trials, column), strict=True)
-        found = (better for trial, (rd, dd) in pairs if (better := _scaled(kind, trial, rd, dd)))
-        return max(found, key=lambda c: c.gain, default=None)
+        best: Candidate | None = None
+        for start in self._starts(kind, form, column):
+            trial = Candidate(kind.id, form, column, start)
+            rd, dd = self.products(trial, column)
+            better = _scaled(kind, trial, rd, dd)
+            if better is not None and (best is None or better.gain > best.gain):
+                best = better
+        return best
 
     def _forms(self, kind: type[Effect], column: int) -> tuple[str, ...]:
         """The forms to try: that of the effect on other joints, if it is there."""
@@ -167,7 +168,7 @@ class Screen:
             own, products = {}, {}
             for c in columns:
                 options = _different([{**s, **values} for s in starts[c]])
-                looks = self.products([Candidate(kind.id, form, c, s) for s in options], c)
+                looks = [self.products(Candidate(kind.id, form, c, s), c) for s in options]
                 best = max(range(len(looks)), key=lambda k: _merit(kind, form, *looks[k]))
                 own[c], products[c] = options[best], looks[best]
             yield Candidate(kind.id, form, None, own[columns[0]], own=own), products
