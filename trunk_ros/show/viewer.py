@@ -125,7 +125,9 @@ def blueprint(rr: Any, scene: Scene, reach: float) -> Any:
         if reach > 0.0
         else None
     )
-    every = b.TimeSeriesView(origin="residuals", name="all residuals")
+    every = b.TimeSeriesView(
+        origin="residuals", name="all residuals", plot_legend=b.PlotLegend(visible=False)
+    )
     left = b.Vertical(
         b.Spatial3DView(
             origin="/", contents=[f"/{kind}/**" for kind in GHOSTS], name="arm", eye_controls=eye
