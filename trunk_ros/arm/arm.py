@@ -156,6 +156,11 @@ class Arm:
         """M(q) (n, joints, joints) kg m^2, payload included."""
         return self.body.mass_matrix(theta, self.payload)
 
+    @cached_property
+    def straight_inertia(self) -> Array:
+        """(joints,) kg m^2 that each joint turns of the arm with all joints at 0."""
+        return np.ascontiguousarray(self.mass_matrix(np.zeros((1, len(self.joints))))[0].diagonal())
+
     # Transmission
 
     @property

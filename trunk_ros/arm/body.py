@@ -12,7 +12,7 @@ from trunk_ros.arm.pinocchio import library
 from trunk_ros.arm.weight import Tree, tree_of, weigh
 from trunk_ros.compiled import Array
 
-KEPT = 8  # models with a payload that are kept, and motions with their mass matrices
+KEPT = 8  # models with a payload that are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,6 @@ class Body:
     path: tuple[int, ...]
     """The model's joints on the way from base to tip."""
     _loaded: dict[Any, tuple[Any, Any, Tree]] = field(default_factory=dict, repr=False)
-    _matrices: dict[Any, Array] = field(default_factory=dict, repr=False)
 
     @cached_property
     def own(self) -> tuple[int, ...]:
@@ -139,19 +138,11 @@ class Body:
 
     def _matrix(self, q: Array, payload: float) -> Array:
         """The same of a whole posture (n, all joints): what a payload adds grows with its mass."""
-        key = payload, q.tobytes()  # a search asks for the same motion again and again
-        if key in self._matrices:
-            return self._matrices[key]
         pin, (model, data, _) = library(), self._with(payload, True)
         out = np.empty((len(q), model.nv, model.nv))
         for k in range(len(q)):
             out[k] = pin.crba(model, data, q[k])
-        matrix = np.asarray(self.spread.T @ out @ self.spread)
-        if len(q) > 1:
-            if len(self._matrices) >= KEPT:
-                del self._matrices[next(iter(self._matrices))]
-            self._matrices[key] = matrix
-        return matrix
+        return np.asarray(self.spread.T @ out @ self.spread)
 
     def poses(self, theta: Array) -> Array:
         """Tip (n, 7) in the base link: x, y, z [m] and the quaternion x, y, z, w."""

@@ -63,7 +63,6 @@ def changed(body: Body, geometry: Geometry) -> Body:
         base=base,
         offset=body.offset + body.spread @ geometry.zero,
         _loaded={},
-        _matrices={},
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -52,6 +52,12 @@ class Now:
     """Places of the joints being computed among all ``joints``."""
     arm: Arm | None = None
     """With the payload that it carries; None where its links' masses are of no account."""
+
+    @cached_property
+    def masses(self) -> Array:
+        """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
+        assert self.arm is not None
+        return self.arm.mass_matrix(self.angles)
 
 
 def borne(load: Array) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.context import Work
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -74,3 +76,17 @@ def test_what_could_not_gain_enough_is_not_tried() -> None:
     descend(fitted("backlash"), [Move("any", groups)], desk)
     assert (2, COARSE[0]) in tried
     assert (0, COARSE[0]) not in tried
+
+
+def test_what_promises_too_little_waits_until_little_is_asked_for() -> None:
+    tried: list[tuple[str, float]] = []
+    nothing = fitted("backlash")
+    little = 0.1 * nothing.rest(2)
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        for what, promise in (("much", np.inf), ("little", little), ("nothing", 0.0)):
+            yield Group(what, [2], lambda w=what: tried.append((w, desk.share)) or [], lambda p=promise: p)
+
+    descend(nothing, [Move("any", groups)], Desk())
+    assert COARSE[1] < little / nothing.rest(2) < COARSE[0]
+    assert tried == [("much", COARSE[0]), ("little", COARSE[1])]

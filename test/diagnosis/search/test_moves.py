@@ -9,11 +9,11 @@ import pytest
 
 from test.diagnosis.search.looks import best_of, fitted
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.search.descent import Move
+from trunk_ros.diagnosis.search.descent import Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for
-from trunk_ros.diagnosis.search.score import beats
+from trunk_ros.diagnosis.search.score import beats, score
 
 MOVE = {move.name: move for move in MOVES}
 BACKLASH = Term("backlash", own={2: {"half_width": 1e-3}})
@@ -62,6 +62,21 @@ def test_member_lets_a_joint_join_what_acts_on_all() -> None:
 def test_option_finds_the_payload() -> None:
     best = improved("option", "payload", sag(range(5)))
     assert best.hypothesis["load_elasticity"].shared["payload"] == pytest.approx(0.08, rel=0.05)
+
+
+@pytest.mark.parametrize("arm", ["payload", "upstream", "picked up"])
+def test_options_gain_no_more_than_they_promise(arm: str) -> None:
+    now = fitted(arm, sag(range(5)))
+    (group,) = (g for g in MOVE["option"].groups(now, Desk()) if g.what == "load_elasticity")
+    gained = score(now) - min(score(trial) for trial in group.trials())
+    assert gained > 0.0
+    assert group.promise() > gained
+
+
+def test_options_that_nothing_asks_for_promise_no_more_than_they_save() -> None:
+    now = fitted("sag", sag(range(5)))
+    (group,) = (g for g in MOVE["option"].groups(now, Desk()) if g.what == "load_elasticity")
+    assert group.promise() < score(now) - now.total + 60.0
 
 
 def test_source_leaves_out_a_joint_that_is_not_followed() -> None:

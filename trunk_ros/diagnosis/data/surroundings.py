@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -68,6 +68,16 @@ class View:
         more = self.arm.lever(self.angles) if known is None else known.per_kilogram(self.arm, self.angles)
         return more if self.arm.coupling is None else self.arm.carried(more)
 
+    @cached_property
+    def masses(self) -> Array:
+        """M (m, joints, joints) kg m^2 of the arm."""
+        return self.arm.mass_matrix(self.angles)
+
+    @cached_property
+    def masses_per_kilogram(self) -> Array:
+        """(m, joints, joints) what a kilogram more at the tip adds to it."""
+        return replace(self.arm, payload=self.arm.payload + 1.0).mass_matrix(self.angles) - self.masses
+
     def only(self, rows: np.ndarray) -> View:
         """The same with these rows (n,) of the target alone counting."""
         valid = self.span.valid & rows[:, None]
@@ -77,7 +87,7 @@ class View:
         """The surroundings of one joint, (m, 1) each."""
         gearbox, speed = self._of(column)
         ratio = arm.ratio[column : column + 1]
-        return Seen(
+        seen = Seen(
             self.span.grid,
             self.dt,
             gearbox,
@@ -91,6 +101,11 @@ class View:
             columns=(column,),
             arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
         )
+        seen.known_masses = partial(self._masses, payload.own)
+        return seen
+
+    def _masses(self, payload: float) -> Array:
+        return self.masses + payload * self.masses_per_kilogram if payload else self.masses
 
     def _load(self, column: int, payload: Payload) -> Array:
         one = slice(column, column + 1)
@@ -112,9 +127,17 @@ class View:
 
 
 class Seen(Now):
-    """Surroundings whose load is worked out when an effect asks for it."""
+    """Surroundings whose load is worked out when an effect asks for it; what is known of the arm's masses
+    at all its angles serves every joint.
+    """
 
     _load: Any
+    known_masses: Callable[[], Array] | None = None
+
+    @cached_property
+    def masses(self) -> Array:
+        """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
+        return super().masses if self.known_masses is None else self.known_masses()
 
     @property
     def load(self) -> Array:

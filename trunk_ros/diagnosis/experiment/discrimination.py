@@ -109,13 +109,14 @@ class Other:
 
     def pinned(self, there: Context, columns: list[int]) -> list[Pinned]:
         """The rival on an expected recording, by groups of joints."""
-        there = there.seen_with(self.hypothesis)
         held = [(group, normal) for group, normal in self.groups if set(group) & set(columns)]
         return [Pinned(there, self.hypothesis, group, normal) for group, normal in held]
 
     def refitted(self, there: Context, columns: list[int]) -> tuple[float, Hypothesis]:
-        """Squared misfit after a full refit, and the values there."""
-        misfit, fitted = 0.0, self.hypothesis
+        """Squared misfit after a full refit in the joint angles that it predicts itself, and the values
+        there.
+        """
+        misfit, fitted, there = 0.0, self.hypothesis, there.seen_with(self.hypothesis)
         for pinned in self.pinned(there, columns):
             cost, values = pinned.refitted()
             misfit += cost
@@ -147,7 +148,9 @@ class Duel:
         return [c for c in best.context.columns if self.base.key(c) != best.hypothesis.key(c)]
 
     def ratio(self, there: Context) -> float:
-        """Squared misfit of the other on an expected recording over what it takes to rule it out."""
+        """Squared misfit of the other on an expected recording over what it takes to rule it out, in the
+        joint angles that the truth predicts.
+        """
         return min(self._ratio(there, other) for other in self.others)
 
     def _ratio(self, there: Context, other: Other) -> float:

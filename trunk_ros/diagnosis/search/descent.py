@@ -27,6 +27,8 @@ class Group:
     what: Hashable
     columns: Iterable[int]
     trials: Callable[[], Iterable[Fit]]
+    promise: Callable[[], float] = lambda: np.inf
+    """What the best of them may gain by a linear look, where that costs much less than they do."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,10 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             if best.context.work.over:
                 return None
             if desk.is_vain(move, group, best) or not desk.in_reach(group, best):
+                continue
+            promised = group.promise()
+            if not desk.pays(promised, best):
+                desk.note(move, group, best, promised)
                 continue
             trial = min(group.trials(), key=score, default=best)
             gain = score(best) - score(trial)

@@ -122,12 +122,14 @@ def price(fit: Fit, term: Term) -> float:
 
 
 def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
-    """Of a curve: more than of an effect, and as much as it leaves, so that one that leaves most of a misfit
-    does not stand for it; what moves slowly is imitated by any curve over time.
+    """Of a curve: more than of an effect, and as much as it leaves beyond what the noise is known to, so that
+    one that leaves most of a misfit does not stand for it; what moves slowly is imitated by any curve over
+    time.
     """
     kind = effect(term.effect)
     over = kind.leaves(term.words.get(column, {})) if issubclass(kind, Curve) else 1.0
-    return max(CURVE * need, CURVED * fit.context.misfit.get(column, 0.0), fit.rest(column) * (1 / over - 1))
+    left = max(fit.rest(column) - fit.context.rest(column) * fit.context.count(column), 0.0)
+    return max(CURVE * need, CURVED * fit.context.misfit.get(column, 0.0), left * (1 / over - 1))
 
 
 def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:

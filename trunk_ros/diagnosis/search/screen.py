@@ -15,9 +15,9 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.fit import Residuals
 from trunk_ros.diagnosis.search.score import need
+from trunk_ros.diagnosis.search.size import different, gains, leading, merit, scaled, too_large
 from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
 from trunk_ros.effects import Effect, effect
-from trunk_ros.parameter import Parameter
 
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
@@ -43,6 +43,17 @@ class Screen:
         rest, q = self.rest[column], self.basis[column]
         return float(rest @ rest - np.sum((q.T @ rest) ** 2))
 
+    def seen(self, there: Hypothesis | None = None) -> float:
+        """Squared unit noise that values of each joint explain once they have followed, or so much of the way
+        to another hypothesis as explains most.
+        """
+        own = sum(float(r @ r) - self.left(c) for c, r in self.rest.items())
+        if there is None:
+            return own
+        looks = [self._look(self.change(there, c), c) for c in self.rest]
+        rd, dd = np.sum(looks, axis=0)
+        return own + float(max(rd, 0.0) ** 2 / max(dd, 1e-12))
+
     def _basis(self, column: int) -> Array:
         residuals = Residuals(self.context, self.hypothesis, [column])
         local = self.hypothesis.free([column])
@@ -56,7 +67,10 @@ class Screen:
         """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot
         follow it.
         """
-        d, q = self.change(extended(self.context, self.hypothesis, candidate), column), self.basis[column]
+        return self._look(self.change(extended(self.context, self.hypothesis, candidate), column), column)
+
+    def _look(self, d: Array, column: int) -> tuple[float, float]:
+        q = self.basis[column]
         d = d - q @ (q.T @ d)
         return float(self.rest[column] @ d), float(d @ d)
 
@@ -72,8 +86,8 @@ class Screen:
             return None
         there = extended(context, self.hypothesis, candidate)
         columns = [c for c in columns if c in there[candidate.effect].own]
-        window = self.window(there, columns, partial(_gains, kind, candidate), kind.grows)
-        found = window and _scaled(kind, candidate, window.rd, window.dd)
+        window = self.window(there, columns, partial(gains, kind, candidate), kind.grows)
+        found = window and scaled(kind, candidate, window.rd, window.dd)
         if not window or not found or found.gain - window.price <= candidate.gain:
             return None
         own = {c: {**start, **window.moments} for c, start in candidate.own.items()}
@@ -116,7 +130,7 @@ class Screen:
         for start in self._starts(kind, form, column):
             trial = Candidate(kind.id, form, column, start)
             rd, dd = self.products(trial, column)
-            better = _scaled(kind, trial, rd, dd)
+            better = scaled(kind, trial, rd, dd)
             if better is not None and (best is None or better.gain > best.gain):
                 best = better
         return best
@@ -164,12 +178,12 @@ class Screen:
         starts = {c: list(self._starts(kind, form, c)) for c in columns}
         names = [p.name for p in kind.own_parameters(form) if p.shared]
         shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
-        for values in _different(shared):
+        for values in different(shared):
             own, products = {}, {}
             for c in columns:
-                options = _different([{**s, **values} for s in starts[c]])
+                options = different([{**s, **values} for s in starts[c]])
                 looks = [self.products(Candidate(kind.id, form, c, s), c) for s in options]
-                best = max(range(len(looks)), key=lambda k: _merit(kind, form, *looks[k]))
+                best = max(range(len(looks)), key=lambda k: merit(kind, form, *looks[k]))
                 own[c], products[c] = options[best], looks[best]
             yield Candidate(kind.id, form, None, own[columns[0]], own=own), products
 
@@ -181,16 +195,16 @@ class Screen:
         if trial.free:
             return self._each_by_itself(kind, trial, each)
         if any(not p.shared for p in kind.own_parameters(trial.form)):
-            size = _too_large(list(each.values())) if kind.scalable else 1.0
-            shared = _lead(kind, trial).shared
+            size = too_large(list(each.values())) if kind.scalable else 1.0
+            shared = leading(kind, trial).shared
             each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > size * dd or shared}
         if not each:
             return None
         sums = np.sum(list(each.values()), axis=0)
-        found = _scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.context))
+        found = scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.context))
         if found is None:
             return None
-        lead = _lead(kind, trial).name
+        lead = leading(kind, trial).name
         own = {
             c: {**start, lead: found.start[lead]} if kind.scalable else start
             for c, start in trial.own.items()
@@ -199,7 +213,7 @@ class Screen:
 
     def _each_by_itself(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:
         """Every joint at its own optimum, where that is worth an effect."""
-        found = {c: _scaled(kind, replace(trial, start=trial.own[c]), *each[c]) for c in each}
+        found = {c: scaled(kind, replace(trial, start=trial.own[c]), *each[c]) for c in each}
         named = [c for c in found if c not in self.hypothesis.curved]
         chosen = {c: f for c in named if (f := found[c]) and f.gain > FREED * need(self.context, c)}
         if not chosen:
@@ -218,7 +232,7 @@ class Screen:
     def _starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
         """Where an effect may begin on a column, by the recordings with most to explain."""
         telling = self.context.telling(column)[:BAGS]
-        return _different([s for index in telling for s in self._starts_in(index, kind, form, column)])
+        return different([s for index in telling for s in self._starts_in(index, kind, form, column)])
 
     def _starts_in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         context = self.context
@@ -241,60 +255,3 @@ class Screen:
             now, lead = self.context.now(index, column), kind.own_parameters(form)[0]
             for share in SHARES:
                 yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}
-
-
-def _too_large(products: list[tuple[float, float]]) -> float:
-    """By what a start has to be made smaller to fit the joints that it helps; 1 where it is not too large."""
-    helped = [(rd, dd) for rd, dd in products if rd > 0.0 and dd > 0.0]
-    return min(1.0, sum(rd for rd, _ in helped) / sum(dd for _, dd in helped)) if helped else 1.0
-
-
-def _lead(kind: type[Effect], trial: Candidate) -> Parameter:
-    return kind.own_parameters(trial.form)[0]
-
-
-def _different(starts: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    return list({tuple(start.items()): start for start in starts}.values())
-
-
-def _merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
-    """How well a start fits a joint, whatever its size where that can be scaled."""
-    if not kind.scalable:
-        return 2 * rd - dd
-    along = rd / np.sqrt(max(dd, 1e-12))
-    return float(along if kind.own_parameters(form)[0].shared else abs(along))
-
-
-def _gains(kind: type[Effect], trial: Candidate, rd: Array, dd: Array) -> Array:
-    """What a change of these products gains (k,), scaled to its optimum where that can be."""
-    dd = np.maximum(dd, 1e-12)
-    lead = _lead(kind, trial)
-    if not kind.scalable:
-        return np.asarray(2 * rd - dd)
-    reach = (np.array(lead.bounds) - lead.null) / (trial.start[lead.name] - lead.null)
-    factor = np.clip(rd / dd, reach.min(), reach.max())
-    return np.asarray(factor * (2 * rd - factor * dd))
-
-
-def _scaled(
-    kind: type[Effect], trial: Candidate, rd: float, dd: float, known: Collection[str] = ()
-) -> Candidate | None:
-    """The candidate with its leading parameter scaled to the optimum of a linear look; None where it
-    cannot help.
-    """
-    if dd <= 1e-12:
-        return None
-    lead = next((p for p in kind.own_parameters(trial.form) if p.gone is not None), _lead(kind, trial))
-    off = lead.null if lead.gone is None else lead.gone
-    if not kind.scalable or lead.name in known:
-        return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None
-    factor = rd / dd
-    value = off + (trial.start[lead.name] - off) * factor
-    low, high = lead.bounds
-    if not low <= value <= high:
-        value = min(max(value, low), high)
-        factor = (value - off) / (trial.start[lead.name] - off)
-    gain = factor * (2 * rd - factor * dd)
-    if gain <= 0.0 or factor == 0.0:
-        return None
-    return replace(trial, start={**trial.start, lead.name: value}, gain=gain)

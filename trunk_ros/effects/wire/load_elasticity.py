@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
-from trunk_ros.effects.wire.swinging_links import Links, inertia
+from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
 STIFFEST = 1e-9  # rad/(N m): nothing swings on less
@@ -71,6 +71,6 @@ class LoadElasticity(OnBothSides):
         arm = Links.arm_of(self, now)
         if arm is None:
             return None
-        soft = np.maximum(self["compliance"], STIFFEST) * inertia(arm)[list(now.columns)]
+        soft = np.maximum(self["compliance"], STIFFEST) * arm.straight_inertia[list(now.columns)]
         omega = np.where(self["compliance"] > STIFFEST, 1.0 / np.sqrt(soft), 0.0)
         return Links(arm, now.columns, omega, self["damping"])

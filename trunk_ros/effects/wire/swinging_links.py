@@ -40,18 +40,18 @@ class Links:
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         """Joint angles behind wires at ``x`` (n, columns), under what all joints' acceleration asks."""
         swings, places, angles = self.omega > 0.0, self._places, np.ascontiguousarray(now.angles)
-        if state is None:
-            state = np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]])
-        out, own, motion = x.copy(), state[0].copy(), state[1].copy()
+        begun = state or (np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]]))
+        out, own, motion = x.copy(), begun[0].copy(), begun[1].copy()
         before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
         shown = np.empty_like(moved)
-        omega, zeta, straight = self.omega[swings], self.damping[swings], inertia(self.arm)[places]
+        omega, zeta, straight = self.omega[swings], self.damping[swings], self.arm.straight_inertia[places]
         if len(places) == 1:
-            row = np.ascontiguousarray(self.arm.mass_matrix(angles)[:, places[0]])
+            row = np.ascontiguousarray(now.masses[:, places[0]])
             one, alone = np.ascontiguousarray(moved[:, 0]), (straight[0], omega[0], zeta[0])
             swing_link(one, now.dt, angles, places[0], row, *alone, before[:, 0], motion, shown[:, 0])
         elif len(places):
-            mass = np.concatenate([self.arm.mass_matrix(motion[:1]), self.arm.mass_matrix(angles)])
+            first = now.masses[:1] if state is None else self.arm.mass_matrix(motion[:1])
+            mass = np.concatenate([first, now.masses])
             swing_links(moved, now.dt, angles, places, mass, straight, omega, zeta, before, motion, shown)
         own[:, swings], out[:, swings] = before, shown
         return out, (own, motion)
@@ -64,18 +64,13 @@ class Links:
         speed, first = rate(angles, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
         omega, lag = self.omega[swings], lag.copy()
-        stiffness = inertia(self.arm)[places] * omega**2
+        stiffness = self.arm.straight_inertia[places] * omega**2
         push = pushed_back(acceleration, places, self.arm.mass_matrix(angles), stiffness)
         ahead = np.empty_like(push)
         lowpass(push, now.dt, 2 * self.damping[swings] / omega, lag, ahead)
         out = y.copy()
         out[:, swings] += ahead
         return out, (first, second, lag)
-
-
-def inertia(arm: Arm) -> Array:
-    """(joints,) kg m^2: what each joint turns of the arm with all joints at 0."""
-    return np.asarray(arm.mass_matrix(np.zeros((1, len(arm.joints))))[0].diagonal())
 
 
 @compiled

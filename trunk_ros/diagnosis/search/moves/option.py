@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended, given
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.trial import PROMISED
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 
@@ -20,12 +23,27 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """The options of each effect."""
     for name, term in best.hypothesis.items():
         if options_of(name, term.form) or given(effect(name), best.context):
-            yield Group(name, best.context.columns, partial(_changed, best, name))
+            trials, promise = partial(_changed, best, name), partial(_promise, best, name)
+            yield Group(name, best.context.columns, trials, promise)
 
 
 def options_of(name: str, form: str) -> list[Parameter]:
     """The shared parameters that an effect may do without."""
     return [p for p in effect(name).own_parameters(form) if p.optional and p.shared]
+
+
+def _promise(now: Fit, name: str) -> float:
+    """What options that an effect is without and values that are no longer as stated may gain, and all that
+    may be saved.
+    """
+    term, looks = now.hypothesis[name], [0.0]
+    screen = Screen(now.context, now.hypothesis)
+    for parameter in options_of(name, term.form):
+        if parameter.name not in term.shared:
+            looks.append(screen.seen(_with(now, name, parameter)))
+    if term.given:
+        looks.append(Screen(now.context, _freed(now, name)).seen())
+    return score(now) - now.total + max(looks) / PROMISED
 
 
 def _changed(now: Fit, name: str) -> Iterator[Fit]:
@@ -34,13 +52,25 @@ def _changed(now: Fit, name: str) -> Iterator[Fit]:
         yield from toggled(now, name, parameter)
     stated = given(effect(name), now.context)
     if term.given & set(stated):
-        trial = now.hypothesis.copy()
-        trial[name].given = frozenset()
-        for parameter in options:
-            trial[name].shared.pop(parameter.name, None)
-        yield refit(now.context, trial)
+        yield refit(now.context, _freed(now, name))
     elif stated:
         yield from _as_stated(now, name)
+
+
+def _freed(now: Fit, name: str) -> Hypothesis:
+    """With values of the joints' own in the place of stated ones, and without options."""
+    out = now.hypothesis.copy()
+    out[name].given = frozenset()
+    for parameter in options_of(name, out[name].form):
+        out[name].shared.pop(parameter.name, None)
+    return out
+
+
+def _with(now: Fit, name: str, parameter: Parameter) -> Hypothesis:
+    """With the usual value of an option."""
+    out = now.hypothesis.copy()
+    out[name].shared[parameter.name] = parameter.typical
+    return out
 
 
 def _as_stated(now: Fit, name: str) -> Iterator[Fit]:
@@ -65,8 +95,7 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     if trial[name].shared.pop(parameter.name, None) is not None:
         yield refit(now.context, trial)
         return
-    trial[name].shared[parameter.name] = parameter.typical
-    yield refit(now.context, trial)
+    yield refit(now.context, _with(now, name, parameter))
     if not parameter.carried:
         return
     bare, free = now.hypothesis.without(name), not now.hypothesis[name].given

@@ -1,0 +1,73 @@
+"""How large an effect has to be to explain most, from the products of its change with what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.search.candidates import Candidate
+from trunk_ros.effects import Effect
+from trunk_ros.parameter import Parameter
+
+
+def too_large(products: list[tuple[float, float]]) -> float:
+    """By what a start has to be made smaller to fit the joints that it helps; 1 where it is not too large."""
+    helped = [(rd, dd) for rd, dd in products if rd > 0.0 and dd > 0.0]
+    return min(1.0, sum(rd for rd, _ in helped) / sum(dd for _, dd in helped)) if helped else 1.0
+
+
+def leading(kind: type[Effect], trial: Candidate) -> Parameter:
+    """The parameter that a linear look scales."""
+    return kind.own_parameters(trial.form)[0]
+
+
+def different(starts: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Those that differ."""
+    return list({tuple(start.items()): start for start in starts}.values())
+
+
+def merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
+    """How well a start fits a joint, whatever its size where that can be scaled."""
+    if not kind.scalable:
+        return 2 * rd - dd
+    along = rd / np.sqrt(max(dd, 1e-12))
+    return float(along if kind.own_parameters(form)[0].shared else abs(along))
+
+
+def gains(kind: type[Effect], trial: Candidate, rd: Array, dd: Array) -> Array:
+    """What a change of these products gains (k,), scaled to its optimum where that can be."""
+    dd = np.maximum(dd, 1e-12)
+    lead = leading(kind, trial)
+    if not kind.scalable:
+        return np.asarray(2 * rd - dd)
+    reach = (np.array(lead.bounds) - lead.null) / (trial.start[lead.name] - lead.null)
+    factor = np.clip(rd / dd, reach.min(), reach.max())
+    return np.asarray(factor * (2 * rd - factor * dd))
+
+
+def scaled(
+    kind: type[Effect], trial: Candidate, rd: float, dd: float, known: Collection[str] = ()
+) -> Candidate | None:
+    """The candidate with its leading parameter scaled to the optimum of a linear look; None where it
+    cannot help.
+    """
+    if dd <= 1e-12:
+        return None
+    lead = next((p for p in kind.own_parameters(trial.form) if p.gone is not None), leading(kind, trial))
+    off = lead.null if lead.gone is None else lead.gone
+    if not kind.scalable or lead.name in known:
+        return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None
+    factor = rd / dd
+    value = off + (trial.start[lead.name] - off) * factor
+    low, high = lead.bounds
+    if not low <= value <= high:
+        value = min(max(value, low), high)
+        factor = (value - off) / (trial.start[lead.name] - off)
+    gain = factor * (2 * rd - factor * dd)
+    if gain <= 0.0 or factor == 0.0:
+        return None
+    return replace(trial, start={**trial.start, lead.name: value}, gain=gain)
