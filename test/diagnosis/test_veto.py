@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from test.diagnosis.search.looks import context, fitted
+from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
+from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.evidence.veto import harmless, unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
@@ -27,6 +28,15 @@ def test_what_chance_suggests_goes_joint_by_joint() -> None:
     now = fitted("backlash", BACKLASH, RIPPLE)
     kept = harmless(now).hypothesis
     assert list(kept) == ["backlash"]
+
+
+def test_a_curve_takes_over_what_went_beside_it() -> None:
+    """It is judged so on blocks that were not seen, and so it has to be left."""
+    now = drawn_beside_a_ratio()
+    without = now.hypothesis.without("ratio_error")
+    left = followed(costed(now.context, without), [1])
+    assert left.cost[1] < 1.02 * now.cost[1] < 0.5 * costed(now.context, without).cost[1]
+    assert harmless(now).cost[1] < 1.02 * now.cost[1]
 
 
 def test_what_the_model_knows_is_not_questioned() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -71,3 +72,12 @@ def best_of(move: Move, now: Fit) -> Fit | None:
     """The best trial that a move makes."""
     trials = [trial for group in move.groups(now, Desk()) for trial in group.trials()]
     return min(trials, key=score, default=None)
+
+
+def drawn_beside_a_ratio() -> Fit:
+    """A curve on the joint that needs one, beside a ratio that it can make up for."""
+    wrong = fitted("rough")
+    ratio = Hypothesis({"ratio_error": Term("ratio_error", own={1: {"relative": 0.01}})})
+    drawn = curve_fit(wrong.context, ratio, 1)
+    assert drawn is not None
+    return Fit(drawn.hypothesis, wrong.cost | drawn.cost, wrong.context)

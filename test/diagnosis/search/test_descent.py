@@ -65,6 +65,13 @@ def test_what_would_not_be_claimed_is_left_out_where_the_work_is_done() -> None:
     assert spent.work.over
 
 
+def test_what_no_name_explained_has_a_curve_where_the_work_is_done() -> None:
+    spent = replace(fitted("rough").context, work=Work(1.0))
+    done = search(spent, Desk())
+    assert done.hypothesis.curved == {1}
+    assert done.rest(1) < 0.2 * done.context.count(1)
+
+
 def test_what_could_not_gain_enough_is_not_tried() -> None:
     tried: list[tuple[int, float]] = []
     desk = Desk()

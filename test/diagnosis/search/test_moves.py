@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.search.looks import best_of, fitted
+from test.diagnosis.search.looks import best_of, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.search.descent import Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit
@@ -161,6 +161,16 @@ def test_a_curve_explains_what_no_name_does_but_costs_more_than_the_name() -> No
 def test_option_finds_on_which_side_of_the_friction_a_wire_stretches() -> None:
     best = improved("option", "upstream", sag(range(5)))
     assert best.hypothesis["load_elasticity"].shared["upstream"] == pytest.approx(1.0, abs=0.05)
+
+
+def test_what_a_curve_can_do_is_dropped_beside_it() -> None:
+    now = drawn_beside_a_ratio()
+    best = best_of(MOVE["drop"], now)
+    assert best is not None
+    assert beats(best, now)
+    assert "ratio_error" not in best.hypothesis
+    assert best.hypothesis.curved == {1}
+    assert best.cost[1] == pytest.approx(now.cost[1], rel=0.02)
 
 
 def test_a_curve_comes_early_only_where_names_will_not_come_near_it() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,6 +98,19 @@ def redrawn(context: Context, hypothesis: Hypothesis, column: int) -> Hypothesis
         bare = hypothesis.without(term.effect, column)
         hypothesis = _alternate(context, bare, column, _place(term, column)).fit.hypothesis
     return hypothesis
+
+
+def followed(now: Fit, columns: Iterable[int]) -> Fit:
+    """With the curves on some columns drawn anew, where that leaves less: they can do what stood beside
+    them.
+    """
+    for column in now.hypothesis.curved.intersection(columns, now.cost):
+        hypothesis = redrawn(now.context, now.hypothesis, column)
+        rest = now.context.whitened(hypothesis, column)
+        cost = float(rest @ rest)
+        if cost < now.cost[column]:
+            now = Fit(hypothesis, now.cost | {column: cost}, now.context)
+    return now
 
 
 def drawn_on(context: Context, hypothesis: Hypothesis, column: int) -> list[Term]:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.discrepancy.curves import redrawn
+from trunk_ros.diagnosis.discrepancy.curves import followed, redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
@@ -20,7 +20,9 @@ def harmless(state: Fit) -> Fit:
     One at a time, the worst first. What the model has already stays.
     """
     while (worst := _worst(state)) is not None:
-        state = refit(state.context, state.hypothesis.without(*worst))
+        name, column = worst
+        columns = state.hypothesis[name].columns if column is None else [column]
+        state = followed(refit(state.context, state.hypothesis.without(*worst)), columns)
     return state
 
 

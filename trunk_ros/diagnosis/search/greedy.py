@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.context import Context, Work
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.moves import DROP, MOVES
+from trunk_ros.diagnosis.search.moves import CURVE, DROP, MOVES
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.moves.curve import CLEARER
 from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
@@ -33,7 +33,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
     work = best.context.work
     closing = Work(work.most)
     claimed = replace(best, context=replace(best.context, claims=True, work=closing))
-    done = descend(claimed, (DROP,), desk)
+    done = descend(claimed, (DROP, CURVE) if work.over else (DROP,), desk)
     work.most += closing.done  # granted besides: it is not what ends a search early
     work.done += closing.done
     return plain(replace(done, context=replace(done.context, work=work)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
+from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
@@ -39,7 +40,9 @@ def _everywhere(best: Fit, name: str) -> Iterator[Fit]:
 def dropped(now: Fit, name: str, column: int | None = None) -> Fit:
     """Without an effect, on a joint or at all."""
     less = now.hypothesis.without(name, column)
-    return refit(now.context, less) if column is None else refit_column(now, less, column)
+    if column is None:
+        return followed(refit(now.context, less), now.hypothesis[name].columns)
+    return followed(refit_column(now, less, column), [column])
 
 
 DROP = Move("drop", groups)
