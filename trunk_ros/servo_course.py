@@ -11,7 +11,7 @@ from trunk_ros.recording.recording import Floats, JointSeries, Recording
 from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
 from trunk_ros.recording.signal.fill import fill, hold
 from trunk_ros.recording.signal.gaps import bridged
-from trunk_ros.recording.signal.resample import SAME, joint_grid
+from trunk_ros.recording.signal.resample import SAME, joint_grid, stops_to_measure
 
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
 DRIFT = 0.5  # standard deviations of noise: four of the mean over AGREES samples
@@ -46,13 +46,14 @@ def as_the_servo_went(
     recording: Recording, gearbox: JointSeries, steps: Floats, grid: Floats, phi: Floats, model: Model
 ) -> Floats:
     """Gearbox angles (m, joints) on the grid (m,) s: ``phi``, but those of the model's servo where it
-    passes, led by the recorded setpoints alone, all readings near by within their rounding or their noise.
+    passes, led by the recorded setpoints alone, all readings near by within their rounding or their noise. Of
+    what stops to measure the readings are all that is known.
 
     ``steps`` (joints,): those of the encoders, as ``counts`` has them.
     """
     setpoints = all_setpoints(recording, gearbox.joints, model)
     stamp = gearbox.stamp
-    if setpoints is None or len(stamp) < AGREES:
+    if setpoints is None or len(stamp) < AGREES or stops_to_measure(stamp):
         return phi
     course = servo_course(setpoints, np.union1d(stamp, grid), model)
     there = course.position[np.searchsorted(course.stamp, stamp)]

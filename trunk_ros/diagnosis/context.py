@@ -165,6 +165,12 @@ class Context:
         steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column)) / self.noise[column].std
         return known + 2.0 * float(steps) ** 2
 
+    def least_noise(self, column: int) -> float:
+        """Squared unit-noise residual of a column that is noise for sure: where a recording stops to measure,
+        what changes from sample to sample may as well be physics.
+        """
+        return max(1.0 - self.rest(column), 0.0) * self.count(column) if self.step < SLOW else 0.0
+
     def motion(self, column: int) -> Motion:
         """What a joint's motion is like."""
         masses = self.arm.has_load and self.arm.load_from == "weight"

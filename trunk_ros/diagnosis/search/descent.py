@@ -70,7 +70,7 @@ class Desk:
         """Whether a group would pay if it explained all that is left on its columns, and all names were
         free.
         """
-        left = sum(best.rest(c) for c in group.columns if c in best.cost)
+        left = sum(best.cost[c] - best.context.least_noise(c) for c in group.columns if c in best.cost)
         return self.pays(left + score(best) - best.total, best)
 
     def pays(self, gain: float, best: Fit) -> bool:
