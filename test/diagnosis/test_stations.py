@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ def visited(effects: dict[str, Any] | None = None, seed: int = 0) -> Recording:
     stations = np.vstack([np.zeros(len(joints)), rng.uniform(-0.25, 0.25, (COUNT, len(joints)))])
     share = np.clip(np.arange(STAND)[:, None] / MOVE, 0.0, 1.0)
     eased = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-    setpoints = np.vstack([a + eased * (b - a) for a, b in zip(stations, stations[1:], strict=False)])
+    setpoints = np.vstack([a + eased * (b - a) for a, b in itertools.pairwise(stations)])
     phi, _ = Chain(model, "servo").run(setpoints, stamp)
     theta, _ = Chain(model, "wire").run(phi, stamp)
     rows = np.arange(STAND - 1, len(stamp), STAND)

@@ -6,7 +6,8 @@ import numpy as np
 
 from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.discrepancy.curves import followed
-from trunk_ros.diagnosis.evidence.veto import harmless, unseen
+from trunk_ros.diagnosis.evidence.evidence import one_evidence
+from trunk_ros.diagnosis.evidence.veto import believed, harmless, unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
 
@@ -15,6 +16,10 @@ RIPPLE = Term(
     "transmission_ripple", "two_harmonics",
     own={4: {"amplitude": 1e-6, "cycles_per_rev": 40.0, "phase": 0.3, "harmonic": 0.1, "harmonic_phase": 0}},
 )  # fmt: skip
+
+SMALL = Term(
+    "transmission_ripple", "sine", own={2: {"amplitude": 3e-5, "cycles_per_rev": 20.0, "phase": 0.5}}
+)
 
 
 def test_what_is_at_work_helps_on_blocks_that_were_not_seen() -> None:
@@ -49,3 +54,15 @@ def test_what_the_model_knows_is_not_questioned() -> None:
     finally:
         del believed.context.stage.known["ratio_error"]
     assert np.isfinite(believed.total)
+
+
+def test_a_name_that_gains_less_than_is_left_beside_it_is_not_said() -> None:
+    """A ripple of two tenths of the noise on a joint whose dead band nobody has named yet."""
+    beside = fitted("backlash", SMALL)
+    own = fitted("rippled", SMALL)
+    assert one_evidence(beside, "transmission_ripple").gain_share < 1.0
+    assert one_evidence(own, "transmission_ripple").gain_share > 1.0
+    assert not believed(beside, beside)[0].hypothesis
+    state, part, found = believed(own, own)
+    assert state is part is own
+    assert list(found) == ["transmission_ripple"]

@@ -14,6 +14,7 @@ from trunk_ros.recording.recording import Recording
 Array = NDArray[np.float64]
 WIDTHS = np.geomspace(0.015, 0.9, 11)  # of the range of a motion
 PAST = 6  # samples
+STANDS = 1e-6  # of a column: it stands, and shows nothing
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,8 @@ class Features:
         self.pairs = list(combinations(own, 2))
         self.ranges = [max(float(np.ptp(m)), 1e-9) for m in self._motions(run)]
         raw = self._raw(run)
-        self.mean, self.std = raw.mean(axis=0), np.maximum(raw.std(axis=0), 1e-9)
+        std = raw.std(axis=0)
+        self.mean, self.std = raw.mean(axis=0), np.where(std > STANDS, std, 1.0)
 
     def __call__(self, run: Run) -> Array:
         """(n, columns)."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
-from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_evidence, evidence, spreads
+from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_evidence, spreads
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
-from trunk_ros.diagnosis.evidence.veto import harmless
+from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.wire import settled
@@ -45,7 +45,7 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     say("evidence")
     state = harmless(done.state)
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
-    found = evidence(part, state)
+    state, part, found = believed(state, part)
     state = with_banks(settled(state, settle))
     found = found | banks_evidence(state)
     return Judged(state, part, found, spreads(state), held_out(state), done.early)

@@ -19,7 +19,7 @@ from test.concealed.simulators.proof import errors, trunk
 SEED = 4
 HIDDEN = Real(
     gap=np.array([0.0, 4e-3, 6e-3]),
-    rub=np.array([0.0, 0.6, 0.2]),
+    rub=np.array([0.0, 0.6, 0.5]),
     ratio=np.array([0.02, 0.0, 0.0]),
     shown_late=0.03,
 )

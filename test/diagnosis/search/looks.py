@@ -42,6 +42,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         "stribeck_friction": {"amplitude": on(2, 4e-3), "velocity": on(2, 0.04), "form": "gaussian"}
     },
     "coupled": {"joint_coupling": {"gain": on(4, 0.03), "source": ["", "", "", "joint_2", ""]}},
+    "rippled": {
+        "transmission_ripple": {
+            "amplitude": on(3, 6e-5),
+            "cycles_per_rev": on(3, 20.0),
+            "phase": on(3, 0.5),
+            "form": "sine",
+        }
+    },
     "tension": {"tension_error": {"factor": 3.0}},
     "rough": {
         "unknown": {

@@ -40,6 +40,8 @@ class Evidence:
 
     gain: dict[int, float]
     """Squared unit-noise residual that it removes, by column."""
+    asked: float
+    """What that has to come to, on all columns together, for a name to be said."""
     strength: float
     """Root mean square of the effect over the sensor noise, over its joints."""
     rivals: dict[str, float] = field(default_factory=dict)
@@ -48,6 +50,11 @@ class Evidence:
     """The hypothesis with each rival in its place."""
     equivalents: list[str] = field(default_factory=list)
     confidence: float = 0.0
+
+    @property
+    def gain_share(self) -> float:
+        """What it gains over what is asked for."""
+        return sum(self.gain.values()) / (self.asked or 1.0)
 
 
 def spreads(state: Fit) -> Spread:
@@ -143,7 +150,7 @@ def banks_evidence(state: Fit) -> dict[str, Evidence]:
         gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in state.hypothesis[name].columns}
         limit = doubt(state, gain)
         sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
-        out[name] = Evidence(gain, strength(state, name), confidence=sure)
+        out[name] = Evidence(gain, limit, strength(state, name), confidence=sure)
     return out
 
 
@@ -164,8 +171,8 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     bare = refit(context, state.hypothesis.without(name))
     columns = state.hypothesis[name].columns
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
-    out = Evidence(gain, strength(state, name))
     limit = doubt(state, gain)
+    out = Evidence(gain, limit, strength(state, name))
     if effect(name).named:
         fits = _rivals(state, name, bare)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}

@@ -1,4 +1,6 @@
-"""What does not help on samples that the fit did not see is no finding, and is in no model."""
+"""What does not help on samples that the fit did not see, or less than what is left beside it, is no finding,
+and is in no model.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,31 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed, redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
+from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
 from trunk_ros.effects import effect
+
+
+def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
+    """A fit and one of the same to what rivals are fitted to, without the names that gain less than they have
+    to, and the evidence for the others. One at a time, the weakest first.
+    """
+    while True:
+        found = evidence(part, state)
+        weak = {n: e.gain_share for n, e in found.items() if effect(n).named and n not in state.context.known}
+        name = min(weak, key=weak.__getitem__, default=None)
+        if name is None or weak[name] >= 1.0:
+            return state, part, found
+        both = part is state
+        state = without(state, name)
+        part = state if both else without(part, name)
+
+
+def without(state: Fit, name: str, column: int | None = None) -> Fit:
+    """Fitted without an effect, on a joint or at all."""
+    columns = state.hypothesis[name].columns if column is None else [column]
+    return followed(refit(state.context, state.hypothesis.without(name, column)), columns)
 
 
 def harmless(state: Fit) -> Fit:
@@ -20,9 +44,7 @@ def harmless(state: Fit) -> Fit:
     One at a time, the worst first. What the model has already stays.
     """
     while (worst := _worst(state)) is not None:
-        name, column = worst
-        columns = state.hypothesis[name].columns if column is None else [column]
-        state = followed(refit(state.context, state.hypothesis.without(*worst)), columns)
+        state = without(state, *worst)
     return state
 
 
