@@ -56,8 +56,8 @@ def test_what_the_model_knows_is_not_questioned() -> None:
     assert np.isfinite(believed.total)
 
 
-def test_a_name_that_gains_less_than_is_left_beside_it_is_not_said() -> None:
-    """A ripple of two tenths of the noise on a joint whose dead band nobody has named yet."""
+def test_a_name_that_gains_less_than_an_effect_has_to_is_not_said() -> None:
+    """A ripple that was taken for half of what it is worth while a dead band had no name yet."""
     beside = fitted("backlash", SMALL)
     own = fitted("rippled", SMALL)
     assert one_evidence(beside, "transmission_ripple").gain_share < 1.0

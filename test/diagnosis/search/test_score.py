@@ -72,7 +72,7 @@ def test_a_curve_costs_more_than_a_name_and_as_much_as_it_leaves() -> None:
     now = fitted("backlash")
     leaves = Fit(Hypothesis(unknown=drawn), dict(now.cost), now.context)
     little = Fit(Hypothesis(unknown=drawn), {**now.cost, 2: float(now.context.count(2))}, now.context)
-    assert price(leaves, drawn) >= now.rest(2)
+    assert price(leaves, drawn) >= now.rest(2) - now.context.rest(2) * now.context.count(2)
     assert price(little, drawn) >= CURVE * need(now.context, 2)
     assert price(little, drawn) < price(leaves, drawn)
 

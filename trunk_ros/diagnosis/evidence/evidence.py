@@ -150,8 +150,13 @@ def banks_evidence(state: Fit) -> dict[str, Evidence]:
         gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in state.hypothesis[name].columns}
         limit = doubt(state, gain)
         sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
-        out[name] = Evidence(gain, limit, strength(state, name), confidence=sure)
+        out[name] = Evidence(gain, needed(state, gain), strength(state, name), confidence=sure)
     return out
+
+
+def needed(state: Fit, columns: Iterable[int]) -> float:
+    """What a name on some columns has to gain."""
+    return sum(need(state.context, c, state.rest(c)) for c in columns)
 
 
 def doubt(state: Fit, columns: Iterable[int]) -> float:
@@ -172,7 +177,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     columns = state.hypothesis[name].columns
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
     limit = doubt(state, gain)
-    out = Evidence(gain, limit, strength(state, name))
+    out = Evidence(gain, needed(state, gain), strength(state, name))
     if effect(name).named:
         fits = _rivals(state, name, bare)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}

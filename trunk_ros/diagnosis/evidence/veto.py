@@ -1,5 +1,5 @@
-"""What does not help on samples that the fit did not see, or less than what is left beside it, is no finding,
-and is in no model.
+"""What does not help on samples that the fit did not see, or less than an effect has to, is no finding, and
+is in no model.
 """
 
 from __future__ import annotations
