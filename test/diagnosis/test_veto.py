@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
@@ -54,6 +56,17 @@ def test_what_the_model_knows_is_not_questioned() -> None:
     finally:
         del believed.context.stage.known["ratio_error"]
     assert np.isfinite(believed.total)
+
+
+def test_a_name_that_an_excerpt_shows_nothing_of_is_judged_on_the_whole() -> None:
+    """Of a recording with a sample a second the excerpt may have none that counts."""
+    now = fitted("backlash", BACKLASH)
+    unseen_part = replace(
+        now, cost={}, context=now.context.only([np.zeros(len(now.context.views[0].span.rows), dtype=bool)])
+    )
+    state, _, found = believed(now, unseen_part)
+    assert list(state.hypothesis) == ["backlash"]
+    assert found["backlash"].confidence > 0.7
 
 
 def test_a_name_that_gains_less_than_an_effect_has_to_is_not_said() -> None:

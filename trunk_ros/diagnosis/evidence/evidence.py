@@ -53,8 +53,8 @@ class Evidence:
 
     @property
     def gain_share(self) -> float:
-        """What it gains over what is asked for."""
-        return sum(self.gain.values()) / (self.asked or 1.0)
+        """What it gains over what is asked for; 1 where it was not judged."""
+        return sum(self.gain.values()) / self.asked if self.asked > 0.0 else 1.0
 
 
 def spreads(state: Fit) -> Spread:
@@ -167,7 +167,8 @@ def doubt(state: Fit, columns: Iterable[int]) -> float:
 
 
 def _showing(state: Fit, whole: Fit | None, name: str) -> Fit:
-    return state if whole is None or strength(state, name) > 0.0 else whole
+    judged = set(state.hypothesis[name].columns) & state.cost.keys()
+    return state if whole is None or (judged and strength(state, name) > 0.0) else whole
 
 
 def one_evidence(state: Fit, name: str) -> Evidence:
