@@ -51,9 +51,11 @@ def as_the_servo_went(
 
     ``steps`` (joints,): those of the encoders, as ``counts`` has them.
     """
-    setpoints = all_setpoints(recording, gearbox.joints, model)
     stamp = gearbox.stamp
-    if setpoints is None or len(stamp) < AGREES or stops_to_measure(stamp):
+    if len(stamp) < AGREES or stops_to_measure(stamp):
+        return phi
+    setpoints = all_setpoints(recording, gearbox.joints, model)
+    if setpoints is None:
         return phi
     course = servo_course(setpoints, np.union1d(stamp, grid), model)
     there = course.position[np.searchsorted(course.stamp, stamp)]

@@ -156,6 +156,10 @@ class Arm:
         """M(q) (n, joints, joints) kg m^2, payload included."""
         return self.body.mass_matrix(theta, self.payload)
 
+    def mass_lever(self, theta: Array) -> Array:
+        """What a kilogram at the tip adds to it, (n, joints, joints) kg m^2 per kg."""
+        return self.body.mass_lever(theta)
+
     @cached_property
     def straight_inertia(self) -> Array:
         """(joints,) kg m^2 that each joint turns of the arm with all joints at 0."""

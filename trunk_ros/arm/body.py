@@ -132,13 +132,16 @@ class Body:
 
     def mass_matrix(self, theta: Array, payload: float = 0.0) -> Array:
         """M (n, joints, joints) kg m^2 of joint angles (n, joints)."""
-        q = self._whole(theta) + self.offset
-        own = self._matrix(q, 0.0)
-        return own if payload == 0.0 else own + payload * (self._matrix(q, 1.0) - own)
+        own = self._matrix(theta, 0.0, True)
+        return own if payload == 0.0 else own + payload * self.mass_lever(theta)
 
-    def _matrix(self, q: Array, payload: float) -> Array:
-        """The same of a whole posture (n, all joints): what a payload adds grows with its mass."""
-        pin, (model, data, _) = library(), self._with(payload, True)
+    def mass_lever(self, theta: Array) -> Array:
+        """What a kilogram at the tip adds to it, whatever the masses, (n, joints, joints) kg m^2 per kg."""
+        return self._matrix(theta, 1.0, False)
+
+    def _matrix(self, theta: Array, payload: float, links: bool) -> Array:
+        pin, (model, data, _) = library(), self._with(payload, links)
+        q = self._whole(theta) + self.offset
         out = np.empty((len(q), model.nv, model.nv))
         for k in range(len(q)):
             out[k] = pin.crba(model, data, q[k])

@@ -74,9 +74,9 @@ class View:
         return self.arm.mass_matrix(self.angles)
 
     @cached_property
-    def masses_per_kilogram(self) -> Array:
+    def mass_lever(self) -> Array:
         """(m, joints, joints) what a kilogram more at the tip adds to it."""
-        return replace(self.arm, payload=self.arm.payload + 1.0).mass_matrix(self.angles) - self.masses
+        return self.arm.mass_lever(self.angles)
 
     def only(self, rows: np.ndarray) -> View:
         """The same with these rows (n,) of the target alone counting."""
@@ -105,7 +105,7 @@ class View:
         return seen
 
     def _masses(self, payload: float) -> Array:
-        return self.masses + payload * self.masses_per_kilogram if payload else self.masses
+        return self.masses + payload * self.mass_lever if payload else self.masses
 
     def _load(self, column: int, payload: Payload) -> Array:
         one = slice(column, column + 1)

@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.discrepancy.memory import (
 )
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit, fit
+from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.effects import effect
 
@@ -51,8 +51,7 @@ def _banked(state: Fit, column: int, misfit: float) -> Fit:
     before = unseen(context, state.hypothesis, column)
     if not _wins(before, lean.unseen, misfit):
         return state
-    rest = context.whitened(lean.hypothesis, column)
-    return Fit(lean.hypothesis, state.cost | {column: float(rest @ rest)}, context)
+    return costed_on(state, lean.hypothesis, column)
 
 
 def _wins(before: Array, after: Array, misfit: float) -> bool:

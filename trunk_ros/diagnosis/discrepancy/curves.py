@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import Fit, fit
+from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, abscissa
@@ -105,11 +105,9 @@ def followed(now: Fit, columns: Iterable[int]) -> Fit:
     them.
     """
     for column in now.hypothesis.curved.intersection(columns, now.cost):
-        hypothesis = redrawn(now.context, now.hypothesis, column)
-        rest = now.context.whitened(hypothesis, column)
-        cost = float(rest @ rest)
-        if cost < now.cost[column]:
-            now = Fit(hypothesis, now.cost | {column: cost}, now.context)
+        trial = costed_on(now, redrawn(now.context, now.hypothesis, column), column)
+        if trial.cost[column] < now.cost[column]:
+            now = trial
     return now
 
 

@@ -9,11 +9,12 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.discrepancy.curves import followed, redrawn
+from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
+from trunk_ros.diagnosis.search.fit import Fit, fit, groups
+from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.effects import effect
 
 
@@ -28,14 +29,8 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
         if name is None or weak[name] >= 1.0:
             return state, part, found
         both = part is state
-        state = without(state, name)
-        part = state if both else without(part, name)
-
-
-def without(state: Fit, name: str, column: int | None = None) -> Fit:
-    """Fitted without an effect, on a joint or at all."""
-    columns = state.hypothesis[name].columns if column is None else [column]
-    return followed(refit(state.context, state.hypothesis.without(name, column)), columns)
+        state = dropped(state, name)
+        part = state if both else dropped(part, name)
 
 
 def harmless(state: Fit) -> Fit:
@@ -44,7 +39,7 @@ def harmless(state: Fit) -> Fit:
     One at a time, the worst first. What the model has already stays.
     """
     while (worst := _worst(state)) is not None:
-        state = without(state, *worst)
+        state = dropped(state, *worst)
     return state
 
 

@@ -38,6 +38,10 @@ class Fit:
         """Squared unit-noise residual of a column above the noise."""
         return max(self.cost.get(column, 0.0) - self.context.count(column), 0.0)
 
+    def beyond_noise(self, column: int) -> float:
+        """The same above what the noise may be: it is known to a share of its power."""
+        return max(self.rest(column) - self.context.rest(column) * self.context.count(column), 0.0)
+
 
 class Residuals:
     """The residual vector of some columns as a function of the free values, and its derivative."""
@@ -149,6 +153,12 @@ def refit_column(now: Fit, hypothesis: Hypothesis, column: int, goal: float = np
     """
     trial = fit(now.context, hypothesis, [column], goal)
     return Fit(trial.hypothesis, now.cost | trial.cost, now.context)
+
+
+def costed_on(now: Fit, hypothesis: Hypothesis, column: int) -> Fit:
+    """A hypothesis that differs on one joint, with the values that it has."""
+    rest = now.context.whitened(hypothesis, column)
+    return Fit(hypothesis, now.cost | {column: float(rest @ rest)}, now.context)
 
 
 def costed(context: Context, hypothesis: Hypothesis) -> Fit:

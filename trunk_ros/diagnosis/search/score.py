@@ -128,7 +128,7 @@ def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
     """
     kind = effect(term.effect)
     over = kind.leaves(term.words.get(column, {})) if issubclass(kind, Curve) else 1.0
-    left = max(fit.rest(column) - fit.context.rest(column) * fit.context.count(column), 0.0)
+    left = fit.beyond_noise(column)
     return max(CURVE * need, CURVED * fit.context.misfit.get(column, 0.0), left * (1 / over - 1))
 
 

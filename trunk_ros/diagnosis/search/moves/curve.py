@@ -28,7 +28,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 def early_groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Joints whose names are far from what a curve promises."""
     for column in best.context.columns:
-        if _leaves(best, column) and _hopeless(best, column):
+        if best.beyond_noise(column) > 0.0 and _hopeless(best, column):
             yield Group(column, [column], partial(_on_joints, best, desk, [column]))
 
 
@@ -51,7 +51,11 @@ def _curves(best: Fit, desk: Desk) -> Iterator[Fit]:
     """Beside what acts on all joints, or in its place."""
     yield from _on_joints(best, desk, best.context.columns)
     shared = [n for n in best.hypothesis if effect(n).everywhere and n not in best.context.known]
-    if shared and not best.hypothesis.curved and all(_leaves(best, c) for c in best.context.columns):
+    if (
+        shared
+        and not best.hypothesis.curved
+        and all(best.beyond_noise(c) > 0.0 for c in best.context.columns)
+    ):
         yield from _everywhere(best, shared)
 
 
@@ -62,7 +66,7 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
         local = own_effects(now.hypothesis, column)
         named = all(effect(name).named for name in local)
         key = ("curve", column, *state_of(now, [column]))
-        if named and (_leaves(now, column) or len(local) >= FEW) and key not in desk.kept:
+        if named and (now.beyond_noise(column) > 0.0 or len(local) >= FEW) and key not in desk.kept:
             trial = min(_curved(now, column, local), key=score, default=now)
             if beats(trial, now) and _is_clear(now, trial, column, local):
                 now = trial
@@ -78,10 +82,6 @@ def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:
         return True
     without = fit(now.context, now.hypothesis.less(local, column), [column]).cost[column]
     return now.cost[column] - trial.cost[column] > CLEARER * (without - now.cost[column])
-
-
-def _leaves(best: Fit, column: int) -> bool:
-    return best.cost[column] / best.context.count(column) - 1.0 > best.context.rest(column)
 
 
 def _curved(best: Fit, column: int, local: list[str]) -> Iterator[Fit]:

@@ -23,7 +23,9 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def _fewer(best: Fit, own: list[str], column: int) -> Iterator[Fit]:
-    return (dropped(best, name, column) for name in own)
+    for name in own:
+        less = best.hypothesis.without(name, column)
+        yield followed(refit_column(best, less, column), [column])
 
 
 def _everywhere(best: Fit, name: str) -> Iterator[Fit]:
@@ -38,11 +40,9 @@ def _everywhere(best: Fit, name: str) -> Iterator[Fit]:
 
 
 def dropped(now: Fit, name: str, column: int | None = None) -> Fit:
-    """Without an effect, on a joint or at all."""
-    less = now.hypothesis.without(name, column)
-    if column is None:
-        return followed(refit(now.context, less), now.hypothesis[name].columns)
-    return followed(refit_column(now, less, column), [column])
+    """Without an effect, on a joint or at all, and all joints fitted again."""
+    columns = now.hypothesis[name].columns if column is None else [column]
+    return followed(refit(now.context, now.hypothesis.without(name, column)), columns)
 
 
 DROP = Move("drop", groups)

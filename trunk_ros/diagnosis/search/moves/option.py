@@ -37,10 +37,10 @@ def _promise(now: Fit, name: str) -> float:
     may be saved.
     """
     term, looks = now.hypothesis[name], [0.0]
-    screen = Screen(now.context, now.hypothesis)
-    for parameter in options_of(name, term.form):
-        if parameter.name not in term.shared:
-            looks.append(screen.seen(_with(now, name, parameter)))
+    lacks = [p for p in options_of(name, term.form) if p.name not in term.shared]
+    if lacks:
+        screen = Screen(now.context, now.hypothesis)
+        looks += [screen.seen(_with(now, name, parameter)) for parameter in lacks]
     if term.given:
         looks.append(Screen(now.context, _freed(now, name)).seen())
     return score(now) - now.total + max(looks) / PROMISED

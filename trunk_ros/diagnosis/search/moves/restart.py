@@ -18,9 +18,8 @@ MOST = 3  # effects that are then chosen
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Joints whose own effects leave more than noise, or have no name."""
     for column in best.context.columns:
-        rest = best.cost[column] / best.context.count(column) - 1.0
         own = own_effects(best.hypothesis, column)
-        if own and (column in best.hypothesis.curved or rest > best.context.rest(column)):
+        if own and (column in best.hypothesis.curved or best.beyond_noise(column) > 0.0):
             yield Group(column, [column], partial(_anew, best, desk, column, own))
 
 
