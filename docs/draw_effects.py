@@ -15,7 +15,7 @@ from PIL import Image
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect
-from trunk_ros.effects.bank import WEIGHTS, Bank
+from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import KNOTS
 from trunk_ros.model import Model, load_model
 from trunk_ros.motion import named_trajectory
@@ -141,9 +141,9 @@ def usual(kind: type[Effect], joints: int) -> dict[str, Any]:
         own = issubclass(kind, Bank) and kind.own
         values[kind.texts[0]] = [f"joint_{k + 1 if own else k or joints}" for k in range(joints)]
     if issubclass(kind, Bank):
-        bend = 0.01 * np.sin(0.9 * np.arange(1, WEIGHTS + 1))
-        values |= {f"weight_1_{i}": np.full(joints, bend[i - 1]) for i in range(1, WEIGHTS + 1)}
-        values |= {"low_1": np.full(joints, 0.02 if kind.remembers else -0.4)}
+        bend = (0.002 if kind.by_posture else 0.01) * np.sin(0.9 * np.arange(1, kind.weights + 1))
+        values |= {f"weight_1_{i}": np.full(joints, bend[i - 1]) for i in range(1, kind.weights + 1)}
+        values |= {"low_1": np.full(joints, -0.4 if kind.by_posture or not kind.remembers else 0.02)}
     if "on" in kind.texts:
         bump = 1e-3 * np.sin(np.linspace(0.0, 7.0, KNOTS))
         low, high = RANGES.get(kind.id, (-0.4, 0.4))

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
-from trunk_ros.diagnosis.discrepancy.memory import CUTS, Source, Sums, chosen_of
-from trunk_ros.effects.bank import choices
+from trunk_ros.diagnosis.discrepancy.memory import CUTS, FOLDS, Cuts, Source, Sums, chosen_of
 from trunk_ros.effects.drags import Drags
 from trunk_ros.effects.wire.coupling_curve import CouplingCurve
 from trunk_ros.effects.wire.coupling_drag import CouplingDrag
+from trunk_ros.effects.wire.unknown_loops import UnknownLoops
+from trunk_ros.effects.wire.unknown_memory import UnknownMemory
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
@@ -35,15 +36,16 @@ def test_what_a_curve_and_a_drag_made_is_found_in_them() -> None:
     found = sources()
     rest = found[0].design @ np.sin(np.arange(8.0)) + found[4].design @ np.linspace(0.1, 0.4, 8)
     rest = rest + RNG.normal(size=len(rest))
-    chosen = chosen_of(Sums.of(found, rest), found, 1.0)
+    chosen = chosen_of(Sums.of(found, rest, Cuts.of([len(rest)])), found, 1.0)
     assert {(found[k].kind, found[k].word) for k in chosen} == {(CouplingCurve, "a"), (CouplingDrag, "b")}
-    assert Sums.of(found, rest).unseen(chosen, 1.0).mean() == pytest.approx(1.0, abs=0.2)
+    unseen = Sums.of(found, rest, Cuts.of([len(rest)])).unseen(chosen, 1.0)
+    assert unseen.mean() == pytest.approx(1.0, abs=0.2)
 
 
 def test_nothing_is_found_in_noise() -> None:
     found, rest = sources(), RNG.normal(size=1000)
-    assert chosen_of(Sums.of(found, rest), found, 1.0) == []
-    assert len(Sums.of(found, rest).unseen([], 1.0)) == CUTS
+    assert chosen_of(Sums.of(found, rest, Cuts.of([len(rest)])), found, 1.0) == []
+    assert len(Sums.of(found, rest, Cuts.of([len(rest)])).unseen([], 1.0)) == CUTS
 
 
 def test_a_drag_is_bounded_by_its_reach() -> None:
@@ -55,7 +57,7 @@ def test_a_source_that_there_is_not_is_refused_with_a_choice() -> None:
     effects = {"coupling_curve": {"weight_1_1": np.array([0.1, 0.0]), "source": ["joint_9", ""]}}
     with pytest.raises(ModelError, match="choose from joint_2"):
         Model(arm_of(2), effects).bound("wire")
-    assert choices(("a", "b"), "a", own=True) == ["a", "a+b", "a-b"]
+    assert UnknownMemory.choices(("a", "b"), "a") == ["a", "a+b", "a-b"]
 
 
 def test_commands_of_a_recording_that_stops_to_measure_are_exact() -> None:
@@ -65,3 +67,45 @@ def test_commands_of_a_recording_that_stops_to_measure_are_exact() -> None:
     assert between_counts(series) is series
     held, _ = resample(series, stamp[:-1] + 0.3)
     assert np.array_equal(held, series.position[:-1])
+
+
+def bent_friction(s: np.ndarray) -> np.ndarray:
+    """(n,) of a wire whose friction grows with the bend of its guide: one play of a width that is known."""
+    held = Drags.shapes(s, 0.1, 0.1000001)[:, 0]
+    return 0.3 * held * (1.0 + 0.8 * np.sin(2.0 * s))
+
+
+def swept(seed: int, rows: int = 3000) -> np.ndarray:
+    """(rows,) rad of a joint that turns back at many postures."""
+    rng, time = np.random.default_rng(seed), np.linspace(0.0, 60.0, rows)
+    tones = [rng.uniform(0.2, 0.4) * np.sin(rate * time + rng.uniform(0.0, 6.0)) for rate in (0.3, 0.9, 2.1)]
+    return np.asarray(np.sum(tones, axis=0))
+
+
+def test_loops_that_change_with_the_posture_are_found_where_plays_of_one_shape_fail() -> None:
+    s = swept(1)
+    found = []
+    for kind in (UnknownMemory, UnknownLoops):
+        low, high = kind.range_of(s)
+        found.append(Source(kind, "a", low, high, 1e4 * kind.shapes(s, low, high)))
+    rest = 1e4 * bent_friction(s) + RNG.normal(size=len(s))
+    sums = Sums.of(found, rest, Cuts.of([len(rest)]))
+    assert sums.unseen([1], 1.0).mean() < 0.2 * sums.unseen([0], 1.0).mean()
+    assert 1 in chosen_of(sums, found, 1.0)
+
+
+def test_of_several_recordings_each_is_left_out_as_a_whole() -> None:
+    cuts = Cuts.of([700, 900, 400])
+    recording = np.repeat([0, 1, 2], [700, 900, 400])
+    assert all(len(np.unique(recording[cuts.fold[cuts.number] == fold])) == 1 for fold in range(3))
+    for counts in ([700], [700, 0]):
+        alone = Cuts.of(counts)
+        assert len(np.unique(alone.fold[alone.number])) == FOLDS
+
+
+def test_a_line_goes_on_beyond_the_postures_that_were_seen_and_a_bend_does_not() -> None:
+    weights = np.zeros(UnknownLoops.weights)
+    weights[-3:] = 0.2, 0.1, 0.0  # a line, and a bend
+    out = np.zeros(4)
+    UnknownLoops.add(np.array([1.0, 1.5, 2.0, 0.0]), UnknownLoops.ready(0.0, 1.0, weights), None, out)
+    assert np.diff(out[:3]) == pytest.approx([0.2, 0.2])

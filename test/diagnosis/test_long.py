@@ -27,6 +27,16 @@ def test_a_short_recording_is_searched_as_a_whole() -> None:
     assert excerpt(span) is span
 
 
+def test_a_slow_recording_is_searched_as_a_whole_however_long() -> None:
+    """It has no more samples than a fast one of minutes; in six blocks of a minute few would be left."""
+    rare = recorded(seconds=SECONDS)
+    rare = replace(
+        rare, series={k: s.rows(np.arange(len(s.stamp)) % 100 == 0) for k, s in rare.series.items()}
+    )
+    span = wire_span(rare, load_model("trunk"))
+    assert excerpt(span) is span
+
+
 def test_an_excerpt_has_the_stamps_and_samples_of_the_whole() -> None:
     span = wire_span(recorded(seconds=SECONDS), load_model("trunk"))
     part = excerpt(span)

@@ -10,7 +10,7 @@ from trunk_ros.arm import Arm, Wire
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, registry
-from trunk_ros.effects.bank import Bank, choices
+from trunk_ros.effects.bank import Bank
 from trunk_ros.model import Model
 from trunk_ros.parameter import Parameter
 
@@ -104,7 +104,7 @@ def words_of(kind: type[Effect], joints: int) -> dict[str, list[str]]:
     if "on" in kind.texts:
         return {"on": ["position"] * joints}
     if issubclass(kind, Bank) and kind.own:
-        own = [choices(tuple(names), name, own=True) for name in names]
+        own = [kind.choices(tuple(names), name) for name in names]
         return {text: [words[i % len(words)] for words in own] for i, text in enumerate(kind.texts)}
     return {text: [names[k - 1 - i] for k in range(joints)] for i, text in enumerate(kind.texts)}
 
@@ -131,7 +131,9 @@ def few_sources(name: str, joints: int) -> dict[str, Any]:
     """A coupling with one source, for arms that have no more."""
     kind = registry()[name]
     return {
-        kind.parameters[0].name: np.full(joints, 0.005),
+        kind.parameters[0].name: np.full(
+            joints, 10.0 * kind.parameters[0].typical if issubclass(kind, Bank) else 0.005
+        ),
         kind.texts[0]: words_of(kind, joints)[kind.texts[0]]
         if issubclass(kind, Bank) and kind.own
         else [f"joint_{k or joints}" for k in range(joints)],

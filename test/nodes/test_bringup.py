@@ -120,10 +120,13 @@ def test_asked_to_end_it_leaves_a_whole_bag(tmp_path, domain, peer, number):
     assert len(bag_messages(path)["/joint_states"]) > RATE / 2
 
 
-def test_a_node_that_is_killed_ends_the_run_with_a_whole_bag(tmp_path, domain):
-    path = tmp_path / "run"
+def test_a_node_that_is_killed_ends_the_run_with_a_whole_bag(tmp_path, domain, peer):
+    from trunk_ros.nodes.graph.ros import JointState
+
+    path, joints = tmp_path / "run", peer.listen(JointState, "joint_states")
     with running("bringup", "--output", path, "--seconds", 1000, "--processes", domain=domain) as process:
         wait_for_data(path)
+        peer.until(lambda: len(joints) > RATE / 2)
         os.kill(child(process.pid, "wire_elasticity"), signal.SIGKILL)
         _, error = process.communicate(timeout=120)
     assert process.returncode == 1

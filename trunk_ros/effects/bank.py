@@ -15,19 +15,29 @@ from trunk_ros.effects.effect import Effect, Now, Regime
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
-WEIGHTS = 8  # of each source
-STEEPEST = 0.9  # of a joint's own motion: what follows it more closely has no inverse that settles
+WEIGHTS = 8  # of each source, where a bank does not say otherwise
+# Of a joint's own motion: what follows it more closely has no inverse that settles. Below it the inverse is
+# right up to this share of a dead band, within which a bank moves the joint and the wire does not.
+STEEPEST = 0.9
 
 
-def parameters_of(sources: int, low: str, high: str, weight: str) -> tuple[Parameter, ...]:
-    """Range and weights of each source; the arguments say what they mean."""
+def parameters_of(
+    sources: int,
+    low: str,
+    high: str,
+    weight: str,
+    weights: int = WEIGHTS,
+    typical: float = 2e-4,
+    start: float = 0.02,
+) -> tuple[Parameter, ...]:
+    """Range, from ``start`` where nothing else is said, and weights of each source, and what they mean."""
     out: list[Parameter] = []
     for k in range(1, sources + 1):
         out += [
-            Parameter(f"weight_{k}_{i}", "1", (-20.0, 20.0), f"{weight} {i}, source {k}", typical=2e-4)
-            for i in range(1, WEIGHTS + 1)
+            Parameter(f"weight_{k}_{i}", "1", (-20.0, 20.0), f"{weight} {i}, source {k}", typical=typical)
+            for i in range(1, weights + 1)
         ]
-        out.append(Parameter(f"low_{k}", "rad", (-1e6, 1e6), f"{low}, source {k}", typical=0.02, null=0.02))
+        out.append(Parameter(f"low_{k}", "rad", (-1e6, 1e6), f"{low}, source {k}", typical=start, null=start))
         out.append(Parameter(f"high_{k}", "rad", (-1e6, 1e6), f"{high}, source {k}", typical=0.4, null=0.4))
     return tuple(out)
 
@@ -46,8 +56,14 @@ class Bank(Effect):
     tried = False
     scalable = False
     sources: ClassVar[int]
+    weights: ClassVar[int] = WEIGHTS
+    """Of each source."""
+    groups: ClassVar[tuple[int, ...]] = (WEIGHTS,)
+    """How many of them, in their order, are of one size."""
     own: ClassVar[bool] = False
     """Whether a source may be the joint itself, alone or together with another."""
+    by_posture: ClassVar[bool] = False
+    """Whether it can follow nearly anything that is smooth: weighed once the names have been."""
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         moved, state = self.moved(now, state, range(len(self._links)))
@@ -60,7 +76,7 @@ class Bank(Effect):
     @classmethod
     @abstractmethod
     def ready(cls, low: float, high: float, weights: Array) -> Any:
-        """What ``add`` needs of a source's range and weights (WEIGHTS,)."""
+        """What ``add`` needs of a source's range and weights (weights,)."""
 
     @classmethod
     @abstractmethod
@@ -69,9 +85,9 @@ class Bank(Effect):
 
     @classmethod
     def shapes(cls, s: Array, low: float, high: float) -> Array:
-        """(n, WEIGHTS) each shape over a source's motion (n,), from its beginning."""
-        out = np.zeros((WEIGHTS, len(s)))
-        for weights, column in zip(np.eye(WEIGHTS), out, strict=True):
+        """(n, weights) each shape over a source's motion (n,), from its beginning."""
+        out = np.zeros((cls.weights, len(s)))
+        for weights, column in zip(np.eye(cls.weights), out, strict=True):
             cls.add(s, cls.ready(low, high, weights), None, column)
         return out.T
 
@@ -80,11 +96,27 @@ class Bank(Effect):
     def range_of(cls, s: Array) -> tuple[float, float]:
         """``low`` and ``high`` for a source that moves as (n,)."""
 
+    @classmethod
+    def swing(cls, low: float, high: float) -> tuple[float, float]:
+        """Ends of a motion over a source's whole range."""
+        return low, high
+
+    @classmethod
+    def steepness(cls, low: float, high: float, weights: Array) -> float:
+        """rad per rad that a source adds at most, for shapes that are no steeper than 1."""
+        return float(np.abs(weights).sum())
+
+    @classmethod
+    def choices(cls, joints: tuple[str, ...], joint: str) -> list[str]:
+        """What may be a source for a joint."""
+        others = [other for other in joints if other != joint]
+        return [joint, *(f"{joint}{sign}{o}" for o in others for sign in "+-")] if cls.own else others
+
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
         for text, words in self.words.items():
             for column, word in enumerate(words):
-                choice = choices(joints, joints[column], self.own)
+                choice = self.choices(joints, joints[column])
                 if word and word not in choice:
                     raise ModelError(
                         f"effects.{self.id}.{text} of {joints[column]} is {word!r}: "
@@ -101,15 +133,16 @@ class Bank(Effect):
         return out.T, memory
 
     @cached_property
-    def _links(self) -> list[tuple[int, str, Array, Any]]:
-        """Column, source, weights (WEIGHTS,) and what ``add`` needs of them."""
+    def _links(self) -> list[tuple[int, str, float, Any]]:
+        """Column, source, slope and what ``add`` needs of them."""
         out = []
         for k, text in enumerate(words_of(self.sources), start=1):
             for column, word in enumerate(self.words.get(text, ())):
-                weights = np.array([self[f"weight_{k}_{i}"][column] for i in range(1, WEIGHTS + 1)])
+                weights = np.array([self[f"weight_{k}_{i}"][column] for i in range(1, self.weights + 1)])
                 if word and np.any(weights):
                     low, high = float(self[f"low_{k}"][column]), float(self[f"high_{k}"][column])
-                    out.append((column, word, weights, self.ready(low, high, weights)))
+                    slope = self.steepness(low, high, weights)
+                    out.append((column, word, slope, self.ready(low, high, weights)))
         return out
 
     @property
@@ -120,15 +153,9 @@ class Bank(Effect):
         if not self.own:
             return list(range(len(self._links)))
         steep: dict[int, float] = {}
-        for column, _, weights, _ in self._links:
-            steep[column] = steep.get(column, 0.0) + float(np.abs(weights).sum())
+        for column, _, slope, _ in self._links:
+            steep[column] = steep.get(column, 0.0) + slope
         return [k for k, link in enumerate(self._links) if steep[link[0]] < STEEPEST]
-
-
-def choices(joints: tuple[str, ...], joint: str, own: bool) -> list[str]:
-    """What may be a source for a joint."""
-    others = [other for other in joints if other != joint]
-    return [joint, *(f"{joint}{sign}{o}" for o in others for sign in "+-")] if own else others
 
 
 def motion(word: str, now: Now) -> Array:

@@ -31,6 +31,10 @@ class Drags(Bank):
         return stuck
 
     @classmethod
+    def swing(cls, low: float, high: float) -> tuple[float, float]:
+        return -high, high
+
+    @classmethod
     def range_of(cls, s: Array) -> tuple[float, float]:
         return NARROWEST * float(np.ptp(s)), WIDEST * float(np.ptp(s))
 

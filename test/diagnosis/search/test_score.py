@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context, fitted
@@ -83,3 +84,13 @@ def test_a_slice_of_a_strong_rest_is_a_step_but_no_claim() -> None:
     assert now.rest(2) > now.context.count(2)
     assert price(claimed, BACKLASH) >= SLICE * now.rest(2)
     assert price(claimed, BACKLASH) > price(now, BACKLASH)
+
+
+@pytest.mark.parametrize(("share", "slides"), [(0.4, True), (0.6, False)])
+def test_a_drag_that_never_slides_is_told_from_nothing(share: float, slides: bool) -> None:
+    """It would be a gain of its source, and by how it began an offset."""
+    seen = context("clean")
+    source = seen.views[0].wires[:, 1]
+    values = {"gain": 0.1, "drag": 0.1, "reach": share * float(np.ptp(source))}
+    drag = Term("joint_coupling", "drag", own={2: values}, words={2: {"source": seen.joints[1]}})
+    assert (score(costed(seen, Hypothesis(joint_coupling=drag))) < UNSHOWN) == slides

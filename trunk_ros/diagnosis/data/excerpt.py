@@ -9,8 +9,9 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 
-LONG = 600.0  # s from which on a recording is not searched as a whole
+LONG = 600.0  # s from which on a recording is not searched as a whole, where blocks are of LENGTH
 BLOCKS = 6
+SAMPLES = 5500  # of a block at least: a slow recording of an hour is no more work than a fast one of a minute
 LENGTH = 55.0  # s of a block
 WARM = 15.0  # s of it after which it has forgotten what went before
 PAUSE = 1.0  # s without a sample that count as recorded
@@ -23,10 +24,11 @@ def excerpt(span: Span) -> Span:
     The first block begins with the recording, the last one ends with it.
     """
     time = recorded_time(span.grid)
-    if time[-1] < LONG:
+    length = max(LENGTH, SAMPLES * float(np.median(np.diff(time)))) if len(time) > 1 else LENGTH
+    if time[-1] < LONG * length / LENGTH:
         return span
-    starts = np.linspace(0.0, time[-1] - LENGTH, BLOCKS)
-    steps = [slice(*np.searchsorted(time, (s, s + LENGTH)).tolist()) for s in starts]
+    starts = np.linspace(0.0, time[-1] - length, BLOCKS)
+    steps = [slice(*np.searchsorted(time, (s, s + length)).tolist()) for s in starts]
     steps = [step for step in steps if step.start < step.stop]
     chosen = np.zeros(len(span.grid), dtype=bool)
     forgotten = np.zeros(span.gearbox.shape, dtype=bool)

@@ -10,7 +10,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.memory import (
     CUTS,
-    FOLDS,
+    Cuts,
     Source,
     drawn,
     redrawn_banks,
@@ -20,10 +20,9 @@ from trunk_ros.diagnosis.discrepancy.memory import (
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
-from trunk_ros.diagnosis.search.score import STRONG
+from trunk_ros.diagnosis.search.score import CURVED, STRONG
 from trunk_ros.effects import effect
 
-FORMS = 0.01  # of the misfit: what forms of the same physics may differ by
 CLEAR = 0.05  # of what is left: what a bank must take off it on blocks not seen
 SPARES = 0.01  # likewise: an effect with a name stays beside banks that it does more for
 SURE = 2.0  # standard errors over the blocks
@@ -37,8 +36,8 @@ def with_banks(state: Fit) -> Fit:
         return state
     left = rests(context, state.hypothesis)
     for column in [c for c, power in left.items() if power > STRONG]:
-        misfit = float(np.mean(context.whitened(context.known, column) ** 2)) - 1.0
-        if left[column] > FORMS * misfit:
+        misfit = context.formed_misfit[column] / context.count(column)
+        if left[column] > CURVED * misfit:
             state = _banked(state, column, misfit)
     return state
 
@@ -47,11 +46,16 @@ def _banked(state: Fit, column: int, misfit: float) -> Fit:
     context, found = state.context, sources(state.context, column)
     if not found:
         return state
-    lean = _lean(context, state.hypothesis, column, found)
+    plain = [source for source in found if not source.kind.by_posture]
+    fewer = _lean(context, state.hypothesis, column, plain).hypothesis
+    best = _refitted(context, state.hypothesis, column, found)
+    if _names(fewer, column) != _names(state.hypothesis, column):
+        lean = _refitted(context, fewer, column, found)
+        best = lean if lean.unseen.mean() < (1.0 - CLEAR) * best.unseen.mean() else best
     before = unseen(context, state.hypothesis, column)
-    if not _wins(before, lean.unseen, misfit):
+    if not _wins(before, best.unseen, misfit):
         return state
-    return costed_on(state, lean.hypothesis, column)
+    return costed_on(state, best.hypothesis, column)
 
 
 def _wins(before: Array, after: Array, misfit: float) -> bool:
@@ -65,7 +69,7 @@ def clearly(before: Array, after: Array, share: float) -> bool:
     """Whether powers of blocks (CUTS,) are less than before by a ``share``, and by more than their
     scatter.
     """
-    gain = np.log(before / after)
+    gain = np.log(before[before > 0.0] / after[before > 0.0])
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain))
     return bool(gain.mean() > max(share, SURE * error))
 
@@ -82,16 +86,19 @@ def _lean(context: Context, hypothesis: Hypothesis, column: int, found: list[Sou
     """The hypothesis with banks on a column, and without its own effects that the banks make superfluous."""
     best = _refitted(context, hypothesis, column, found)
     while True:
-        own = [t.effect for t in without_banks(best.hypothesis, column).on(column)]
         trials = [
             _refitted(context, best.hypothesis.without(name, column), column, found)
-            for name in own
+            for name in _names(best.hypothesis, column)
             if not effect(name).everywhere and name not in context.known
         ]
         least = min(trials, key=lambda t: float(t.unseen.mean()), default=None)
         if least is None or least.unseen.mean() > (1.0 + SPARES) * best.unseen.mean():
             return best
         best = least
+
+
+def _names(hypothesis: Hypothesis, column: int) -> list[str]:
+    return [term.effect for term in without_banks(hypothesis, column).on(column)]
 
 
 def _refitted(context: Context, hypothesis: Hypothesis, column: int, found: list[Source]) -> Judged:
@@ -103,25 +110,24 @@ def _refitted(context: Context, hypothesis: Hypothesis, column: int, found: list
 
 def unseen(context: Context, hypothesis: Hypothesis, column: int) -> Array:
     """(CUTS,) mean squares of blocks of time, by named values and banks that were fitted to the others."""
-    out, block = np.zeros(CUTS), blocks(context, column)
-    for fold in range(FOLDS):
-        judged = np.arange(CUTS) % FOLDS == fold
-        seen = context.only([~judged[number] for number in block])
+    out, cuts = np.zeros(CUTS), Cuts.on(context, column)
+    for fold in np.unique(cuts.fold):
+        judged = cuts.fold == fold
+        seen = context.only([~judged[number] for number in _everywhere(context, column, cuts)])
         fitted = fit(seen, without_banks(hypothesis, column), [column]).hypothesis
         fitted = redrawn_banks(seen, fitted, column, hypothesis)
-        out[judged] = by_blocks(context.whitened(fitted, column) ** 2)[judged]
+        out[judged] = _by_blocks(context.whitened(fitted, column) ** 2, cuts)[judged]
     return out
 
 
-def blocks(context: Context, column: int) -> list[np.ndarray]:
-    """(n,) number of the block of time that each row of a span is in, by what counts on a column."""
+def _everywhere(context: Context, column: int, cuts: Cuts) -> list[np.ndarray]:
+    """(n,) number of the block that each row of a span is in, by what counts before it."""
     valid = [view.span.valid[:, column] for view in context.views]
-    place = np.cumsum(np.concatenate(valid)) - 1
-    number = np.clip(place * CUTS // max(int(place[-1]) + 1, 1), 0, CUTS - 1)
-    return np.split(number, np.cumsum([len(v) for v in valid])[:-1])
+    before = np.maximum(np.cumsum(np.concatenate(valid)) - 1, 0)
+    return np.split(cuts.number[before], np.cumsum([len(v) for v in valid])[:-1])
 
 
-def by_blocks(power: Array) -> Array:
+def _by_blocks(power: Array, cuts: Cuts) -> Array:
     """(CUTS,) means of what counts (rows,) over the blocks."""
-    number = np.arange(len(power)) * CUTS // max(len(power), 1)
-    return np.asarray(np.bincount(number, power, CUTS) / np.maximum(np.bincount(number, minlength=CUTS), 1))
+    total, many = np.bincount(cuts.number, power, CUTS), np.bincount(cuts.number, minlength=CUTS)
+    return np.asarray(total / np.maximum(many, 1))

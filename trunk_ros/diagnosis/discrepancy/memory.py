@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -15,12 +16,13 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.effects import effect, registry
-from trunk_ros.effects.bank import WEIGHTS, Bank, choices, motion, words_of
+from trunk_ros.effects.bank import Bank, motion, words_of
 
 STANDS = 1e-3  # of a joint's angle [rad]: a source that moves less shows nothing
-CUTS = 10  # blocks of time, each left out with those FOLDS further on
+CUTS = 40  # blocks of time, in FOLDS that are left out in turn
 FOLDS = 5
-AGAIN = 2  # times, since what is left tells how many samples are worth one
+AGAIN = 2  # times, since what sources leave tells how many samples are worth one
+WORTHS = 4.0 ** np.arange(6)  # samples that may be worth one
 PAYS = 0.005  # of what is left of blocks not seen: what a further source must take off it
 ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
 PRECISIONS = (1e-3, 1e8)
@@ -30,7 +32,7 @@ TINY = 1e-300
 
 @dataclass(frozen=True)
 class Source:
-    """One motion in a bank, and the design (rows, WEIGHTS) of its weights on the whitened residual."""
+    """One motion in a bank, and the design (rows, weights) of its weights on the whitened residual."""
 
     kind: type[Bank]
     word: str
@@ -61,7 +63,7 @@ def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]
     joint, unit = context.joints[column], context.stage.units
     alike_ = tuple(j for j in context.joints if unit.get(j, "rad") == unit.get(joint, "rad"))
     for kind in banks():
-        for word in choices(alike_ if kind.own else context.joints, joint, kind.own):
+        for word in kind.choices(alike_ if kind.own else context.joints, joint):
             yield kind, word
 
 
@@ -82,8 +84,35 @@ def _source(context: Context, column: int, kind: type[Bank], word: str) -> Sourc
     parts = []
     for view, signal in zip(context.views, signals, strict=True):
         parts.append(kind.shapes(signal, low, high)[view.span.rows])
-    columns = [context.whiten_change([p[:, k] for p in parts], column) for k in range(WEIGHTS)]
+    columns = [context.whiten_change([p[:, k] for p in parts], column) for k in range(kind.weights)]
     return Source(kind, word, low, high, np.column_stack(columns))
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """Blocks of time, and which of them are left out together."""
+
+    number: np.ndarray
+    """(rows,) of the block that each row that counts is in."""
+    fold: np.ndarray
+    """(CUTS,)."""
+
+    @staticmethod
+    def of(counts: Sequence[int]) -> Cuts:
+        """Of recordings with so many rows that count. Where there are several, each is left out as a whole:
+        how it goes on other days is to be told.
+        """
+        counts = [n for n in counts if n] or [0]
+        each = max(CUTS // len(counts), 1)
+        parts = [k * each + np.arange(n) * each // max(n, 1) for k, n in enumerate(counts)]
+        alone = len(counts) == 1
+        fold = np.arange(CUTS) if alone else np.minimum(np.arange(CUTS) // each, len(counts) - 1)
+        return Cuts(np.minimum(np.concatenate(parts), CUTS - 1), fold % FOLDS)
+
+    @staticmethod
+    def on(context: Context, column: int) -> Cuts:
+        """Of a column."""
+        return Cuts.of([len(view.columns[column].counted) for view in context.views])
 
 
 @dataclass(frozen=True)
@@ -98,34 +127,41 @@ class Sums:
     """(CUTS,)."""
     count: Array
     """(CUTS,) rows."""
+    groups: tuple[tuple[int, ...], ...]
+    """Of each source, as its kind has them."""
+    fold: np.ndarray
+    """(CUTS,)."""
 
     @staticmethod
-    def of(found: Sequence[Source], rest: Array) -> Sums:
+    def of(found: Sequence[Source], rest: Array, cuts: Cuts) -> Sums:
         """Of a whitened residual (rows,)."""
-        cuts = np.array_split(np.arange(len(rest)), CUTS)
-        parts = [(np.column_stack([s.design[rows] for s in found]), rest[rows]) for rows in cuts]
+        blocks = [np.flatnonzero(cuts.number == k) for k in range(CUTS)]
+        parts = [(np.column_stack([s.design[rows] for s in found]), rest[rows]) for rows in blocks]
         return Sums(
             np.array([x.T @ x for x, _ in parts]),
             np.array([x.T @ y for x, y in parts]),
             np.array([float(y @ y) for _, y in parts]),
             np.array([float(len(y)) for _, y in parts]),
+            tuple(s.kind.groups for s in found),
+            cuts.fold,
         )
 
     def weights(self, chosen: Sequence[int], worth: float, seen: np.ndarray) -> Array:
-        """Weights (WEIGHTS times chosen,) of the chosen sources from the blocks ``seen`` (CUTS,), where
-        ``worth`` samples are worth one.
+        """Weights (those of each chosen source,) from the blocks ``seen`` (CUTS,); ``worth`` samples count as
+        one.
 
         Each source has a precision of its own, of the largest marginal likelihood (MacKay 1992, Neural
         Computation 4(3)), and the noise as well.
         """
-        at = places(chosen)
+        at = self._places(chosen)
         normal = self.normal[seen].sum(axis=0)[np.ix_(at, at)] / worth
         side, power = self.side[seen].sum(axis=0)[at] / worth, self.power[seen].sum() / worth
-        return likeliest(normal, side, float(power), float(self.count[seen].sum()) / worth)
+        sizes = [size for k in chosen for size in self.groups[k]]
+        return likeliest(normal, side, float(power), float(self.count[seen].sum()) / worth, sizes)
 
     def left(self, chosen: Sequence[int], weights: Array) -> Array:
         """(CUTS,) squares that are left of each block by weights."""
-        at = places(chosen)
+        at = self._places(chosen)
         square = np.einsum("i,bij,j->b", weights, self.normal[:, at][:, :, at], weights)
         return np.asarray(self.power - 2.0 * self.side[:, at] @ weights + square)
 
@@ -133,29 +169,40 @@ class Sums:
         """(CUTS,) mean squares that are left of blocks by weights from other blocks."""
         out = self.power.copy()
         if chosen:
-            for fold in range(FOLDS):
-                judged = np.arange(CUTS) % FOLDS == fold
+            for fold in np.unique(self.fold):
+                judged = self.fold == fold
                 out[judged] = self.left(chosen, self.weights(chosen, worth, ~judged))[judged]
         return np.asarray(out / np.maximum(self.count, 1.0))
 
+    def worth(self, chosen: Sequence[int]) -> float:
+        """How many samples are worth one: those with which least is left of blocks not seen."""
+        return float(min(WORTHS, key=lambda worth: self.unseen(chosen, worth).mean()))
 
-def places(chosen: Sequence[int]) -> np.ndarray:
-    """Where the weights of some sources are among those of all."""
-    return (np.asarray(chosen, dtype=int)[:, None] * WEIGHTS + np.arange(WEIGHTS)).ravel()
+    @cached_property
+    def ends(self) -> np.ndarray:
+        """Where the weights of each source begin among those of all, and where the last one's end."""
+        return np.cumsum([0, *(sum(sizes) for sizes in self.groups)])
+
+    def _places(self, chosen: Sequence[int]) -> np.ndarray:
+        """Where the weights of some sources are among those of all."""
+        return np.concatenate([np.arange(self.ends[k], self.ends[k + 1]) for k in chosen])
 
 
-def likeliest(normal: Array, side: Array, power: float, count: float) -> Array:
-    """Weights (k,) of groups of WEIGHTS each."""
-    groups = len(side) // WEIGHTS
-    precision, sharp = np.full(groups, 1.0), count / max(power, TINY)
+def likeliest(normal: Array, side: Array, power: float, count: float, sizes: Sequence[int]) -> Array:
+    """Weights (k,) in groups of some sizes, each with a precision of its own. No shape adds much more than
+    there is to explain: large ones that cancel where they were seen add up elsewhere.
+    """
+    of = np.repeat(np.arange(len(sizes)), sizes)
+    least = np.diag(normal) / max(power, TINY)
+    precision, sharp = np.full(len(sizes), 1.0), count / max(power, TINY)
     weights = np.zeros_like(side)
     for _ in range(ROUNDS):
-        inside = sharp * normal + np.diag(np.repeat(precision, WEIGHTS))
+        inside = sharp * normal + np.diag(precision[of] + least)
         spread = inverse(inside)
         weights = sharp * spread @ side
-        told = WEIGHTS - precision * np.diag(spread).reshape(groups, WEIGHTS).sum(axis=1)
-        size = (weights**2).reshape(groups, WEIGHTS).sum(axis=1)
-        before, precision = precision, np.clip(told / np.maximum(size, TINY), *PRECISIONS)
+        told = sizes - np.bincount(of, (precision[of] + least) * np.diag(spread), len(sizes))
+        size = np.maximum(np.bincount(of, weights**2, len(sizes)), TINY)
+        before, precision = precision, np.clip(told / size, *PRECISIONS)
         rest = power - 2.0 * float(weights @ side) + float(weights @ normal @ weights)
         sharp = max(count - float(told.sum()), 0.1 * count) / max(rest, TINY)
         if np.abs(np.log(precision / before)).max() < SETTLED:
@@ -192,7 +239,7 @@ def _has_room(found: Sequence[Source], chosen: Sequence[int], kind: type[Bank]) 
 def in_banks(
     bare: Hypothesis, column: int, found: Sequence[Source], weights_of: Sequence[Array]
 ) -> Hypothesis:
-    """The hypothesis with sources and their weights (WEIGHTS,) on a column."""
+    """The hypothesis with sources and their weights (of each,) on a column."""
     out, taken = bare.copy(), dict[str, int]()
     for source, weights in zip(found, weights_of, strict=True):
         kind = source.kind
@@ -208,10 +255,10 @@ def in_banks(
 def drawn(context: Context, bare: Hypothesis, column: int, found: Sequence[Source]) -> Hypothesis:
     """The hypothesis with the banks that its rest on a column needs."""
     rest = context.whitened(bare, column)
-    sums, worth = Sums.of(found, rest), alike([rest])
+    sums, worth = Sums.of(found, rest, Cuts.on(context, column)), alike([rest])
     for _ in range(AGAIN):
         chosen = chosen_of(sums, found, worth)
-        worth = alike([_left(found, rest, sums, chosen, worth)])
+        worth = sums.worth(chosen)
     return _with(bare, column, found, sums, chosen, worth)
 
 
@@ -221,17 +268,8 @@ def redrawn_banks(context: Context, bare: Hypothesis, column: int, like: Hypothe
     rest = context.whitened(bare, column)
     if not found or not len(rest):
         return bare
-    sums, chosen, worth = Sums.of(found, rest), list(range(len(found))), alike([rest])
-    worth = alike([_left(found, rest, sums, chosen, worth)])
-    return _with(bare, column, found, sums, chosen, worth)
-
-
-def _left(found: Sequence[Source], rest: Array, sums: Sums, chosen: list[int], worth: float) -> Array:
-    """(rows,) of a residual that banks of the chosen sources leave."""
-    if not chosen:
-        return rest
-    weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))
-    return np.asarray(rest - np.column_stack([found[k].design for k in chosen]) @ weights)
+    sums, chosen = Sums.of(found, rest, Cuts.on(context, column)), list(range(len(found)))
+    return _with(bare, column, found, sums, chosen, sums.worth(chosen))
 
 
 def _with(
@@ -240,4 +278,5 @@ def _with(
     if not chosen:
         return bare
     weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))
-    return in_banks(bare, column, [found[k] for k in chosen], np.split(weights, len(chosen)))
+    ends = np.cumsum([found[k].kind.weights for k in chosen])[:-1]
+    return in_banks(bare, column, [found[k] for k in chosen], np.split(weights, ends))

@@ -10,7 +10,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.effects import effect
-from trunk_ros.effects.bank import WEIGHTS, Bank
+from trunk_ros.effects.bank import Bank
 
 POINTS = 200  # of a loop
 
@@ -35,6 +35,8 @@ def varies_with(term: Term) -> list[str]:
 def statement(term: Term, where: str) -> str:
     """One sentence."""
     on = " and ".join(varies_with(term))
+    if kind_of(term).by_posture:
+        return f"{where}: loops change with the posture in a way that no name fits; plays stand in."
     if not kind_of(term).named:
         return f"{where}: the angle remembers the motion of {on} in a way that no name fits; plays stand in."
     if kind_of(term).regime == "reversal":
@@ -75,9 +77,9 @@ def told(context: Context, term: Term) -> dict[str, Any]:
 def _loop(term: Term, column: int, k: int) -> tuple[Array, Array]:
     """What a source adds, over one large swing to and fro about its centre."""
     own, kind = term.own[column], kind_of(term)
-    weights = np.array([own[f"weight_{k}_{i}"] for i in range(1, WEIGHTS + 1)])
+    weights = np.array([own[f"weight_{k}_{i}"] for i in range(1, kind.weights + 1)])
     low, high = own[f"low_{k}"], own[f"high_{k}"]
-    bottom, top = (-high, high) if kind.remembers else (low, high)
+    bottom, top = kind.swing(low, high)
     swing = np.linspace(0.5 * (bottom + top), top, POINTS // 4)
     path = np.concatenate(
         [swing, np.linspace(top, bottom, POINTS // 2), np.linspace(bottom, top, POINTS // 2)]

@@ -64,9 +64,16 @@ class JointCoupling(Effect):
         return y - pull, state
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """A source that stands is no more than an offset."""
+        """A source that stands is no more than an offset; a drag that never slides is a gain, and by how it
+        began an offset.
+        """
         moved = np.ptp(now.angles, axis=0)
-        return all(moved[now.joints.index(s)] > STANDS * moved.max() for _, s, _ in self._links)
+        stand = any(moved[now.joints.index(s)] <= STANDS * moved.max() for _, s, _ in self._links)
+        return not stand and (self.form != "drag" or self._slides(now))
+
+    def _slides(self, now: Now) -> bool:
+        dragging = zip(self.words.get("source", ()), self["reach"], strict=False)
+        return all(2.0 * r < np.ptp(now.wires[:, now.joints.index(s)]) for s, r in dragging if s)
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

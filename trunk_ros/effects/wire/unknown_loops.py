@@ -1,0 +1,123 @@
+"""Memory in the wire whose loops change with the posture, that no name fits."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.polynomial import Legendre, Polynomial
+
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.bank import Bank, parameters_of
+from trunk_ros.effects.drags import NARROWEST, WIDEST
+from trunk_ros.effects.effect import Regime
+
+REACHES, SHAPES = 8, 4
+LEAST = 1e-9  # rad
+FINE = 40  # postures at which a slope is looked at
+
+
+class UnknownLoops(Bank):
+    """theta += c_0(s) + sum of c_i(s) (s - play(s, reach_i)) / reach_i, s = r phi of the joint itself.
+
+    Each c is a cubic from low to high, a sum of Legendre polynomials, constant beyond, but for the line in
+    c_0; reaches in even ratios from 0.015 to 0.8 of that range. A wire in a bent guide is pressed onto it by
+    the bend: what its contacts hold back goes by the posture, which plays of constant weight cannot show.
+    """
+
+    id = "unknown_loops"
+    stage, place = "wire", 253
+    regime: ClassVar[Regime] = "reversal"
+    remembers = True
+    signature = (
+        "The residual is a loop whose width changes with the posture, in a way that no named effect has."
+    )
+    source = (
+        "Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63(3): a discrepancy term beside the physics; its "
+        "memory a Prandtl-Ishlinskii operator (Brokate & Sprekels 1996, Hysteresis and Phase Transitions) "
+        "whose weights change with the posture: by the capstan equation friction grows with the wrap."
+    )
+    named = False
+    sources, own, by_posture = 1, True, True
+    # Constants; how they change with the posture; the curve.
+    groups = (REACHES, REACHES * (SHAPES - 1), SHAPES)
+    weights = sum(groups)
+    parameters = parameters_of(
+        sources, "where the postures begin", "where they end", "rad, shape", weights, typical=3e-6, start=-0.4
+    )
+    texts = ("source",)
+    confused_with = (
+        ("unknown_memory", "reverse with the same amplitude about several postures: its loops are all alike"),
+        (
+            "presliding_hysteresis",
+            "reverse with many amplitudes about several postures: its loops are of one shape",
+        ),
+    )
+
+    @classmethod
+    def choices(cls, joints: tuple[str, ...], joint: str) -> list[str]:
+        return [joint]
+
+    @classmethod
+    def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, float, Array, Array]:
+        same, changing, alone = np.split(weights, [REACHES, REACHES * SHAPES])
+        shapes = np.vstack([alone, np.column_stack([same, changing.reshape(REACHES, SHAPES - 1)])])
+        high = max(high, low + LEAST)
+        line = float(alone[1] * _powers()[1, 1])
+        return low, high, line, _reaches(low, high), np.ascontiguousarray(shapes @ _powers())
+
+    @classmethod
+    def add(cls, s: Array, ready: tuple[float, float, float, Array, Array], state: Any, out: Array) -> Array:
+        stuck = np.full(REACHES, s[0]) if state is None else state.copy()
+        loop(s, *ready, stuck, out)
+        return stuck
+
+    @classmethod
+    def range_of(cls, s: Array) -> tuple[float, float]:
+        return float(s.min()), float(s.max())
+
+    @classmethod
+    def steepness(cls, low: float, high: float, weights: Array) -> float:
+        """The steepest of all loops: where the widest contacts still stick, and of the curves themselves."""
+        low, high, _, reach, cubic = cls.ready(low, high, weights)
+        at = np.linspace(0.0, 1.0, FINE)
+        value = np.array([np.polyval(c[::-1], at) for c in cubic])
+        bend = np.array([np.polyval(np.polyder(c[::-1]), at) for c in cubic]) / (high - low)
+        sticks = np.cumsum((value[1:] / reach[:, None])[::-1], axis=0)
+        return float(np.max(np.abs(sticks).max(axis=0) + np.abs(bend).sum(axis=0)))
+
+
+def _reaches(low: float, high: float) -> Array:
+    return (high - low) * np.geomspace(NARROWEST, WIDEST, REACHES)
+
+
+@cache
+def _powers() -> Array:
+    """(SHAPES, 4) powers, from the lowest, of Legendre polynomials between 0 and 1."""
+    out = np.zeros((SHAPES, SHAPES))
+    for k, row in enumerate(out):
+        row[: k + 1] = Legendre.basis(k, domain=(0.0, 1.0)).convert(kind=Polynomial).coef
+    return out
+
+
+@compiled
+def loop(
+    s: Array, low: float, high: float, line: float, reach: Array, cubic: Array, stuck: Array, out: Array
+) -> None:
+    """Add to ``out`` (n,) what plays of half-widths ``reach`` (k,) hold back of ``s`` (n,), each by its cubic
+    over the posture, ``cubic`` (1 + k, 4) from the lowest power, the first one alone,
+    beyond both ends by its ``line``; ``stuck`` (k,) changes
+    in place.
+    """
+    for i in range(len(s)):
+        way = (s[i] - low) / (high - low)
+        u = min(max(way, 0.0), 1.0)
+        total = cubic[0, 0] + u * (cubic[0, 1] + u * (cubic[0, 2] + u * cubic[0, 3]))
+        total += (way - u) * line
+        for k in range(len(reach)):
+            at = min(max(stuck[k], s[i] - reach[k]), s[i] + reach[k])
+            stuck[k] = at
+            c = cubic[k + 1]
+            total += (c[0] + u * (c[1] + u * (c[2] + u * c[3]))) * (s[i] - at) / reach[k]
+        out[i] += total
