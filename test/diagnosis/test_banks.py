@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
-from trunk_ros.diagnosis.discrepancy.memory import CUTS, FOLDS, Cuts, Source, Sums, chosen_of
+from trunk_ros.diagnosis.discrepancy.memory import FOLDS, Cuts, Source, Sums, chosen_of
+from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.drags import Drags
 from trunk_ros.effects.wire.coupling_curve import CouplingCurve
 from trunk_ros.effects.wire.coupling_drag import CouplingDrag
@@ -39,13 +40,13 @@ def test_what_a_curve_and_a_drag_made_is_found_in_them() -> None:
     chosen = chosen_of(Sums.of(found, rest, Cuts.of([len(rest)])), found, 1.0)
     assert {(found[k].kind, found[k].word) for k in chosen} == {(CouplingCurve, "a"), (CouplingDrag, "b")}
     unseen = Sums.of(found, rest, Cuts.of([len(rest)])).unseen(chosen, 1.0)
-    assert unseen.mean() == pytest.approx(1.0, abs=0.2)
+    assert unseen == pytest.approx(1.0, abs=0.2)
 
 
 def test_nothing_is_found_in_noise() -> None:
     found, rest = sources(), RNG.normal(size=1000)
     assert chosen_of(Sums.of(found, rest, Cuts.of([len(rest)])), found, 1.0) == []
-    assert len(Sums.of(found, rest, Cuts.of([len(rest)])).unseen([], 1.0)) == CUTS
+    assert Sums.of(found, rest, Cuts.of([len(rest)])).unseen([], 1.0) == pytest.approx(np.mean(rest**2))
 
 
 def test_a_drag_is_bounded_by_its_reach() -> None:
@@ -90,7 +91,7 @@ def test_loops_that_change_with_the_posture_are_found_where_plays_of_one_shape_f
         found.append(Source(kind, "a", low, high, 1e4 * kind.shapes(s, low, high)))
     rest = 1e4 * bent_friction(s) + RNG.normal(size=len(s))
     sums = Sums.of(found, rest, Cuts.of([len(rest)]))
-    assert sums.unseen([1], 1.0).mean() < 0.2 * sums.unseen([0], 1.0).mean()
+    assert sums.unseen([1], 1.0) < 0.2 * sums.unseen([0], 1.0)
     assert 1 in chosen_of(sums, found, 1.0)
 
 
@@ -105,7 +106,23 @@ def test_of_several_recordings_each_is_left_out_as_a_whole() -> None:
 
 def test_a_line_goes_on_beyond_the_postures_that_were_seen_and_a_bend_does_not() -> None:
     weights = np.zeros(UnknownLoops.weights)
-    weights[-3:] = 0.2, 0.1, 0.0  # a line, and a bend
-    out = np.zeros(4)
-    UnknownLoops.add(np.array([1.0, 1.5, 2.0, 0.0]), UnknownLoops.ready(0.0, 1.0, weights), None, out)
-    assert np.diff(out[:3]) == pytest.approx([0.2, 0.2])
+    alone = UnknownLoops.weights - UnknownLoops.groups[-1]
+    weights[alone + 1 : alone + 3] = 0.1, 0.3  # a line, and a bend
+    out = np.zeros(3)
+    UnknownLoops.add(np.array([1.0, 1.5, 2.0]), UnknownLoops.ready(0.0, 1.0, weights), None, out)
+    assert np.diff(out) == pytest.approx([0.1, 0.1])
+
+
+@pytest.mark.parametrize("kind", [UnknownLoops, UnknownMemory])
+def test_a_bank_is_the_sum_of_its_shapes(kind: type[Bank]) -> None:
+    s = swept(3)
+    low, high = kind.range_of(0.8 * s)
+    weights, out = RNG.normal(size=kind.weights), np.zeros(len(s))
+    kind.add(s, kind.ready(low, high, weights), None, out)
+    np.testing.assert_allclose(kind.shapes(s, low, high) @ weights, out, atol=1e-9)
+
+
+def test_no_play_of_a_bank_is_too_wide_to_slide() -> None:
+    s = np.tile(np.concatenate([np.linspace(-1.0, 1.0, 200), np.linspace(1.0, -1.0, 200)]), 2)
+    held = Drags.shapes(s, *Drags.range_of(s))
+    assert (np.ptp(s[:, None] - held, axis=0) > 0.1 * np.ptp(s)).all()

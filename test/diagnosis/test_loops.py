@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from trunk_ros.diagnosis.data.motion_content import comes_back, is_wide, speed_tells, turned
+from trunk_ros.diagnosis.data.motion_content import comes_back, is_wide, repeats, speed_tells, turned
 from trunk_ros.diagnosis.data.repeated_readings import coarseness, new_readings
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.recording import JointSeries
@@ -36,6 +36,14 @@ def test_a_swing_at_one_pace_tells_nothing_of_speed_and_one_at_two_paces_does() 
 def test_moves_with_rests_tell_something_of_speed() -> None:
     rested = np.sin(np.clip(T, 0.0, 10.0))
     assert speed_tells(rested, np.gradient(rested, T))
+
+
+def test_a_swing_repeats_itself_once_it_has_seen_both_ends() -> None:
+    cycles = T / (2.0 * np.pi)
+    assert repeats(SWING, SPEED)
+    for first in (1.0, 1.4):
+        assert not repeats(SWING[cycles < first], SPEED[cycles < first])
+    assert not repeats(np.ones(5), np.zeros(5))
 
 
 def test_a_push_does_not_come_back_and_a_swing_does() -> None:

@@ -37,5 +37,16 @@ def test_whitened_noise_has_unit_variance_and_no_memory() -> None:
     assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.03
 
 
+@pytest.mark.parametrize("white", [1e-5, 1e-4, 1e-3])
+def test_coloured_noise_under_an_encoders_steps_leaves_no_memory_either(white: float) -> None:
+    noise = coloured(0.95) + white * np.random.default_rng(2).normal(size=N)
+    follows = np.arange(N) % 500 > 0
+    out = Noise(float(np.hypot(1e-4, white)), 0.95, white).whiten(noise, follows)
+    assert np.std(out) == pytest.approx(1.0, rel=0.03)
+    lags = [np.corrcoef(out[lag:], out[:-lag])[0, 1] for lag in (1, 2, 5, 20)]
+    assert np.abs(lags).max() < 0.03
+    np.testing.assert_allclose(np.std(out[~follows]), 1.0, rtol=0.4)
+
+
 def test_a_signal_without_noise_gets_a_floor_that_can_be_divided_by() -> None:
     assert noise_of([np.zeros(N)], [EVERYWHERE]).std > 0.0

@@ -27,7 +27,7 @@ SMALL = Term(
 def test_what_is_at_work_helps_on_blocks_that_were_not_seen() -> None:
     now = fitted("backlash", BACKLASH)
     assert harmless(now).hypothesis["backlash"].columns == [2]
-    with_it, without = (unseen(now.context, h, [2]) for h in (now.hypothesis, Hypothesis()))
+    with_it, without = (unseen(now.context, h, [2]).sum() for h in (now.hypothesis, Hypothesis()))
     assert without > 2.0 * with_it
 
 

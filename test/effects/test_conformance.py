@@ -32,7 +32,7 @@ from trunk_ros.model import Model
 
 NOISE_FLOOR = 1e-5  # rad
 KNOCKED = 1e-4  # rad: a wire that crosses its dead band at once pulls the link by its damping
-AGREED = 1e-6  # rad: what blocks may differ by, where joints see each other
+AGREED = 1e-6  # rad: what each block may be off by, where joints see each other
 REGIMES = {"always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"}
 OF_TIME = {"thermal_drift", "wire_slip", "friction_wear", "unknown_jumps", "unknown_slips"}
 every_effect = pytest.mark.parametrize(("name", "form"), CASES)
@@ -113,9 +113,13 @@ def test_rest_stays_at_rest(name: str, form: str) -> None:
 def test_it_is_finite_over_its_bounds(name: str, form: str, data: Any) -> None:
     kind = registry()[name]
     values: dict[str, Any] = {"form": form} if form else {}
-    for p in kind.own_parameters(form):
-        numbers = [data.draw(st.floats(*p.bounds)) for _ in range(1 if p.shared else 5)]
-        values[p.name] = numbers[0] if p.shared else np.array(numbers)
+    own = kind.own_parameters(form)
+    if issubclass(kind, Bank):  # more numbers than hypothesis draws
+        rng = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
+        values |= {p.name: rng.choice([*p.bounds, 0.0, rng.uniform(*p.bounds)], 5) for p in own}
+    else:
+        drawn = {p.name: [data.draw(st.floats(*p.bounds)) for _ in range(1 if p.shared else 5)] for p in own}
+        values |= {p.name: drawn[p.name][0] if p.shared else np.array(drawn[p.name]) for p in own}
     if "low" in values:
         values |= {"low": np.minimum(values["low"], values["high"]) - 1e-3}
     model = Model(arm_of(5), {name: values | words_of(kind, 5)})
@@ -149,7 +153,7 @@ def test_block_by_block_equals_all_at_once(name: str, form: str, cuts: set[int],
     for backward in (False, True) if (name, form) in COMPENSABLE else (False,):
         whole = in_blocks(Chain(model, stage), backward, x, stamp, [])
         got = in_blocks(Chain(model, stage), backward, x, stamp, sorted(cuts))
-        assert got == pytest.approx(whole, abs=AGREED)
+        assert got == pytest.approx(whole, abs=AGREED * (1 + len(cuts)))
 
 
 @pytest.mark.parametrize(("name", "form"), COMPENSABLE)

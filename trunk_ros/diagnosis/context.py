@@ -11,7 +11,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
-from trunk_ros.diagnosis.data.motion_content import is_wide, speed_tells
+from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -49,6 +49,8 @@ class Context:
     noise: tuple[Noise, ...]
     wide: frozenset[int] = frozenset()
     """Columns that always move alike and show a wide loop: it hides what else varies with speed or time."""
+    once: frozenset[int] = frozenset()
+    """Columns that show a wide loop and go through none of it twice: what varies with time is in it."""
     look: int = 0
     """Counts the looks at the arm that differed from the one before."""
     misfit: Mapping[int, float] = field(default_factory=dict)
@@ -71,8 +73,11 @@ class Context:
         """The first look, with what the model knows."""
         blank = Context(stage, stage.views, (), work=work or Work())
         blank = blank.seen_with(stage.known)
-        wide = [c for c in blank.columns if stage.step < SLOW and blank._is_wide(c)]
-        return replace(blank, wide=frozenset(wide)).weighed(stage.known)
+        seen = {c: blank._motion(c) for c in blank.columns}
+        loops = {c: motion[:2] for c, motion in seen.items() if is_wide(*motion)}
+        wide = frozenset(c for c, motion in loops.items() if stage.step < SLOW and not speed_tells(*motion))
+        once = frozenset(c for c, motion in loops.items() if not repeats(*motion))
+        return replace(blank, wide=wide, once=once).weighed(stage.known)
 
     # What the stage says.
 
@@ -174,8 +179,14 @@ class Context:
     def motion(self, column: int) -> Motion:
         """What a joint's motion is like."""
         masses = self.arm.has_load and self.arm.load_from == "weight"
-        one_way = column in self.stage.one_way and not self.doubts
-        return Motion(column in self.wide, one_way, masses)
+        one_way, once = (column in those and not self.doubts for those in (self.stage.one_way, self.once))
+        return Motion(column in self.wide, one_way, once, masses)
+
+    def timed(self, column: int) -> bool:
+        """Whether a column shows what varies with time: it comes back, and does not only show a wide loop
+        that it goes through once.
+        """
+        return column not in self.stage.one_way | self.once
 
     @property
     def formed(self) -> frozenset[int]:
@@ -267,16 +278,13 @@ class Context:
             for index in range(len(self.views))
         )
 
-    def _is_wide(self, column: int) -> bool:
-        position, speed, residual = (np.concatenate(parts) for parts in zip(*self._seen(column), strict=True))
-        return is_wide(position, speed, residual) and not speed_tells(position, speed)
-
-    def _seen(self, column: int) -> list[tuple[Array, Array, Array]]:
-        """Gearbox angle, speed and what no effect explains (n,) where a column counts, by span."""
+    def _motion(self, column: int) -> tuple[Array, Array, Array]:
+        """Gearbox angle, speed and what no effect explains (rows,) where a column counts."""
         out = []
         for index, view in enumerate(self.views):
             now, valid = self.now(index, column), view.span.valid[:, column]
             rows = view.span.rows[valid]
             residual = self.residual(index, Hypothesis(), column)[valid]
             out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual))
-        return out
+        position, speed, rest = (np.concatenate(parts) for parts in zip(*out, strict=True))
+        return position, speed, rest

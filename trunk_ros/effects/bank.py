@@ -5,6 +5,7 @@ formula.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -84,12 +85,17 @@ class Bank(Effect):
         """Add the weighed shapes over a source's motion (n,) to ``out`` (n,); returns their memory."""
 
     @classmethod
+    def columns(cls, s: Array, low: float, high: float) -> Iterator[Array]:
+        """Each shape (n,) over a source's motion (n,), from its beginning."""
+        for weights in np.eye(cls.weights):
+            out = np.zeros(len(s))
+            cls.add(s, cls.ready(low, high, weights), None, out)
+            yield out
+
+    @classmethod
     def shapes(cls, s: Array, low: float, high: float) -> Array:
-        """(n, weights) each shape over a source's motion (n,), from its beginning."""
-        out = np.zeros((cls.weights, len(s)))
-        for weights, column in zip(np.eye(cls.weights), out, strict=True):
-            cls.add(s, cls.ready(low, high, weights), None, column)
-        return out.T
+        """(n, weights) all of them."""
+        return np.column_stack(list(cls.columns(s, low, high)))
 
     @classmethod
     @abstractmethod

@@ -10,7 +10,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import WEIGHTS, Bank
 from trunk_ros.effects.effect import Regime
 
-NARROWEST, WIDEST = 0.015, 0.8  # of the range of a source
+NARROWEST, WIDEST = 0.015, 0.4  # of the range of a source
 SHORTEST = 1e-9  # rad
 
 

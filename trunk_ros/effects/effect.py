@@ -73,6 +73,8 @@ class Motion:
     """Always alike, with a wide loop: it hides what else varies with speed or time."""
     one_way: bool = False
     """It never comes back."""
+    once: bool = False
+    """It shows a wide loop, and goes through none of it twice."""
     masses: bool = True
     """Those of the links are known, and their inertia is in no load yet."""
 
@@ -114,6 +116,8 @@ class Effect(ABC):
     """It moves what follows a joint by a constant, which behind the last joint is the tool's place."""
     moves_joints: ClassVar[bool] = False
     """At the tip it looks as if a joint stood elsewhere than its sensor says."""
+    of_every_joint: ClassVar[bool] = False
+    """Each transmission has a value of it, which hides the others' that are so too."""
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
     begins: ClassVar[bool] = False
@@ -195,7 +199,8 @@ class Effect(ABC):
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
         """The forms that a joint's motion can show, if any."""
-        return () if motion.one_way and cls.regime in UNTOLD else cls.forms
+        untold = UNTOLD if motion.one_way else ("time",) if motion.once else ()
+        return () if cls.regime in untold else cls.forms
 
     def transients(self, now: Now) -> Array | None:
         """(n, k) shapes of what may go on besides, from before the recording or by knocks, for one joint.

@@ -25,6 +25,7 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "clean": {},
     "backlash": {"backlash": {"half_width": on(3, 1.5e-3)}},
     "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
+    "unknown wheel": {"ratio_error": {"relative": on(3, -1.9)}, "zero_offset": {"offset": on(3, 1.2)}},
     "slip": {"wire_slip": {"step": on(2, 2e-3), "onset": np.full(5, 17.0)}},
     "graded": {"load_elasticity": {"compliance": np.array([0.001, 0.004, 0.016, 0.064, 0.256])}},
     "sag": {"load_elasticity": {"compliance": np.full(5, 0.02)}},

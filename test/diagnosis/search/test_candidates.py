@@ -22,6 +22,13 @@ class OneWay:
         return Motion(one_way=column in self.columns)
 
 
+class Once:
+    """A context of joints that go through a wide loop once."""
+
+    def motion(self, column: int) -> Motion:
+        return Motion(wide_loop=True, once=True)
+
+
 def forms(name: str, one_way: Any, *columns: int) -> tuple[str, ...]:
     return plain_forms(effect(name), cast(Context, one_way), columns)
 
@@ -30,6 +37,11 @@ def test_joints_that_never_come_back_do_not_hide_what_acts_on_all() -> None:
     assert forms("tension_error", OneWay(0, 2), 0, 1, 2) == ("",)
     assert forms("tension_error", OneWay(0, 1, 2), 0, 1, 2) == ()
     assert forms("backlash", OneWay(0), 0) == ()
+
+
+def test_a_wide_loop_that_is_gone_through_once_shows_nothing_of_time() -> None:
+    assert forms("thermal_drift", Once(), 0) == forms("wire_slip", Once(), 0) == ()
+    assert forms("backlash", Once(), 0) == ("",)
 
 
 def test_a_refined_form_is_not_looked_at_first() -> None:

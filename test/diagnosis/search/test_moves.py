@@ -44,6 +44,12 @@ def test_drop_leaves_out_what_is_not_missed() -> None:
     assert list(best.hypothesis) == ["backlash"]
 
 
+def test_add_finds_ratio_and_zero_of_a_wheel_that_nobody_described_at_once() -> None:
+    best = improved("add", "unknown wheel")
+    assert best.hypothesis["ratio_error"].own[2]["relative"] == pytest.approx(-1.9, abs=1e-3)
+    assert best.hypothesis["zero_offset"].own[2]["offset"] == pytest.approx(1.2, abs=1e-3)
+
+
 def test_form_finds_the_law_that_was_at_work() -> None:
     term = Term("stribeck_friction", "exponential", own={1: {"amplitude": 3e-3, "velocity": 0.04}})
     assert improved("form", "gaussian", term).hypothesis["stribeck_friction"].form == "gaussian"

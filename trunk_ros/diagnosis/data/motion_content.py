@@ -13,6 +13,8 @@ VARIES = (
 )
 STILL = 0.02  # of the top speed: a joint slower than that stands
 RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
+WHOLE = 0.9  # of the range
+REPEATED = 0.1  # of the way: a swing to and fro three times has a third
 TURNED = 0.15  # of the range: the way back after which a joint has turned
 
 
@@ -40,6 +42,21 @@ def speed_tells(position: Array, speed: Array) -> bool:
     varies = float(np.sum((speed - _means(cell, speed)[cell]) ** 2)) / power
     rests = float(np.mean(np.abs(speed) < STILL * np.abs(speed).max()))
     return varies > VARIES or rests > RESTS
+
+
+def repeats(position: Array, speed: Array) -> bool:
+    """Whether a joint (n,), once it has seen its whole range, passes places again in the same direction.
+
+    Until then what it did before the recording is in any loop, and one that is gone through once is a matter
+    of time as well as of the motion.
+    """
+    seen = np.maximum.accumulate(position) - np.minimum.accumulate(position)
+    begin = int(np.argmax(seen >= WHOLE * seen[-1]))
+    cell, way = _cells(position, speed)[begin:], np.abs(np.diff(position, prepend=position[0]))
+    passages = np.concatenate([[0], np.flatnonzero(np.diff(cell)) + 1])
+    again = np.ones(len(passages), dtype=bool)
+    again[np.unique(cell[passages], return_index=True)[1]] = False
+    return bool(np.add.reduceat(way[begin:], passages)[again].sum() > REPEATED * way.sum())
 
 
 def comes_back(position: Array) -> bool:

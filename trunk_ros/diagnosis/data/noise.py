@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -38,16 +38,34 @@ class Noise:
     white: float = 0.0
 
     def whiten(self, residual: Array, follows: np.ndarray) -> Array:
-        """Residuals (n, ...) as independent unit noise; ``follows`` (n,) where the sample before counts
-        as well.
+        """A residual (n,) as independent unit noise; ``follows`` (n,) where the sample before counts as
+        well.
         """
         if self.correlation == 0.0:
             return residual / self.std
-        coloured, square = self.std**2 - self.white**2, self.correlation**2
-        rest = np.sqrt(coloured * (1.0 - square) + self.white**2 * (1.0 + square))
-        out = residual / self.std
-        out[1:][follows[1:]] = ((residual[1:] - self.correlation * residual[:-1]) / rest)[follows[1:]]
-        return np.asarray(out)
+        out = np.empty(len(residual))
+        innovations(residual, follows, self.correlation, self.std**2 - self.white**2, self.white**2, out)
+        return out
+
+
+@compiled
+def innovations(
+    residual: Array, follows: np.ndarray, correlation: float, coloured: float, white: float, out: Array
+) -> None:
+    """What the samples before do not tell of a residual (n,), in standard deviations: a Kalman filter of an
+    AR(1) process of a variance ``coloured`` under ``white`` noise of another. Fills ``out`` (n,).
+    """
+    expected, spread = 0.0, coloured
+    for i in range(len(residual)):
+        if follows[i]:
+            expected = correlation * expected
+            spread = correlation**2 * spread + (1.0 - correlation**2) * coloured
+        else:
+            expected, spread = 0.0, coloured
+        off, whole = residual[i] - expected, spread + white
+        out[i] = off / np.sqrt(whole)
+        expected += spread / whole * off
+        spread *= white / whole
 
 
 @dataclass(frozen=True)

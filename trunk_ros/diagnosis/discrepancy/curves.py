@@ -227,7 +227,7 @@ def variables(context: Context, column: int) -> list[str]:
     hidden = column in context.wide
     told = context.step < SLOW and not hidden
     speeds = ["speed", *(SPEED_OF + joint for joint in others)] if told else []
-    time = [] if hidden or column in context.stage.one_way else ["time"]
+    time = ["time"] if context.timed(column) and not hidden else []
     return ["position", *speeds, *time, *load, *others]
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dpotrf, dpotri
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
@@ -19,6 +19,7 @@ from trunk_ros.effects import effect, registry
 from trunk_ros.effects.bank import Bank, motion, words_of
 
 STANDS = 1e-3  # of a joint's angle [rad]: a source that moves less shows nothing
+ENOUGH = 100_000  # rows
 CUTS = 40  # blocks of time, in FOLDS that are left out in turn
 FOLDS = 5
 AGAIN = 2  # times, since what sources leave tells how many samples are worth one
@@ -32,7 +33,7 @@ TINY = 1e-300
 
 @dataclass(frozen=True)
 class Source:
-    """One motion in a bank, and the design (rows, weights) of its weights on the whitened residual."""
+    """One motion in a bank, and its design (rows, weights) on the whitened residual, thinned."""
 
     kind: type[Bank]
     word: str
@@ -81,11 +82,15 @@ def _source(context: Context, column: int, kind: type[Bank], word: str) -> Sourc
     if np.ptp(together) < STANDS:
         return None
     low, high = kind.range_of(together)
-    parts = []
-    for view, signal in zip(context.views, signals, strict=True):
-        parts.append(kind.shapes(signal, low, high)[view.span.rows])
-    columns = [context.whiten_change([p[:, k] for p in parts], column) for k in range(kind.weights)]
+    each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)
+    seen = ([s[view.span.rows] for s, view in zip(shapes, context.views, strict=True)] for shapes in each)
+    columns = [thinned(context.whiten_change(shapes, column)) for shapes in seen]
     return Source(kind, word, low, high, np.column_stack(columns))
+
+
+def thinned(values: Array) -> Array:
+    """Of very many rows (n, ...) as many as tell all weights."""
+    return values[:: max(len(values) // ENOUGH, 1)]
 
 
 @dataclass(frozen=True)
@@ -116,8 +121,20 @@ class Cuts:
 
 
 @dataclass(frozen=True)
+class Total:
+    """What a linear fit needs of a residual and of all sources' designs: X^T X (k, k), X^T y (k,), y^T y and
+    the number of rows.
+    """
+
+    normal: Array
+    side: Array
+    power: float
+    count: float
+
+
+@dataclass(frozen=True)
 class Sums:
-    """What a linear fit needs of a residual and of all sources' designs, by blocks of time."""
+    """The same by blocks of time."""
 
     normal: Array
     """(CUTS, k, k)."""
@@ -135,7 +152,8 @@ class Sums:
     @staticmethod
     def of(found: Sequence[Source], rest: Array, cuts: Cuts) -> Sums:
         """Of a whitened residual (rows,)."""
-        blocks = [np.flatnonzero(cuts.number == k) for k in range(CUTS)]
+        rest, number = thinned(rest), thinned(cuts.number)
+        blocks = [np.flatnonzero(number == k) for k in range(CUTS)]
         parts = [(np.column_stack([s.design[rows] for s in found]), rest[rows]) for rows in blocks]
         return Sums(
             np.array([x.T @ x for x, _ in parts]),
@@ -146,37 +164,57 @@ class Sums:
             cuts.fold,
         )
 
-    def weights(self, chosen: Sequence[int], worth: float, seen: np.ndarray) -> Array:
-        """Weights (those of each chosen source,) from the blocks ``seen`` (CUTS,); ``worth`` samples count as
-        one.
+    def weights(self, chosen: Sequence[int], worth: float) -> Array:
+        """Weights (those of each chosen source,); ``worth`` samples count as one.
 
         Each source has a precision of its own, of the largest marginal likelihood (MacKay 1992, Neural
         Computation 4(3)), and the noise as well.
         """
-        at = self._places(chosen)
-        normal = self.normal[seen].sum(axis=0)[np.ix_(at, at)] / worth
-        side, power = self.side[seen].sum(axis=0)[at] / worth, self.power[seen].sum() / worth
-        sizes = [size for k in chosen for size in self.groups[k]]
-        return likeliest(normal, side, float(power), float(self.count[seen].sum()) / worth, sizes)
+        return self._likeliest(self._all, chosen, worth)
 
-    def left(self, chosen: Sequence[int], weights: Array) -> Array:
-        """(CUTS,) squares that are left of each block by weights."""
-        at = self._places(chosen)
-        square = np.einsum("i,bij,j->b", weights, self.normal[:, at][:, :, at], weights)
-        return np.asarray(self.power - 2.0 * self.side[:, at] @ weights + square)
-
-    def unseen(self, chosen: Sequence[int], worth: float) -> Array:
-        """(CUTS,) mean squares that are left of blocks by weights from other blocks."""
-        out = self.power.copy()
-        if chosen:
-            for fold in np.unique(self.fold):
-                judged = self.fold == fold
-                out[judged] = self.left(chosen, self.weights(chosen, worth, ~judged))[judged]
-        return np.asarray(out / np.maximum(self.count, 1.0))
+    def unseen(self, chosen: Sequence[int], worth: float) -> float:
+        """Mean over the blocks of the mean square that is left by weights from other blocks."""
+        total, at = 0.0, self._places(chosen)
+        for others, judged in self._folds:
+            total += judged.power
+            if chosen:
+                weights = self._likeliest(others, chosen, worth)
+                bent = judged.normal[np.ix_(at, at)] @ weights
+                total += float(weights @ bent - 2.0 * judged.side[at] @ weights)
+        return total / CUTS
 
     def worth(self, chosen: Sequence[int]) -> float:
         """How many samples are worth one: those with which least is left of blocks not seen."""
-        return float(min(WORTHS, key=lambda worth: self.unseen(chosen, worth).mean()))
+        return float(min(WORTHS, key=lambda worth: self.unseen(chosen, worth)))
+
+    def _likeliest(self, seen: Total, chosen: Sequence[int], worth: float) -> Array:
+        at = self._places(chosen)
+        normal, side = seen.normal[np.ix_(at, at)] / worth, seen.side[at] / worth
+        sizes = [size for k in chosen for size in self.groups[k]]
+        return likeliest(normal, side, seen.power / worth, seen.count / worth, sizes)
+
+    def _over(self, share: Array) -> Total:
+        """Sums over the blocks, of each so large a share (CUTS,)."""
+        return Total(
+            np.tensordot(share, self.normal, 1),
+            share @ self.side,
+            float(share @ self.power),
+            float(share @ self.count),
+        )
+
+    @cached_property
+    def _all(self) -> Total:
+        return self._over(np.ones(CUTS))
+
+    @cached_property
+    def _folds(self) -> list[tuple[Total, Total]]:
+        """For each fold the other blocks, and its own ones with each row worth one in their number."""
+        each = 1.0 / np.maximum(self.count, 1.0)
+        folds = [self.fold == fold for fold in np.unique(self.fold)]
+        return [
+            (self._over(np.where(judged, 0.0, 1.0)), self._over(np.where(judged, each, 0.0)))
+            for judged in folds
+        ]
 
     @cached_property
     def ends(self) -> np.ndarray:
@@ -185,6 +223,8 @@ class Sums:
 
     def _places(self, chosen: Sequence[int]) -> np.ndarray:
         """Where the weights of some sources are among those of all."""
+        if not chosen:
+            return np.empty(0, dtype=int)
         return np.concatenate([np.arange(self.ends[k], self.ends[k + 1]) for k in chosen])
 
 
@@ -213,7 +253,8 @@ def likeliest(normal: Array, side: Array, power: float, count: float, sizes: Seq
 def inverse(matrix: Array) -> Array:
     """Of a positive matrix (k, k)."""
     grown = matrix + ROUNDED * float(np.trace(matrix)) / len(matrix) * np.eye(len(matrix))
-    return np.asarray(cho_solve(cho_factor(grown), np.eye(len(matrix))))
+    upper = np.triu(dpotri(dpotrf(grown)[0])[0])
+    return np.asarray(upper + np.triu(upper, 1).T)
 
 
 def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
@@ -221,10 +262,10 @@ def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
     is left of blocks not seen, as long as that pays.
     """
     chosen: list[int] = []
-    best = float(sums.unseen([], worth).mean())
+    best = sums.unseen([], worth)
     while True:
         room = [k for k in range(len(found)) if k not in chosen and _has_room(found, chosen, found[k].kind)]
-        trials = [(float(sums.unseen([*chosen, k], worth).mean()), k) for k in room]
+        trials = [(sums.unseen([*chosen, k], worth), k) for k in room]
         least, k = min(trials, default=(np.inf, 0))
         if least > (1.0 - PAYS) * best:
             return chosen
@@ -277,6 +318,6 @@ def _with(
 ) -> Hypothesis:
     if not chosen:
         return bare
-    weights = sums.weights(chosen, worth, np.ones(CUTS, dtype=bool))
+    weights = sums.weights(chosen, worth)
     ends = np.cumsum([found[k].kind.weights for k in chosen])[:-1]
     return in_banks(bare, column, [found[k] for k in chosen], np.split(weights, ends))

@@ -64,14 +64,14 @@ def _fitted_anew(context: Context, hypothesis: Hypothesis) -> Hypothesis:
     return fitted
 
 
-def _number(count: int) -> np.ndarray:
+def number_of(count: int) -> np.ndarray:
     """(count,): the block of time that each sample is in."""
     return np.asarray(np.arange(count) * BLOCKS // max(count, 1))
 
 
 def fold_of(count: int) -> np.ndarray:
     """(count,): 0 or 1 by blocks of time."""
-    return np.asarray(_number(count) % 2)
+    return np.asarray(number_of(count) % 2)
 
 
 def _errors(context: Context, hypothesis: Hypothesis, column: int) -> list[Array]:
@@ -84,7 +84,7 @@ def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int
     """What counts of a column's errors, by blocks of time."""
     out = []
     for view, error in zip(context.views, errors, strict=True):
-        number, valid = _number(len(error)), view.span.valid[:, column]
+        number, valid = number_of(len(error)), view.span.valid[:, column]
         chosen = [(number == block) & valid for block in range(BLOCKS) if block % 2 in folds]
         out += [error[rows] for rows in chosen if rows.any()]
     return out

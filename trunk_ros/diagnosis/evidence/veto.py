@@ -8,14 +8,17 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
-from trunk_ros.diagnosis.evidence.cross_validation import fold_of
+from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.effects import effect
+
+SURE = 1.0  # standard errors over the blocks
 
 
 def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
@@ -61,17 +64,22 @@ def _harm(state: Fit, name: str, column: int | None) -> float:
     columns = state.hypothesis[name].columns if column is None else [column]
     columns = [c for c in columns if c in state.context.columns]
     with_it = unseen(state.context, state.hypothesis, columns)
-    return with_it - unseen(state.context, state.hypothesis.without(name, column), columns)
+    harm = with_it - unseen(state.context, state.hypothesis.without(name, column), columns)
+    return float(harm.sum() - SURE * np.sqrt(np.sum((harm - harm.mean()) ** 2)))
 
 
-def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -> float:
-    """Squared unit-noise residuals on some columns, each block of time judged by a fit to the others."""
-    total = 0.0
+def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -> Array:
+    """(BLOCKS,) squared unit-noise residuals on some columns of blocks of time, each judged by a fit to the
+    others.
+    """
+    total = np.zeros(BLOCKS)
     for fold in (0, 1):
-        rows = [fold_of(len(view.span.rows)) == fold for view in context.views]
-        half, judged = context.only([~r for r in rows]), context.only(rows)
+        number = [number_of(len(view.span.rows)) for view in context.views]
+        half = context.only([n % 2 != fold for n in number])
         fitted = _fitted(half, hypothesis, columns)
-        total += sum(float(np.sum(judged.whitened(fitted, c) ** 2)) for c in columns)
+        for block in range(fold, BLOCKS, 2):
+            judged = context.only([n == block for n in number])
+            total[block] += sum(float(np.sum(judged.whitened(fitted, c) ** 2)) for c in columns)
     return total
 
 

@@ -82,6 +82,7 @@ class Screen:
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
         """A candidate with the time in which it gains most; None where it acts all the time."""
         kind, context = effect(candidate.effect), self.context
+        columns = [c for c in columns if context.timed(c)]
         if not kind.begins or len(context.views) > 1:
             return None
         there = extended(context, self.hypothesis, candidate)

@@ -14,7 +14,7 @@ class RatioError(Effect):
 
     id = "ratio_error"
     stage, place, regime = "wire", 10, "posture"
-    begins = True
+    begins = of_every_joint = True
     signature = "The residual grows in proportion to the joint angle."
     source = "Ciofu & Stan, sect. 2: transmission ratio R_s/R_c; wear and tolerance of the grooved wheels."
     parameters = (Parameter("relative", "1", (-100.0, 100.0), "relative error of the ratio", typical=0.005),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any, ClassVar
 
@@ -10,10 +11,10 @@ from numpy.polynomial import Legendre, Polynomial
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import Bank, parameters_of
-from trunk_ros.effects.drags import NARROWEST, WIDEST
+from trunk_ros.effects.drags import NARROWEST, WIDEST, drag
 from trunk_ros.effects.effect import Regime
 
-REACHES, SHAPES = 8, 4
+REACHES, SHAPES = 12, 8
 LEAST = 1e-9  # rad
 FINE = 40  # postures at which a slope is looked at
 
@@ -21,9 +22,10 @@ FINE = 40  # postures at which a slope is looked at
 class UnknownLoops(Bank):
     """theta += c_0(s) + sum of c_i(s) (s - play(s, reach_i)) / reach_i, s = r phi of the joint itself.
 
-    Each c is a cubic from low to high, a sum of Legendre polynomials, constant beyond, but for the line in
-    c_0; reaches in even ratios from 0.015 to 0.8 of that range. A wire in a bent guide is pressed onto it by
-    the bend: what its contacts hold back goes by the posture, which plays of constant weight cannot show.
+    Each c is a sum of the first eight Legendre polynomials from low to high, constant beyond, but for the
+    line in c_0; reaches in even ratios from 0.015 to 0.4 of that range. A wire in a bent guide is pressed
+    onto it by the bend: what its contacts hold back goes by the posture, which plays of constant weight
+    cannot show.
     """
 
     id = "unknown_loops"
@@ -74,16 +76,29 @@ class UnknownLoops(Bank):
         return stuck
 
     @classmethod
+    def columns(cls, s: Array, low: float, high: float) -> Iterator[Array]:
+        high = max(high, low + LEAST)
+        way = (s - low) / (high - low)
+        curves = np.vander(np.clip(way, 0.0, 1.0), SHAPES, increasing=True) @ _powers().T
+        held = np.zeros((REACHES, len(s)))
+        for reach, out in zip(_reaches(low, high), held, strict=True):
+            drag(s, np.array([reach]), np.array([1.0 / reach]), s[:1].copy(), out)
+        yield from held
+        yield from (one * curve for one in held for curve in curves.T[1:])
+        for k, curve in enumerate(curves.T):
+            yield curve + (way - np.clip(way, 0.0, 1.0)) * _powers()[1, 1] if k == 1 else curve
+
+    @classmethod
     def range_of(cls, s: Array) -> tuple[float, float]:
         return float(s.min()), float(s.max())
 
     @classmethod
     def steepness(cls, low: float, high: float, weights: Array) -> float:
         """The steepest of all loops: where the widest contacts still stick, and of the curves themselves."""
-        low, high, _, reach, cubic = cls.ready(low, high, weights)
+        low, high, _, reach, powers = cls.ready(low, high, weights)
         at = np.linspace(0.0, 1.0, FINE)
-        value = np.array([np.polyval(c[::-1], at) for c in cubic])
-        bend = np.array([np.polyval(np.polyder(c[::-1]), at) for c in cubic]) / (high - low)
+        value = np.array([np.polyval(c[::-1], at) for c in powers])
+        bend = np.array([np.polyval(np.polyder(c[::-1]), at) for c in powers]) / (high - low)
         sticks = np.cumsum((value[1:] / reach[:, None])[::-1], axis=0)
         return float(np.max(np.abs(sticks).max(axis=0) + np.abs(bend).sum(axis=0)))
 
@@ -94,7 +109,7 @@ def _reaches(low: float, high: float) -> Array:
 
 @cache
 def _powers() -> Array:
-    """(SHAPES, 4) powers, from the lowest, of Legendre polynomials between 0 and 1."""
+    """(SHAPES, SHAPES) powers, from the lowest, of Legendre polynomials between 0 and 1."""
     out = np.zeros((SHAPES, SHAPES))
     for k, row in enumerate(out):
         row[: k + 1] = Legendre.basis(k, domain=(0.0, 1.0)).convert(kind=Polynomial).coef
@@ -103,21 +118,23 @@ def _powers() -> Array:
 
 @compiled
 def loop(
-    s: Array, low: float, high: float, line: float, reach: Array, cubic: Array, stuck: Array, out: Array
+    s: Array, low: float, high: float, line: float, reach: Array, powers: Array, stuck: Array, out: Array
 ) -> None:
-    """Add to ``out`` (n,) what plays of half-widths ``reach`` (k,) hold back of ``s`` (n,), each by its cubic
-    over the posture, ``cubic`` (1 + k, 4) from the lowest power, the first one alone,
-    beyond both ends by its ``line``; ``stuck`` (k,) changes
-    in place.
+    """Add to ``out`` (n,) what plays of half-widths ``reach`` (k,) hold back of ``s`` (n,), each by its
+    polynomial over the posture, ``powers`` (1 + k, m) from the lowest, the first one alone, beyond both ends
+    by its ``line``; ``stuck`` (k,) changes in place.
     """
     for i in range(len(s)):
         way = (s[i] - low) / (high - low)
         u = min(max(way, 0.0), 1.0)
-        total = cubic[0, 0] + u * (cubic[0, 1] + u * (cubic[0, 2] + u * cubic[0, 3]))
-        total += (way - u) * line
-        for k in range(len(reach)):
-            at = min(max(stuck[k], s[i] - reach[k]), s[i] + reach[k])
-            stuck[k] = at
-            c = cubic[k + 1]
-            total += (c[0] + u * (c[1] + u * (c[2] + u * c[3]))) * (s[i] - at) / reach[k]
+        total = (way - u) * line
+        for k in range(len(powers)):
+            value = 0.0
+            for c in powers[k][::-1]:
+                value = value * u + c
+            if k == 0:
+                total += value
+            else:
+                stuck[k - 1] = min(max(stuck[k - 1], s[i] - reach[k - 1]), s[i] + reach[k - 1])
+                total += value * (s[i] - stuck[k - 1]) / reach[k - 1]
         out[i] += total

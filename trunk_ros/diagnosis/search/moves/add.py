@@ -6,9 +6,16 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.candidates import breaking_kinds, extended, local_kinds, open_kinds, usable
+from trunk_ros.diagnosis.search.candidates import (
+    Candidate,
+    breaking_kinds,
+    extended,
+    local_kinds,
+    open_kinds,
+    usable,
+)
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
@@ -49,6 +56,27 @@ def on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
         chosen = {c: t for c, t in by.items() if t[0] >= NEAR_BEST * most[c]}
         if chosen:
             yield _merged(best, name, chosen)
+    yield from lines(best, most)
+
+
+def lines(best: Fit, most: dict[int, float]) -> Iterator[Fit]:
+    """The hypothesis with ratio and zero of each joint of which either alone explains less: of a joint that
+    moves on one side of its zero they hide each other.
+    """
+    context, found = best.context, best
+    kinds = [k for k in local_kinds(context) if k.of_every_joint]
+    for column in best.context.columns if len(kinds) > 1 else ():
+        if any(column in best.hypothesis[k.id].own for k in kinds if k.id in best.hypothesis):
+            continue
+        there = found.hypothesis
+        for kind in kinds:
+            start = {p.name: p.null for p in kind.parameters}
+            there = extended(context, there, Candidate(kind.id, kind.forms[0], column, start))
+        trial = refit_column(best, there, column)
+        if score(best) - score(trial) > most[column]:
+            found = refit_column(found, there, column)
+    if found is not best:
+        yield found
 
 
 def trials(best: Fit, desk: Desk, column: int) -> Trials:
