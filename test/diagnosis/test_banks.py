@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
-from trunk_ros.diagnosis.discrepancy.memory import FOLDS, Cuts, Source, Sums, chosen_of
+from trunk_ros.diagnosis.discrepancy.bank_weights import FOLDS, Cuts, Source, Sums, chosen_of
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.drags import Drags
 from trunk_ros.effects.wire.coupling_curve import CouplingCurve

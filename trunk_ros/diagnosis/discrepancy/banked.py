@@ -8,15 +8,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.discrepancy.memory import (
-    CUTS,
-    Cuts,
-    Source,
-    drawn,
-    redrawn_banks,
-    sources,
-    without_banks,
-)
+from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, Cuts, Source
+from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources, without_banks
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
