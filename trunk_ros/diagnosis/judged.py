@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_evidence, spreads
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
+from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.diagnosis.wire import settled
@@ -43,7 +44,7 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
         raise RecordingError(wrong.statement())
     done = searched(context, say)
     say("evidence")
-    state = harmless(done.state)
+    state = harmless(steadied(done.state))
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
     state, part, found = believed(state, part)
     state = with_banks(settled(state, settle))

@@ -77,6 +77,9 @@ class Curve(Effect):
         curves(self.onto(x, low, high), low, high, self._reach, self._pieces, out)
         return out
 
+    follows_readings: ClassVar[bool] = False
+    """Over time it adds to the angle whatever there is, as a reading that wanders does."""
+
     @classmethod
     def onto(cls, x: Array, low: Array, high: Array) -> Array:
         """Where on a curve from ``low`` to ``high`` (columns,) each ``x`` (n, columns) lies."""

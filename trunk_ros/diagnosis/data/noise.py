@@ -43,17 +43,35 @@ class Noise:
         """
         if self.correlation == 0.0:
             return residual / self.std
-        out = np.empty(len(residual))
-        innovations(residual, follows, self.correlation, self.std**2 - self.white**2, self.white**2, out)
-        return out
+        return self._innovations(residual, follows)[0]
+
+    def unlikely(self, residual: Array, follows: np.ndarray, counted: np.ndarray) -> float:
+        """Twice the negative logarithm of a residual's likelihood at the rows that are ``counted``, but for a
+        constant.
+        """
+        out, spread = self._innovations(residual, follows)
+        return float(np.sum(out[counted] ** 2) + 2.0 * np.sum(np.log(spread[counted])))
+
+    def _innovations(self, residual: Array, follows: np.ndarray) -> tuple[Array, Array]:
+        out, spread = np.empty(len(residual)), np.empty(len(residual))
+        coloured = self.std**2 - self.white**2
+        innovations(residual, follows, self.correlation, coloured, self.white**2, out, spread)
+        return out, spread
 
 
 @compiled
 def innovations(
-    residual: Array, follows: np.ndarray, correlation: float, coloured: float, white: float, out: Array
+    residual: Array,
+    follows: np.ndarray,
+    correlation: float,
+    coloured: float,
+    white: float,
+    out: Array,
+    size: Array,
 ) -> None:
-    """What the samples before do not tell of a residual (n,), in standard deviations: a Kalman filter of an
-    AR(1) process of a variance ``coloured`` under ``white`` noise of another. Fills ``out`` (n,).
+    """What the samples before do not tell of a residual (n,): a Kalman filter of an AR(1) process of a
+    variance ``coloured`` under ``white`` noise of another. Fills ``out`` (n,), in standard deviations, and
+    these, ``size`` (n,).
     """
     expected, spread = 0.0, coloured
     for i in range(len(residual)):
@@ -63,7 +81,8 @@ def innovations(
         else:
             expected, spread = 0.0, coloured
         off, whole = residual[i] - expected, spread + white
-        out[i] = off / np.sqrt(whole)
+        size[i] = np.sqrt(whole)
+        out[i] = off / size[i]
         expected += spread / whole * off
         spread *= white / whole
 

@@ -123,14 +123,19 @@ class Sums:
 
     def unseen(self, chosen: Sequence[int], worth: float) -> float:
         """Mean over the blocks of the mean square that is left by weights from other blocks."""
-        total, at = 0.0, self._places(chosen)
+        return float(self.by_fold(chosen, worth).sum()) / CUTS
+
+    def by_fold(self, chosen: Sequence[int], worth: float) -> Array:
+        """(folds,) sums of the mean squares that are left of blocks by weights from other blocks."""
+        out, at = [], self._places(chosen)
         for others, judged in self._folds:
-            total += judged.power
+            left = judged.power
             if chosen:
                 weights = self._likeliest(others, chosen, worth)
                 bent = judged.normal[np.ix_(at, at)] @ weights
-                total += float(weights @ bent - 2.0 * judged.side[at] @ weights)
-        return total / CUTS
+                left += float(weights @ bent - 2.0 * judged.side[at] @ weights)
+            out.append(left)
+        return np.array(out)
 
     def worth(self, chosen: Sequence[int]) -> float:
         """How many samples are worth one: those with which least is left of blocks not seen."""

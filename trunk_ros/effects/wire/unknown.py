@@ -9,6 +9,7 @@ class Unknown(Curve):
     """
 
     id = "unknown"
+    follows_readings = True
     stage = "wire"
     place = 250
     confused_with = (

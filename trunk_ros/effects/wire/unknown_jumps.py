@@ -29,6 +29,7 @@ class UnknownJumps(Curve):
     """theta += value_k from moment_k on, until the next; t since the start of the recording."""
 
     id = "unknown_jumps"
+    follows_readings = True
     stage = "wire"
     place = 255
     signature = "The residual's mean jumps between levels at moments that nothing in the motion predicts."
