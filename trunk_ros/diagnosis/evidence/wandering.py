@@ -27,7 +27,7 @@ from trunk_ros.recording.signal.resample import SLOW
 TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
 SURE = 2.0  # standard errors over these parts
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
-SHARED, CHANCE = 0.07, 4.0  # of unit noise with itself so much later, and standard errors besides
+SHARED, CHANCE = 0.07, 3.0  # of unit noise with itself so much later, and standard errors besides
 FURTHEST = 3.0  # times the noise without it: what goes further is no noise
 SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
