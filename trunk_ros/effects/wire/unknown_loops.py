@@ -46,7 +46,13 @@ class UnknownLoops(Bank):
     groups = (REACHES, REACHES * (SHAPES - 1), SHAPES)
     weights = sum(groups)
     parameters = parameters_of(
-        sources, "where the postures begin", "where they end", "rad, shape", weights, typical=1.5e-6, start=-0.4
+        sources,
+        "where the postures begin",
+        "where they end",
+        "rad, shape",
+        weights,
+        typical=1.5e-6,
+        start=-0.4,
     )
     texts = ("source",)
     confused_with = (
