@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from test.nodes.domains import lock_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 15.0  # s for a process to end in good order
+TRIES, HEARD = 3, 0.9  # runs, and of its time what an arm has to have heard
 APART = 0.2  # s between the points of a trajectory file
 TOP_SPEED = 0.8 * RATIO * V_MAX
 
@@ -96,8 +98,20 @@ def trunk(*arguments: Any) -> str:
 
 
 def drive(arm: Arm, bag: Path, seconds: float, noise_seed: int, *motion: Any) -> str:
-    """Compensator and recorder drive the concealed arm in simulated time; the recorder's summary."""
+    """Compensator and recorder drive the concealed arm in simulated time; the recorder's summary.
+
+    A run in which a busy machine let the arm hear a part of it only says nothing, and is made again.
+    """
     truth = bag.with_name(f"{bag.name}_truth.npz")
+    for _ in range(TRIES):
+        said = _driven(arm, bag, truth, seconds, noise_seed, *motion)
+        if np.ptp(np.load(truth)["stamp"]) > HEARD * seconds * 1e9:
+            return said
+        shutil.rmtree(bag)
+    raise DemoError(f"the concealed arm heard only a part of {TRIES} runs")
+
+
+def _driven(arm: Arm, bag: Path, truth: Path, seconds: float, noise_seed: int, *motion: Any) -> str:
     with running(arm.command(noise_seed, truth)) as plant:
         without = ("--without", "servo_driver", "wire_elasticity")
         said = trunk("bringup", "--output", bag, "--seconds", seconds, "--sim-time", *motion, *without)
