@@ -45,6 +45,8 @@ class Curve(Effect):
     regime: ClassVar[Regime] = "posture"
     parameters = RANGE + VALUES
     texts = ("on",)
+    follows_readings: ClassVar[bool] = False
+    """Over time it adds to the angle whatever there is, as a reading that wanders does."""
     of: ClassVar[str] = "the angle"
     """What the curve is added to."""
     also: ClassVar[tuple[str, ...]] = ()
@@ -76,9 +78,6 @@ class Curve(Effect):
         low, high = self["low"], self["high"]
         curves(self.onto(x, low, high), low, high, self._reach, self._pieces, out)
         return out
-
-    follows_readings: ClassVar[bool] = False
-    """Over time it adds to the angle whatever there is, as a reading that wanders does."""
 
     @classmethod
     def onto(cls, x: Array, low: Array, high: Array) -> Array:

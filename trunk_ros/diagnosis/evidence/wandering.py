@@ -46,8 +46,8 @@ def steadied(now: Fit) -> Fit:
             followed = _unlikely(context, context.noise[column], now.hypothesis, column)
             small = noise.std < FURTHEST * context.noise[column].std
             clear = cost < followed - need(context, column)
-            told = timed or not _told(context, less, column)
-            if small and clear and told and _plain(context, noise, less, column):
+            alone = small and clear and _plain(context, noise, less, column)
+            if alone and (timed or not _told(context, less, column)):
                 found[column] = noise
                 bare = _untimed(bare, column)
     if not found:

@@ -9,7 +9,6 @@ class UnknownSlips(UnknownJumps):
     """u += value_k from moment_k on, until the next; t since the start of the recording."""
 
     id = "unknown_slips"
-    follows_readings = True
     place = 60
     signature = "The residual's mean jumps between levels, as far as the backlash lets it through."
     of = "what the wire hands on, by jumps,"

@@ -74,7 +74,7 @@ def lines(best: Fit, most: dict[int, float]) -> Iterator[Fit]:
             there = extended(context, there, Candidate(kind.id, kind.forms[0], column, start))
         trial = refit_column(best, there, column)
         if score(best) - score(trial) > most[column]:
-            found = refit_column(found, there, column)
+            found = Fit(trial.hypothesis, found.cost | {column: trial.cost[column]}, context)
     if found is not best:
         yield found
 
