@@ -239,3 +239,20 @@ def test_joints_and_tip_alone_are_enough_for_the_arm() -> None:
     result = diagnose([bent(TILT | LONGER)])
     assert names(result.findings) == BOTH
     assert [stage for stage, told in result.stages.items() if told["compared"]] == ["arm"]
+
+
+def test_between_the_counts_of_coarse_encoders_the_tip_is_where_the_gearbox_puts_it() -> None:
+    rng, stamp, step = np.random.default_rng(3), np.arange(3000) / 100.0, 2 * np.pi / 2**12
+    held = 0.7 * setpoints_of(30.0, 5, 3)[300 * (np.arange(3000) // 300)]
+    held += 0.02 * setpoints_of(30.0, 5, 3)  # hardly moves for a while, anywhere within its counts
+    theta, _ = Chain(TRUNK, "wire").run(held, stamp)
+    series = {
+        "gearbox_states": JointSeries(stamp, TRUNK.arm.joints, held),
+        "joint_states": JointSeries(stamp, TRUNK.arm.joints, np.round(theta / step) * step),
+    }
+    tip = in_plane(Chain(TRUNK, "arm").tip(theta, stamp))
+    recording = Recording("coarse", 0, float(stamp[-1]), series)
+    problem, done = fitted(with_pose(recording, stamp, tip + NOISE * rng.normal(size=tip.shape)))
+    left = np.concatenate(problem.residual(done.values))
+    assert (np.sqrt(np.mean(left**2, axis=0)) < 1.2 * NOISE).all()
+    assert done.values == {}

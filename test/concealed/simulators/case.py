@@ -16,7 +16,7 @@ from trunk_ros.recording.write import write_recording
 
 NOISE = 1e-4  # rad
 COUNTS = 2**17
-SECONDS = 40.0
+SECONDS = 16.0  # of a motion before it is slowed down
 HOLDS = np.array([1.5, 0.6, 0.2])  # N m of a bearing in which a link stays where it is within its gap
 START = 1_750_000_000_000_000_000
 FLAT = ("gap", "rub", "ripple", "late", "shown_late", "ratio")
@@ -79,11 +79,14 @@ def _hide(rng: np.random.Generator, real: Real, name: str) -> Real:
 
 
 def _motion(rng: np.random.Generator, kind: str) -> Array:
-    """Commands (n, 3) of all joints, no faster than the arm is made for."""
+    """Commands (n, 3) of all joints: a short motion through their ranges, played as slowly as the arm is made
+    for.
+    """
     stamp = np.arange(round(SECONDS / TICK)) * TICK
     out = 2.0 * draw_reference(rng, kind, stamp)[:, : len(JOINTS)]
-    top = np.abs(np.gradient(out, TICK, axis=0)).max()
-    return np.asarray(out * min(1.0, FASTEST / top))
+    slower = min(1.0, FASTEST / float(np.abs(np.gradient(out, TICK, axis=0)).max()))
+    played = np.arange(0.0, stamp[-1], slower * TICK)
+    return np.stack([np.interp(played, stamp, one) for one in out.T], axis=1)
 
 
 def record(case: Case, folder: Path) -> None:

@@ -15,7 +15,8 @@ from trunk_ros.compiled import Array
 from trunk_ros.derivatives import smooth
 from trunk_ros.diagnosis.tip.between import angles_between
 from trunk_ros.model import Model
-from trunk_ros.recording.recording import PoseSeries, Recording
+from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
+from trunk_ros.recording.signal.encoder import counts
 from trunk_ros.recording.signal.resample import longest_gap
 
 SIGNALS = ("x", "y", "z", "roll", "pitch", "yaw")
@@ -88,7 +89,7 @@ def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData 
     inside = there & turned if turned.any() else there
     if inside.sum() < LEAST:
         return None
-    theta = _theta(recording, model, at, joints.position[known], pose.stamp[inside])
+    theta = _theta(recording, model, at, joints.rows(known), pose.stamp[inside])
     poses = np.column_stack([pose.position[inside], pose.orientation[inside]])
     return TipData(model.arm, pose.stamp[inside], theta, poses, bool(turned.any()))
 
@@ -100,13 +101,17 @@ def oriented(pose: PoseSeries) -> np.ndarray:
     return told if told.any() and np.ptp(pose.orientation[told], axis=0).any() else np.zeros_like(told)
 
 
-def _theta(recording: Recording, model: Model, at: Array, measured: Array, stamp: Array) -> Array:
-    """(n, joints) angles at ``stamp``: what the model says, and what was measured ``at`` other moments beyond
-    that, which is smooth.
+def _theta(recording: Recording, model: Model, at: Array, shown: JointSeries, stamp: Array) -> Array:
+    """(n, joints) angles at ``stamp``: what the model says, and what was ``shown`` at other moments, ``at``,
+    beyond that, which is smooth. Within an encoder's count a reading says no more than the model does.
     """
     both = angles_between(recording, model, np.concatenate([at, stamp]))
-    told = np.zeros((len(at) + len(stamp), measured.shape[1])) if both is None else both
-    return np.asarray(Akima1DInterpolator(at, measured - told[: len(at)])(stamp) + told[len(at) :])
+    if both is None:
+        return np.asarray(Akima1DInterpolator(at, shown.position)(stamp))
+    beyond, within = shown.position - both[: len(at)], 0.5 * counts(shown)
+    return np.asarray(
+        Akima1DInterpolator(at, beyond - np.clip(beyond, -within, within))(stamp) + both[len(at) :]
+    )
 
 
 def _seen(at: Array, stamp: Array) -> np.ndarray:

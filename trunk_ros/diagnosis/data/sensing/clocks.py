@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen
-from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when
+from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, without_tones
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import sliding, waited
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
@@ -25,7 +25,7 @@ def clocks_put_right(recording: Recording, model: Model) -> Recording:
     """Readings and setpoints with the times at which they were taken and acted, and all setpoints there were;
     of coarse readings it is said how coarse they are. Units and names of joints have to be right.
     """
-    for look in (read_when, _at_one_pace, _all_setpoints, _acted_when, how_coarse):
+    for look in (read_when, _at_one_pace, _all_setpoints, _acted_when, without_tones, how_coarse):
         recording = look(recording, model)
     return recording
 

@@ -9,6 +9,9 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.resample import resample
 
 CREEPS = (2.0, 8.0)  # s
 PLAY = 1e-3  # rad, where the model has none
@@ -50,6 +53,12 @@ class Motion:
     def time(self) -> Array:
         """(n,) from 0 to 1."""
         return np.asarray((self.stamp - self.stamp[0]) / max(float(np.ptp(self.stamp)), 1e-9))
+
+
+def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
+    """At the joints' stamps, of series with the same joints."""
+    phi, velocity = resample(gearbox, shown.stamp)
+    return Motion(shown.stamp, phi * arm.ratio, velocity * arm.ratio, fill(shown.position), arm)
 
 
 def basis(motion: Motion, joint: int, wear: bool) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.data.sensing.hum import hums
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.wraps import series_unwrapped, whole_turns
@@ -85,6 +86,27 @@ def read_when(recording: Recording, model: Model) -> Recording:
     looks = ("sensor_delay", "link_resonance", "unknown")
     observed = Observed("repeats", SHOWN, new.joints, period, None, "s", True, looks, said)
     return seen(recording, observed, joint_states=new)
+
+
+def without_tones(recording: Recording, model: Model) -> Recording:
+    """Joint readings without the tones that all of them share."""
+    both = pair(recording, model, "gearbox_states", "joint_states")
+    if both is None:
+        return recording
+    gearbox, shown = both
+    for hum in hums(gearbox, shown, model.for_joints(shown.joints).loaded_arm().only(shown.joints)):
+        series, joints = recording.series["joint_states"], list(shown.joints)
+        position = series.position.copy()
+        position[:, [series.joints.index(joint) for joint in joints]] -= hum.at(series.stamp)
+        said = (
+            f"{SHOWN} has a tone of {hum.frequency:.4g} Hz, {1e3 * hum.size:.3g} mrad on each joint, as "
+            "hum of the mains is, which shows as a slow wave where it is faster than half the rate: it was "
+            "taken out. It would have looked like unknown over time. Shield and ground the sensors' cables"
+        )
+        looks, std = ("unknown",), hum.std
+        observed = Observed("hum", SHOWN, shown.joints, hum.size, std, "rad", True, looks, said)
+        recording = seen(recording, observed, joint_states=replace(series, position=position))
+    return recording
 
 
 def how_coarse(recording: Recording, model: Model) -> Recording:

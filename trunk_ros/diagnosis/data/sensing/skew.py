@@ -11,10 +11,9 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import Motion, basis
+from trunk_ros.diagnosis.data.sensing.physics import Motion, basis, motion_of
 from trunk_ros.recording.recording import JointSeries
-from trunk_ros.recording.signal.fill import fill
-from trunk_ros.recording.signal.resample import SAME, SLOW, resample
+from trunk_ros.recording.signal.resample import SAME, SLOW
 
 SURE = 8.0  # standard deviations
 EVENLY = 0.8  # of what grows in any way
@@ -57,9 +56,7 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return None
     shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
-    phi, velocity = resample(gearbox, shown.stamp)
-    motion = Motion(shown.stamp, phi * arm.ratio, velocity * arm.ratio, fill(shown.position), arm)
-    return _said(motion)
+    return _said(motion_of(gearbox, shown, arm))
 
 
 def without_skew(shown: JointSeries, found: Skew, begin: float = 0.0) -> JointSeries:

@@ -1,0 +1,89 @@
+"""Claims about hum: a tone that all readings share is the sensors', and what physics swings is left alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.real.features import play
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.sensing import clocks_put_right
+from trunk_ros.diagnosis.data.sensing.hum import hums
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+STAMP = np.arange(6000.0) * 0.01
+NOISE, SIZE, FREQUENCY = 1e-4, 1.5e-4, 0.47
+PHASES = np.array([0.0, 1.3, 2.9, 4.0, 5.5])
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """The nominal one."""
+    return load_model("trunk")
+
+
+def _recording(model: Model, add: Array, moving: Array | None = None) -> Recording:
+    """Joints that follow their gearboxes through a play, with ``add`` (n, 5) rad on top of their readings."""
+    rng, arm = np.random.default_rng(4), model.arm
+    if moving is None:
+        slow = rng.normal(size=(len(STAMP), 5)).cumsum(axis=0)
+        moving = np.stack([np.convolve(x, np.hanning(300), "same") for x in slow.T], axis=1)
+        moving *= 0.5 / np.abs(moving).max(axis=0)
+        moving[:, 3] = 0.2  # one joint rests
+    joint = np.stack([play(u, w) for u, w in zip(moving.T, arm.dead_band, strict=True)], axis=1)
+    shown = joint + add + NOISE * rng.standard_normal(joint.shape)
+    series = {
+        "gearbox_states": JointSeries(STAMP, arm.joints, moving / arm.ratio),
+        "joint_states": JointSeries(STAMP, arm.joints, shown),
+    }
+    return Recording("hum", 0, float(STAMP[-1]), series)
+
+
+def _tone(frequency: float, sizes: Array) -> Array:
+    return np.asarray(sizes * np.sin(2 * np.pi * frequency * STAMP[:, None] + PHASES))
+
+
+def test_a_tone_of_one_size_on_all_joints_is_taken_out_and_said(model: Model) -> None:
+    tone = _tone(FREQUENCY, np.full(5, SIZE))
+    spoiled, clean = _recording(model, tone), _recording(model, 0.0 * tone)
+    right = clocks_put_right(spoiled, model)
+    (seen,) = right.observed
+    assert (seen.kind, seen.corrected, seen.joints) == ("hum", True, model.arm.joints)
+    assert seen.value == pytest.approx(SIZE, rel=0.05)
+    left = right.series["joint_states"].position - clean.series["joint_states"].position
+    assert np.sqrt(np.mean(left**2)) < 0.1 * SIZE
+
+
+def test_two_tones_are_taken_out_one_by_one(model: Model) -> None:
+    both = _tone(FREQUENCY, np.full(5, SIZE)) + _tone(3.1 * FREQUENCY, np.full(5, 0.6 * SIZE))
+    right = clocks_put_right(_recording(model, both), model)
+    assert [seen.kind for seen in right.observed] == ["hum", "hum"]
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0, 0.0, 1.0, 1.0), (1.0, 1.5, 0.7, 1.0, 1.2)])
+def test_what_swings_joints_by_their_own_sizes_is_left_to_the_diagnosis(
+    model: Model, sizes: tuple[float, ...]
+) -> None:
+    recording = _recording(model, _tone(FREQUENCY, SIZE * np.array(sizes)))
+    right = clocks_put_right(recording, model)
+    assert right.observed == ()
+    assert right.series == recording.series
+
+
+def test_what_a_steady_motion_does_to_joints_that_are_alike_is_no_hum(model: Model) -> None:
+    """Play that the model does not know, on joints that all swing alike: the same loop on each."""
+    alike = replace(model, arm=replace(model.arm, dead_band=np.full(5, 2e-3)))
+    moving = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + PHASES)
+    assert clocks_put_right(_recording(alike, 0.0 * moving, moving), model).observed == ()
+
+
+def test_a_clean_recording_has_no_hum_and_few_joints_tell_of_none(model: Model) -> None:
+    tone = _tone(FREQUENCY, np.full(5, SIZE))
+    two = model.arm.joints[:2]
+    series = {key: one.select(two) for key, one in _recording(model, tone).series.items()}
+    assert hums(series["gearbox_states"], series["joint_states"], model.arm.only(two)) == []
+    clean = _recording(model, 0.0 * tone).series
+    assert hums(clean["gearbox_states"], clean["joint_states"], model.arm) == []
