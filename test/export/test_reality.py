@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -123,6 +125,22 @@ def test_servo_effects_come_before_the_simulators_own_loop() -> None:
 def _sent(model: Model, simulation: Model, commands: Array) -> list[Array]:
     layer = RealityLayer(model, simulation=simulation)
     return [layer.step(command, command * model.arm.ratio, 1 / RATE)[0] for command in commands]
+
+
+def test_friction_on_some_motors_leaves_the_others_alone() -> None:
+    """Also where no wire has a play of its own."""
+    bare = load_model("trunk")
+    arm = replace(bare.arm, dead_band=np.zeros(5))
+    friction = np.array([0.5, 0.0, 0.0, 0.0, 0.5])
+    droop = {"form": "weight_and_friction", "gain": 1e-3, "friction": friction}
+    commands = commands_of(1)[:400, 0]
+    sent, plain = (
+        around_ideal(RealityLayer(Model(arm, effects)), commands)[0]
+        for effects in ({"load_droop": droop}, {"load_droop": {**droop, "friction": 0.0 * friction}})
+    )
+    off = np.abs(sent - plain).max(axis=0)
+    assert (off[friction > 0.0] > 1e-5).all()
+    np.testing.assert_allclose(off[1:4], 0.0, atol=1e-5)
 
 
 def test_what_the_simulator_has_is_not_added_again() -> None:

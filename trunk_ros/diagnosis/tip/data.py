@@ -89,7 +89,7 @@ def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData 
     inside = there & turned if turned.any() else there
     if inside.sum() < LEAST:
         return None
-    theta = _theta(recording, model, at, joints.rows(known), pose.stamp[inside])
+    theta = _theta(recording, model, at, joints.rows(np.asarray(known)), pose.stamp[inside])
     poses = np.column_stack([pose.position[inside], pose.orientation[inside]])
     return TipData(model.arm, pose.stamp[inside], theta, poses, bool(turned.any()))
 

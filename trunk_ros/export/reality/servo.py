@@ -90,7 +90,8 @@ class Servo:
         if self.held is not None and anew is not None:
             self.held = np.where(anew, flat[0], self.held)
         stuck, self.held = SharpPlay().run(flat, self.reach[None], self.held)
-        return (flat - self.rub * (flat - stuck) / self.reach).reshape(x.shape)
+        share = self.rub / np.where(self.reach > 0.0, self.reach, 1.0)
+        return (flat - share * (flat - stuck)).reshape(x.shape)
 
     def _stopped_short(self, x: Array, zone: Array, anew: np.ndarray | None) -> Array:
         """What a loop makes of errors that it does not answer to: it stops short by the zone."""
