@@ -22,13 +22,18 @@ def main() -> None:
     parser.add_argument(
         "--peers", nargs="*", choices=tuple(PEERS), default=tuple(PEERS), help="what to compare with"
     )
+    parser.add_argument(
+        "--all-rows",
+        action="store_true",
+        help="count every row, also where a camera lost its markers (0 there)",
+    )
     arguments = parser.parse_args()
     cells = reached = 0
     for real in SETS:
         if not real.folder.startswith(arguments.only) or not (arguments.folder / real.folder).is_dir():
             continue
         with threadpool_limits(1):
-            rows = compared(real, arguments.folder, arguments.peers)
+            rows = compared(real, arguments.folder, arguments.peers, arguments.all_rows)
         print(written(real, rows), flush=True)
         print(flush=True)
         cells += len(rows)

@@ -40,8 +40,10 @@ class Row:
         return self.rms[HERE] <= WITHIN * self.best
 
 
-def compared(real: RealSet, home: Path, peers: Sequence[str]) -> list[Row]:
-    """All rows of one set."""
+def compared(real: RealSet, home: Path, peers: Sequence[str], every: bool = False) -> list[Row]:
+    """All rows of one set; ``every``: the first seconds count as well, and what was not seen as 0, as the
+    published tables have it.
+    """
     read = {name: real.read(home, name) for name in (*real.fitted, *real.judged)}
     model = diagnose(
         [read[name] for name in real.fitted], model="direct", until=f"{100 * real.share:g}%"
@@ -53,13 +55,14 @@ def compared(real: RealSet, home: Path, peers: Sequence[str]) -> list[Row]:
     for name, rest in real.rows():
         run = run_of(read[name], real.joints)
         first = real.share * run.stamp[-1] if rest else run.stamp[0] + SETTLE
-        rows = run.stamp > first
+        rows = run.stamp > (first if rest or not every else -np.inf)
         said = {
             HERE: _simulated(read[name], model, real),
             NOMINAL: _simulated(read[name], load_model("direct"), real),
         }
         said |= {peer: predict(run) for peer, predict in fitted.items()}
-        errors = {m: np.sqrt(np.nanmean((p - run.angles)[rows] ** 2, axis=0)) for m, p in said.items()}
+        seen_there = np.nan_to_num(run.angles) if every else run.angles
+        errors = {m: np.sqrt(np.nanmean((p - seen_there)[rows] ** 2, axis=0)) for m, p in said.items()}
         label = f"{name}, last {100 * (1 - real.share):.0f} %" if rest else name
         out += [
             Row(label, joint, {m: float(e[j]) for m, e in errors.items()})
