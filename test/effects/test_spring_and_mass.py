@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.effects.filters import swing_step
 from trunk_ros.effects.wire.held_link import HeldLink
 from trunk_ros.model import load_model
 from trunk_ros.parameter import Parameter
@@ -80,3 +82,21 @@ def test_links_on_their_springs_come_to_rest_where_their_weight_is_borne() -> No
 def test_usual_sizes_go_by_what_a_joint_bears(unit: str, factor: float) -> None:
     assert Parameter("p", unit, (0.0, 1.0), "", typical=1.0).under(1.0) == pytest.approx(factor)
     assert Parameter("p", unit, (0.0, 1.0), "", typical=1.0).under(0.0) == 1.0
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.2, 1.0 - 1e-15, 1.0, 1.0 + 1e-12, 1.4, 30.0])
+def test_a_step_of_a_swing_is_exact_however_it_is_damped(zeta: float) -> None:
+    dt, got = 0.02, np.empty(5)
+    swing_step(dt, OMEGA, zeta, got)
+    wanted = expm(dt * np.array([[0.0, 1.0], [-(OMEGA**2), -2.0 * zeta * OMEGA]]))
+    np.testing.assert_allclose(got[:4], wanted.ravel(), rtol=1e-6, atol=1e-9)
+
+
+def test_a_folded_arm_is_damped_more_than_a_straight_one() -> None:
+    """The mass beyond the first joint is a fraction of that of the straight arm: beyond critical damping."""
+    stamp, folded = np.arange(0.0, 3.0, 0.01), np.array([0.0, 3.0, -3.0, 3.0, -3.0])
+    moving = folded + 0.2 * np.sin(2.0 * stamp)[:, None] * np.eye(5)[0]
+    chain = elastic("links", 0.02, damping=np.full(5, 0.94), compliance=0.02 * np.eye(5)[0])
+    shown = chain.run(moving / chain.model.arm.ratio, stamp)[0]
+    assert np.isfinite(shown).all()
+    assert np.abs(shown[:, 0] - moving[:, 0]).max() < 0.2

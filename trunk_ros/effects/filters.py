@@ -11,6 +11,7 @@ from trunk_ros.compiled import Array, compiled
 # Relative difference up to which two steps of time count as one, so that their exponentials are kept.
 SAME = 1e-9
 INSTANT = 1e-9  # s
+CRITICAL = 1e-6  # rad that a swing turns in a step: less is as good as critically damped
 
 
 @compiled
@@ -100,9 +101,16 @@ def swing_step(dt: float, omega: float, zeta: float, swing: Array) -> None:
     swing[:] = 0.0
     if omega <= 0.0 or dt <= 0.0:
         return
-    damped = omega * np.sqrt(1.0 - zeta * zeta)
-    decay = np.exp(-zeta * omega * dt)
-    c, s = decay * np.cos(damped * dt), decay * np.sin(damped * dt) / damped
+    rest, turn = zeta * omega, omega * np.sqrt(abs(1.0 - zeta * zeta))
+    if turn * dt < CRITICAL:
+        c = np.exp(-rest * dt)
+        s = c * dt
+    elif zeta < 1.0:
+        decay = np.exp(-rest * dt)
+        c, s = decay * np.cos(turn * dt), decay * np.sin(turn * dt) / turn
+    else:
+        slow, fast = np.exp((turn - rest) * dt), np.exp(-(turn + rest) * dt)
+        c, s = (slow + fast) / 2.0, (slow - fast) / (2.0 * turn)
     swing[0] = c + zeta * omega * s
     swing[1] = s
     swing[2] = -omega * omega * s

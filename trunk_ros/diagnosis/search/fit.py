@@ -86,8 +86,9 @@ class Residuals:
             touched = self.hypothesis[f.effect].columns if f.column is None else [f.column]
             for i, column in enumerate(self.columns):
                 if column in touched or f.parameter.carried:
+                    slope = (self.context.whitened(self._moved, column) - base[i]) / step
                     found[i][0].append(k)
-                    found[i][1].append((self.context.whitened(self._moved, column) - base[i]) / step)
+                    found[i][1].append(slope if np.isfinite(slope).all() else 0.0 * base[i])
         return [
             (free, np.array(rows).T if rows else np.zeros((len(part), 0)))
             for (free, rows), part in zip(found, base, strict=True)
