@@ -14,11 +14,15 @@ from trunk_ros.diagnosis.search.candidates import (
     open_kinds,
     usable,
 )
+from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
-from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
+from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
+from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.diagnosis.search.trial import column_trials
 
@@ -137,9 +141,19 @@ def everywhere(best: Fit) -> Iterator[Fit]:
     most = PROMISING_EVERYWHERE if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
         trial = refit(context, extended(context, best.hypothesis, candidate))
-        trial = descend_with(trial, (MEMBER, EVENT))
-        if shared_by_most(best, trial, candidate.effect):
+        trial = descend_with(shown_again(best, trial, candidate.effect), (MEMBER, EVENT))
+        if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
             yield trial
+
+
+def shown_again(best: Fit, trial: Fit, name: str) -> Fit:
+    """A trial that is better but for what the motion cannot show any more beside the new effect, such as a
+    link that would no longer ring: with what looks like that in its place, or without it.
+    """
+    others = [term for term in trial.hypothesis.values() if term.effect != name]
+    if priced(trial) < score(best) and any(hidden(trial.context, term) for term in others):
+        return descend_with(trial, (SWAP_ALL, SWAP_MANY, DROP))
+    return trial
 
 
 def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
