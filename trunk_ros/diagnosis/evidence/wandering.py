@@ -14,7 +14,6 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Sums
 from trunk_ros.diagnosis.discrepancy.memory import sources
-from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -37,14 +36,13 @@ def steadied(now: Fit) -> Fit:
     context, bare, found = now.context, now.hypothesis, dict[int, Noise]()
     if context.step >= SLOW:
         return now
-    left = rests(context, now.hypothesis)
     for column in context.columns:
-        less = _untimed(now.hypothesis, column)
+        less, known = _untimed(now.hypothesis, column), context.noise[column]
         timed = less is not now.hypothesis
-        if column in left or timed:
+        if timed or not _plain(context, known, less, column):
             noise, cost = likeliest_noise(context, less, column)
-            followed = _unlikely(context, context.noise[column], now.hypothesis, column)
-            small = noise.std < FURTHEST * context.noise[column].std
+            followed = _unlikely(context, known, now.hypothesis, column)
+            small = noise.std < FURTHEST * known.std
             clear = cost < followed - need(context, column)
             alone = small and clear and _plain(context, noise, less, column)
             if alone and (timed or not _told(context, less, column)):
