@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import mujoco
 import numpy as np
+import pytest
 
 from trunk_ros.arm.description import Description
 from trunk_ros.compiled import Array
-from trunk_ros.export.mjcf import STIFF
+from trunk_ros.export.mjcf_file import STIFF
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
+
+mujoco = pytest.importorskip("mujoco")
 
 JOINTS = ("waist", "shoulder", "elbow")
 LINK = """<link name="{name}"><inertial><origin xyz="{centre}"/><mass value="{mass}"/>

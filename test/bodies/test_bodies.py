@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("mujoco")
-
 from test.bodies.arms import (
     ARMATURE,
     DAMPING,

@@ -6,8 +6,10 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from trunk_ros.bodies.found import Bodies
 from trunk_ros.effect_values import Values
 from trunk_ros.export.joints import JointWriter
+from trunk_ros.export.last_link import told
 from trunk_ros.export.markup import numbers, turned, written
 
 CONTROLLER = "JointPositionController"
@@ -30,6 +32,18 @@ class SdfWriter(JointWriter):
     def tell(self, limit: Element, key: str, text: str) -> None:
         child(limit, key).text = text
 
+    def term(self, joint: str, name: str, value: float) -> str:
+        """``friction`` and ``damping`` of the axis."""
+        dynamics = None if name == "armature" else self._part(joint, "dynamics")
+        if dynamics is None:
+            return ""
+        child(dynamics, name).text = written([value])
+        return "dynamics"
+
+    def last_link(self, bodies: Bodies) -> None:
+        """Left to the user, since links of SDF may be placed in any frame."""
+        self.remarks.append(f"{told(bodies)}: write it into the link's inertial, in its own frame")
+
     def backlash(self, values: Values) -> Values:
         """Friction over the controller's gain is a play."""
 
@@ -38,6 +52,7 @@ class SdfWriter(JointWriter):
             if gain is None:
                 return False
             self._add(joint, "friction", half_width * numbers(gain.text, 1)[0])
+            self.taken[joint, "friction"] = "backlash"
             self.note("joint", joint, f"backlash {half_width:.4g} rad: friction over p_gain")
             return True
 
@@ -51,6 +66,7 @@ class SdfWriter(JointWriter):
             if gain is None:
                 return False
             self._add(joint, "damping", constant * numbers(gain.text, 1)[0])
+            self.taken[joint, "damping"] = "viscous_lag"
             self.note("joint", joint, f"viscous_lag {constant:.4g} s: damping over p_gain")
             return True
 
