@@ -7,9 +7,12 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.effect_values import Values
-from trunk_ros.export.mjcf_actuator import tag_of
+from trunk_ros.effects.wire.load_elasticity import DAMPING
+from trunk_ros.export.mjcf_actuator import Drive, tag_of
 from trunk_ros.export.mjcf_file import STIFF, MjcfFile
 from trunk_ros.export.mjcf_play import add_play
+from trunk_ros.export.mjcf_swing import write_swing
+from trunk_ros.export.sheet import TERMS
 
 PAYLOAD, GRAIN = "payload", 1e-3  # m, its radius
 SAGS = "payload {:.4g} kg: no mass in the file, since the servos' findings have what it does to the motors"
@@ -57,15 +60,22 @@ class MjcfWriter(MjcfFile):
         return self.each(values, "half_width", self._play)
 
     def load_elasticity(self, values: Values) -> Values:
-        """A spring in series with the actuator's: less stiffness."""
+        """A spring in series with the actuator's: less stiffness. Where the links swing on it, it has their
+        damping.
+        """
         if values.get("payload"):
             return self._carried(values)
+        swings = values.get("form", "weight") == "links" and self.model.arm.has_load
+        ratios = np.broadcast_to(values.get("damping", DAMPING.null), (len(self.joints),))
 
         def write(joint: str, compliance: float) -> bool:
             drive = self.drives[joint]
             if drive is None or compliance < 0.0:
                 return False
+            late = drive.lag(self._damping(joint))
             drive.soften(compliance)
+            if swings:
+                self._swing(joint, drive, float(ratios[self.joints.index(joint)]), late)
             return self._told(drive, f"load_elasticity {compliance:.4g} rad/(N m): kp, kv")
 
         return self.each(values, "compliance", write)
@@ -198,6 +208,14 @@ class MjcfWriter(MjcfFile):
         text = f"backlash {half_width:.4g} rad: frictionloss over the actuator's stiffness"
         self.note("joint", joint, text)
         return True
+
+    def _swing(self, joint: str, drive: Drive, damping: float, late: float) -> None:
+        inertia = float(self.model.arm.straight_inertia[self.joints.index(joint)])
+        done = write_swing(self.mujoco, self.spec, joint, drive, damping, late, inertia)
+        self.remarks += done.remarks
+        if done.hertz:
+            self.taken |= {(joint, name): "load_elasticity" for name in TERMS}
+            self._told(drive, f"load_elasticity: swings at {done.hertz:.3g} Hz, ratio {damping:.3g}: kv")
 
     def _carried(self, values: Values) -> Values:
         """The payload as a mass; the layer has its sag in the wire. What it does to the motors comes with the

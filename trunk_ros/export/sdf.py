@@ -73,7 +73,9 @@ class SdfWriter(JointWriter):
         return self.each(values, "time_constant", write)
 
     def load_elasticity(self, values: Values) -> Values:
-        """A spring in series with the controller's gain."""
+        """A spring in series with the controller's gain; one that links swing on is left."""
+        if values.get("form", "weight") == "links":
+            return values
 
         def write(joint: str, compliance: float) -> bool:
             gain = self._gain(joint, "p_gain")
