@@ -72,8 +72,11 @@ class MjcfWriter(MjcfFile):
             drive = self.drives[joint]
             if drive is None or compliance < 0.0:
                 return False
-            late = drive.lag(self._damping(joint))
+            late, firm = drive.lag(self._damping(joint)), drive.stiffness
             drive.soften(compliance)
+            if joint in self.half_widths:  # of the same width over less stiffness
+                less = self.half_widths[joint] * (firm - drive.stiffness)
+                self._rub(joint, float(self.spec.joint(joint).frictionloss) - less)
             if swings:
                 self._swing(joint, drive, float(ratios[self.joints.index(joint)]), late)
             return self._told(drive, f"load_elasticity {compliance:.4g} rad/(N m): kp, kv")
@@ -204,7 +207,7 @@ class MjcfWriter(MjcfFile):
             self.remarks.append(f"{joint}: its link's angle is the tendon {joint}_link; {joint} is the motor")
             return True
         self._rub(joint, float(own.frictionloss) + half_width * drive.stiffness)
-        self.taken[joint, "friction"] = "backlash"
+        self.taken[joint, "friction"], self.half_widths[joint] = "backlash", half_width
         text = f"backlash {half_width:.4g} rad: frictionloss over the actuator's stiffness"
         self.note("joint", joint, text)
         return True

@@ -52,7 +52,7 @@ class SdfWriter(JointWriter):
             if gain is None:
                 return False
             self._add(joint, "friction", half_width * numbers(gain.text, 1)[0])
-            self.taken[joint, "friction"] = "backlash"
+            self.taken[joint, "friction"], self.half_widths[joint] = "backlash", half_width
             self.note("joint", joint, f"backlash {half_width:.4g} rad: friction over p_gain")
             return True
 
@@ -81,7 +81,10 @@ class SdfWriter(JointWriter):
             gain = self._gain(joint, "p_gain")
             if gain is None or compliance < 0.0:
                 return False
-            factor = 1.0 / (1.0 + numbers(gain.text, 1)[0] * compliance)
+            firm = numbers(gain.text, 1)[0]
+            factor = 1.0 / (1.0 + firm * compliance)
+            if joint in self.half_widths:  # of the same width over less stiffness
+                self._add(joint, "friction", -self.half_widths[joint] * firm * (1.0 - factor))
             for name in ("p_gain", "d_gain"):
                 element = self._gain(joint, name)
                 if element is not None:

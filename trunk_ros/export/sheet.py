@@ -55,6 +55,8 @@ class Writer(ABC):
         self.remarks: list[str] = []
         self.taken: dict[tuple[str, str], str] = {}
         """By joint and term (friction, damping, armature) the effect that is written in its place."""
+        self.half_widths: dict[str, float] = {}
+        """By joint the backlash that is written as friction over stiffness [rad]."""
 
     @abstractmethod
     def text(self) -> str:
