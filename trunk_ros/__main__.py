@@ -52,6 +52,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
 MEANT = {  # by who knows the word from other tools
     "compare": "evaluate", "score": "evaluate", "fit": "diagnose", "identify": "diagnose", "plot": "show",
     "view": "show", "play": "replay", "record": "recorder", "convert": "import", "predict": "simulate",
+    "sysid": "bodies",
 }  # fmt: skip
 
 

@@ -24,6 +24,7 @@ JOINT = """<joint name="{name}" type="revolute"><parent link="{parent}"/><child 
 PLACES = ("0 0 0.1", "0 0 0.1", "0 0 0.3")
 MASS, CENTRE, TURN = (2.0, 1.5, 0.8), ("0 0 0.05", "0 0 0.15", "0 0 0.1"), (0.02, 0.012, 0.004)
 FRICTION, DAMPING = np.array([0.6, 0.8, 0.3]), np.array([0.4, 0.5, 0.2])
+OFFSET = np.array([0.2, -0.1, 0.05])  # N m that the torque sensors are off
 ARMATURE = np.array([0.15, 0.2, 0.06])
 RATIO = np.array([0.5, -0.25, 1.0])
 HIDDEN_MASS, HIDDEN_CENTRE = 1.1, (0.02, -0.015, 0.14)
@@ -104,7 +105,7 @@ def recorded(
         if k % per == 0:
             torque[k // per] = data.actuator_force
     angle += noise * 5e-5 * rng.normal(size=angle.shape)
-    torque += noise * 0.05 * rng.normal(size=torque.shape) + [0.2, -0.1, 0.05]
+    torque += noise * 0.05 * rng.normal(size=torque.shape) + OFFSET
     motors = JointSeries(stamp, JOINTS, angle / RATIO, None, torque * RATIO)
     series = {"gearbox_states": motors, "joint_states": JointSeries(stamp, JOINTS, angle)}
     return Recording(f"run{seed}", 10**18, float(stamp[-1]), series)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from test.bodies.arms import (
     ARMATURE,
@@ -18,6 +19,8 @@ from test.bodies.arms import (
     HIDDEN_MASS,
     JOINTS,
     MASS,
+    OFFSET,
+    RATE,
     RATIO,
     model_of,
     recorded,
@@ -80,6 +83,20 @@ def test_deviations_are_no_smaller_than_the_errors_of_other_runs() -> None:
     assert len(off) > 30
     assert 0.4 < np.sqrt(np.mean(np.square(off))) < 1.5
     assert np.abs(off).max() < 4.0
+
+
+def test_deviations_know_of_residuals_that_go_on_for_a_second(run: Recording) -> None:
+    """Torque that wanders: formulas for white noise would have it several deviations off."""
+    motors, off = run.series["gearbox_states"], []
+    assert motors.effort is not None
+    slow, most = np.exp(-1.0 / (RATE * 0.7)), 0.1
+    for seed in range(8):
+        rough = np.random.default_rng(seed).normal(size=motors.effort.shape)
+        wander = most * np.sqrt(1.0 - slow**2) * lfilter([1.0], [1.0, -slow], rough, axis=0)
+        got = bodies_of([with_effort(run, motors.effort + wander * RATIO)], model_of())
+        for joint, true in zip(JOINTS, OFFSET, strict=True):
+            off.append((got.joints[joint]["offset"].value - true) / got.joints[joint]["offset"].std)
+    assert np.sqrt(np.mean(np.square(off))) < 1.4
 
 
 def test_a_motion_without_accelerations_leaves_the_armature_out() -> None:
