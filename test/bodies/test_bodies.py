@@ -26,12 +26,15 @@ from test.bodies.arms import (
     recorded,
 )  # fmt: skip
 from trunk_ros.__main__ import main
+from trunk_ros.arm.description import Description
+from trunk_ros.arm.pinocchio import library
 from trunk_ros.bodies.found import Bodies, load_bodies, save_bodies
 from trunk_ros.bodies.run import bodies_of
+from trunk_ros.compiled import Array
 from trunk_ros.derivatives import smooth
 from trunk_ros.errors import ModelError, TrunkError
 from trunk_ros.model import load_model, save_model
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 
 
@@ -134,7 +137,51 @@ def test_an_arm_of_one_upright_joint_shows_no_mass(run: Recording) -> None:
     assert got.joints["waist"]["friction"].value == pytest.approx(FRICTION[0], rel=0.1)
 
 
+@pytest.mark.parametrize("name", ["scara", "six", "wrist"])
+def test_arms_that_move_in_space_or_slide_give_back_what_was_added(name: str) -> None:
+    """Torque by Pinocchio's inverse dynamics of the URDF with a last link of another mass and centre."""
+    text = (Path(__file__).parents[1] / "concealed" / "arms" / f"{name}.urdf").read_text()
+    joints = tuple(joint.name for joint in Description(text).arm_joints)
+    model = load_model("direct").with_urdf(text, joints)
+    body, (stamp, *motion) = model.arm.body, sines(len(joints))
+    link, moved = body.last_link, np.array([0.01, 0.01, 0.02])
+    centre = np.array(link.lever) + moved
+    mass = 1.4 * link.mass
+    other = library().Inertia(mass, centre, np.array(link.inertia))
+    change = other.toDynamicParameters() - link.toDynamicParameters()
+    torque = body.last_link_shares(*motion, model.arm.pull) @ change
+    torque -= body.moments(motion[0], model.arm.pull, 0.0, motion[1], motion[2])
+    size = torque.std(axis=0).clip(0.01)
+    torque += size * (0.1 * np.sign(motion[1]) + 0.05 * motion[1] + 0.02 * motion[2])
+    rng = np.random.default_rng(2)
+    torque += 0.01 * size * rng.normal(size=torque.shape)
+    shown = motion[0] + 2e-5 * rng.normal(size=torque.shape)
+    motors = JointSeries(stamp, joints, shown, None, torque)
+    got = bodies_of([Recording(name, 0, float(stamp[-1]), {"gearbox_states": motors})], model)
+    for joint, own in zip(joints, size, strict=True):
+        for what, share in (("friction", 0.1), ("damping", 0.05), ("armature", 0.02)):
+            assert got.joints[joint][what].value == pytest.approx(share * own, rel=0.05)
+        slides = joint in model.arm.units
+        assert got.joints[joint]["armature"].unit == ("kg" if slides else "kg m^2")
+    assert got.mass is not None
+    assert got.mass.value == pytest.approx(mass, rel=0.02)
+    assert got.centre is not None
+    for value, std, true in zip(got.centre.value, got.centre.std, centre, strict=True):
+        assert std is None or value == pytest.approx(true, abs=5e-4)
+    assert (got.centre.std[2] is None) == (name == "scara")
+
+
+def sines(joints: int, seconds: float = 60.0) -> tuple[Array, Array, Array, Array]:
+    """Stamps (n,) and sums of sines (n, joints) with their speeds and accelerations."""
+    rng, stamp = np.random.default_rng(1), np.arange(0.0, seconds, 0.005)
+    rate, phase, size = (rng.uniform(*ends, (5, joints)) for ends in ((0.6, 5.6), (0.0, 6.0), (0.05, 0.2)))
+    turn = stamp[:, None, None] * rate + phase
+    angle, speed = (size * np.sin(turn)).sum(axis=1), (size * rate * np.cos(turn)).sum(axis=1)
+    return stamp, angle, speed, -(size * rate**2 * np.sin(turn)).sum(axis=1)
+
+
 def test_what_is_found_is_in_the_file_and_comes_back(found: Bodies, tmp_path: Path) -> None:
+    assert found.mass is not None
     save_bodies(found, tmp_path / "bodies.yaml")
     assert load_bodies(tmp_path / "bodies.yaml") == found
     text = (tmp_path / "bodies.yaml").read_text()
@@ -142,6 +189,9 @@ def test_what_is_found_is_in_the_file_and_comes_back(found: Bodies, tmp_path: Pa
     assert "torque there is the motor's effort over the ratio" in text
     (tmp_path / "bodies.yaml").write_text(text.replace("unit: kg\n", "units: kg\n"))
     with pytest.raises(ModelError, match=r"bodies.yaml is not as `trunk_ros bodies` writes it: 'unit'"):
+        load_bodies(tmp_path / "bodies.yaml")
+    (tmp_path / "bodies.yaml").write_text(text.replace(f"value: {found.mass.value}", "value: .nan"))
+    with pytest.raises(ModelError, match="nan is no number"):
         load_bodies(tmp_path / "bodies.yaml")
 
 

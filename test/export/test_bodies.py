@@ -92,7 +92,7 @@ def test_mujoco_reads_what_was_found(tmp_path: Path) -> None:
     assert model.body("link_1").mass[0] == pytest.approx(MASS[1])
     assert "<!-- trunk_ros: bodies: armature 0.15 kg m^2: armature -->" in sheet.text
     assert "<!-- trunk_ros: bodies: mass 1.1 kg, centre 0.02, -0.015, 0.14 m from elbow -->" in sheet.text
-    assert "waist: its friction is 0.006 rad of its actuator's stiffness" in sheet.remarks
+    assert "waist: its friction lets it stand up to 0.006 rad off its actuator's command" in sheet.remarks
 
 
 def test_a_file_with_other_frames_and_a_tool_of_its_own_gets_the_same_link(tmp_path: Path) -> None:

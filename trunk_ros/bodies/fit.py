@@ -243,21 +243,26 @@ def _bodies(fit: Fit, values: Array, deviations: Array, weight: Array, recording
     for j, joint in enumerate(arm.joints):
         slides = int(joint in arm.units)
         joints[joint] = {
-            name: Value(float(values[k]), float(deviations[k]), UNITS[name][slides])
+            name: Value(short(values[k]), short(deviations[k]), UNITS[name][slides])
             for name, k in ((name, PER_JOINT * j + i) for i, name in enumerate(OWN))
             if fit.active[k]
         }
-    mass = Value(fit.mass, float(deviations[own]), "kg") if fit.active[own] else None
+    mass = Value(short(fit.mass), short(deviations[own]), "kg") if fit.active[own] else None
     seen = fit.active[own + 1 :]
     centre = None
     if seen.any() or mass is not None:
-        x, y, z = (float(value) for value in values[own + 1 :])
-        stds = [float(s) if one else None for s, one in zip(deviations[own + 1 :], seen, strict=True)]
-        centre = Centre((x, y, z), (stds[0], stds[1], stds[2]), fit.mass)
+        x, y, z = (short(value) for value in values[own + 1 :])
+        stds = [short(s) if one else None for s, one in zip(deviations[own + 1 :], seen, strict=True)]
+        centre = Centre((x, y, z), (stds[0], stds[1], stds[2]), short(fit.mass))
     left = [f"{fit.joint_of(k)}: {fit.name(k)} {why}" for k, why in sorted(fit.reasons.items())]
     return Bodies(
         recordings, joints, arm.joints[arm.body.last], mass, centre, tuple(left), _held_out(fit, weight)
     )
+
+
+def short(value: float) -> float:
+    """As many digits as a file needs."""
+    return float(f"{value:.6g}")
 
 
 def _held_out(fit: Fit, weight: Array) -> dict[str, dict[str, float | str]]:
@@ -272,8 +277,8 @@ def _held_out(fit: Fit, weight: Array) -> dict[str, dict[str, float | str]]:
     )
     return {
         joint: {
-            "before": float(before[j]),
-            "after": float(after[j]),
+            "before": short(before[j]),
+            "after": short(after[j]),
             "unit": UNITS["offset"][int(joint in fit.arm.units)],
         }
         for j, joint in enumerate(fit.arm.joints)

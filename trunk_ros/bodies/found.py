@@ -109,9 +109,9 @@ def _bodies(content: dict[str, Any]) -> Bodies:
     own = link.get("centre")
     centre = None
     if own is not None:
-        x, y, z = map(float, own["value"])
-        sx, sy, sz = (None if std is None else float(std) for std in own["std"])
-        centre = Centre((x, y, z), (sx, sy, sz), float(own["for_mass"]))
+        x, y, z = map(_finite, own["value"])
+        sx, sy, sz = (None if std is None else _finite(std) for std in own["std"])
+        centre = Centre((x, y, z), (sx, sy, sz), _finite(own["for_mass"]))
     return Bodies(
         tuple(map(str, content.get("recordings", ()))),
         {str(j): {str(n): _value(v) for n, v in own.items()} for j, own in content["joints"].items()},
@@ -124,4 +124,11 @@ def _bodies(content: dict[str, Any]) -> Bodies:
 
 
 def _value(told: dict[str, Any]) -> Value:
-    return Value(float(told["value"]), float(told["std"]), str(told["unit"]))
+    return Value(_finite(told["value"]), _finite(told["std"]), str(told["unit"]))
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not abs(number) < float("inf"):
+        raise ValueError(f"{value} is no number")
+    return number

@@ -16,6 +16,7 @@ from trunk_ros.export.mjcf_bodies import write_last_link
 from trunk_ros.export.sheet import Writer
 from trunk_ros.model import Model
 
+OFF = "{}: its friction lets it stand up to {:.3g} rad off its actuator's command"
 STIFF = (0.999, 0.9999, 0.001, 0.5, 2.0)  # solimp of friction and of stops that hold
 
 
@@ -73,8 +74,9 @@ class MjcfFile(Writer):
             return name
         self._rub(joint, value)
         if drive is not None:
+            off = value / drive.stiffness
             self.remarks.append(
-                f"{joint}: its friction is {value / drive.stiffness:.3g} rad of its actuator's stiffness"
+                f"{joint}: its friction lets it stand up to {off:.3g} rad off its actuator's command"
             )
         return "frictionloss"
 
