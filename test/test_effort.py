@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.effort import measured_load
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.read import read_recording
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 from trunk_ros.simulate import simulate
 
@@ -92,6 +92,22 @@ def test_a_joint_that_goes_one_way_only_keeps_its_computed_weight(plain: Recordi
     )
     assert effort == pytest.approx(computed, abs=1e-4)
     assert "computed weight on joint_2" in torque_remarks(made, taken_from("effort"))[0]
+
+
+def test_an_arm_of_one_joint_and_a_urdf_has_its_weight_from_its_torque() -> None:
+    text = (
+        '<robot name="arm"><link name="base"/><link name="link"><inertial><origin xyz="0 0 0.1"/>'
+        '<mass value="1"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="elbow" type="revolute"><parent link="base"/><child link="link"/><axis xyz="1 0 0"/>'
+        '<limit lower="-2" upper="2" velocity="9" effort="9"/></joint></robot>'
+    )
+    arm = load_model("direct").with_urdf(text, ("elbow",)).arm
+    stamp = np.arange(0.0, 20.0, 0.01)
+    angle = 0.8 * np.sin(stamp)[:, None]
+    torque = 0.1 * np.sign(np.cos(stamp))[:, None] - arm.load(angle)
+    got = measured_load(JointSeries(stamp, ("elbow",), angle, None, torque), arm.ratio, arm)
+    assert got.moment == pytest.approx(arm.load(angle), abs=5e-3)
+    assert got.friction == pytest.approx([0.1], rel=0.02)
 
 
 def heavier(payload: float = 0.05) -> Recording:

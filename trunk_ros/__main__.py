@@ -25,6 +25,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "simulate": ("trunk_ros.commands.simulate", "run a model over a recording"),
     "show": ("trunk_ros.commands.show", "see a recording and a model: the arm in 3D, residuals, findings"),
     "evaluate": ("trunk_ros.commands.evaluate", "score models, or other simulators, on recordings"),
+    "bodies": ("trunk_ros.commands.bodies", "fit friction, armature and the last link's mass to torque"),
     "export": ("trunk_ros.commands.export", "write what was found into a simulator's file: MJCF, URDF, SDF"),
     "fleet": ("trunk_ros.commands.fleet", "diagnose many recordings of many arms; report what changes"),
     "info": ("trunk_ros.commands.info", "what a recording holds, and what can be diagnosed from it"),
@@ -51,6 +52,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
 MEANT = {  # by who knows the word from other tools
     "compare": "evaluate", "score": "evaluate", "fit": "diagnose", "identify": "diagnose", "plot": "show",
     "view": "show", "play": "replay", "record": "recorder", "convert": "import", "predict": "simulate",
+    "sysid": "bodies",
 }  # fmt: skip
 
 

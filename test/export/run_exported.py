@@ -23,6 +23,7 @@ def run_exported(path: Path, layer: RealityLayer | None, joints: tuple[str, ...]
     per = round(TICK / model.opt.timestep)
     for joint, angle in zip(joints, commands[0], strict=True):
         data.qpos[model.joint(joint).qposadr[0]] = angle
+    data.act[:] = commands[0][model.actuator_actadr >= 0]
     mujoco.mj_forward(model, data)
     sensors = [model.sensor(f"{joint}_encoder") for joint in joints]
     shown = np.empty_like(commands)

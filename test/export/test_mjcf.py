@@ -53,6 +53,7 @@ def error(sheet: Sheet, model: Any, effects: dict[str, Any], plain: Any, sensors
     ("effects", "most"),
     [
         ({"backlash": {"half_width": pair(8e-3, 4e-3)}}, 0.12),
+        ({"backlash": {"half_width": pair(8e-3)}, "load_elasticity": {"compliance": pair(0.01)}}, 0.12),
         ({"ratio_error": {"relative": pair(0.03, -0.05)}}, 0.01),
         ({"joint_coupling": {"gain": pair(0.0, 0.1), "source": ["", "shoulder"]}}, 0.02),
         ({"viscous_lag": {"time_constant": pair(0.05, 0.03)}}, 0.1),

@@ -53,7 +53,7 @@ def test_sdf_says_play_and_lag_beside_a_position_controller(tmp_path: Path) -> N
     root = ElementTree.fromstring(sheet.text)
     shoulder, elbow = root.iter("joint")
     softer = 50 / (1 + 50 * 0.02)
-    assert float(elbow.find("axis/dynamics/friction").text) == pytest.approx(4e-3 * 50)
+    assert float(elbow.find("axis/dynamics/friction").text) == pytest.approx(4e-3 * softer)
     assert float(root.find("model/plugin/p_gain").text) == pytest.approx(softer)
     assert float(elbow.find("axis/dynamics/damping").text) == pytest.approx(0.1 + 0.02 * softer)
     assert float(shoulder.find("axis/limit/upper").text) == 1.0

@@ -127,8 +127,35 @@ class Body:
         static = np.add.outer(10 * np.arange(model.njoints - 1), np.arange(4)).ravel()
         out = np.empty((len(q), model.nv, len(static)))
         for k in range(len(q)):
-            out[k] = pin.computeJointTorqueRegressor(model, data, q[k], still, still)[:, static]
+            shares = pin.computeJointTorqueRegressor(model, data, q[k], still, still)
+            out[k] = np.reshape(shares, (model.nv, -1))[:, static]  # of one joint it comes as a row
         return np.asarray(-self.spread.T @ out)
+
+    def last_link_shares(self, theta: Array, speed: Array, acceleration: Array, gravity: Array) -> Array:
+        """(n, joints, 10): what each parameter of the last link asks of the joints in a motion (n, joints):
+        mass, first moments and moments of inertia about its joint, as Pinocchio orders them.
+        """
+        pin = library()
+        model, data, _ = self._with(0.0, True)
+        model.gravity.linear = self.base.rotation @ np.asarray(gravity, dtype=float)
+        q = self._whole(theta) + self.offset
+        v, a = self._whole(speed), self._whole(acceleration)
+        first = 10 * (self.own[self.last] - 1)
+        out = np.empty((len(q), model.nv, 10))
+        for k in range(len(q)):
+            shares = pin.computeJointTorqueRegressor(model, data, q[k], v[k], a[k])
+            out[k] = np.reshape(shares, (model.nv, -1))[:, first : first + 10]
+        return np.asarray(self.spread.T @ out)
+
+    @property
+    def last(self) -> int:
+        """Which of the arm's joints is the last on the way to the tip."""
+        return self.own.index(next(i for i in reversed(self.path) if i in self.own))
+
+    @property
+    def last_link(self) -> Any:
+        """Pinocchio's inertia of all that is fixed to the last joint, payload aside, in the joint's frame."""
+        return self.model.inertias[self.own[self.last]]
 
     def mass_matrix(self, theta: Array, payload: float = 0.0) -> Array:
         """M (n, joints, joints) kg m^2 of joint angles (n, joints)."""

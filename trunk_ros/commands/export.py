@@ -13,7 +13,8 @@ FORMATS = ("mjcf", "urdf", "sdf")
 def main(argv: list[str]) -> int:
     """Parse, write, say."""
     asked = parser().parse_args(argv)
-    from trunk_ros.export.run import export, say, simulation_beside
+    from trunk_ros.bodies.found import load_bodies
+    from trunk_ros.export.run import bodies_beside, export, say, simulation_beside
     from trunk_ros.model import load_model, save_model
     from trunk_ros.recording.output import new_file, prepare_output
 
@@ -25,7 +26,9 @@ def main(argv: list[str]) -> int:
         raise ArgumentError(f"{into}: no such file: --into wants the simulator's own file")
     simulation = simulation_beside(asked.model, asked.simulation)
     theirs = None if simulation is None else load_model(simulation)
-    sheet = export(load_model(asked.model), asked.to, into, theirs)
+    bodies = bodies_beside(asked.model, asked.bodies)
+    fitted = None if bodies is None else load_bodies(bodies)
+    sheet = export(load_model(asked.model), asked.to, into, theirs, fitted)
     with new_file(output, asked.overwrite) as path:
         path.write_text(sheet.text, encoding="utf-8")
     if sheet.layer.effects:
@@ -33,7 +36,7 @@ def main(argv: list[str]) -> int:
             save_model(sheet.layer, path)
     elif layer.is_file():
         layer.unlink()
-    say(sheet, output, layer, simulation)
+    say(sheet, output, layer, simulation, bodies)
     if into.resolve().parent != output.resolve().parent:
         print(f"  meshes and other files are named from the folder of {into}: put {output} there")
     return 0
@@ -54,6 +57,10 @@ def parser() -> Parser:
     add(
         "--simulation", metavar="SIMULATION.yaml",
         help="what the simulator does already; by default simulation.yaml beside the model, if it is there",
+    )  # fmt: skip
+    add(
+        "--bodies", metavar="BODIES.yaml",
+        help="what the command bodies has written; by default bodies.yaml beside the model, if it is there",
     )  # fmt: skip
     add("--overwrite", action="store_true", help="replace what is there")
     return out

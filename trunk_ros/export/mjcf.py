@@ -2,65 +2,28 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.effect_values import Values
-from trunk_ros.errors import TrunkError
-from trunk_ros.export.markup import commented, parse, to_text
-from trunk_ros.export.mjcf_actuator import Drive, drive_of, tag_of
+from trunk_ros.effects.wire.load_elasticity import DAMPING
+from trunk_ros.export.mjcf_actuator import Drive, tag_of
+from trunk_ros.export.mjcf_file import STIFF, MjcfFile
 from trunk_ros.export.mjcf_play import add_play
-from trunk_ros.export.sheet import Writer
-from trunk_ros.model import Model
+from trunk_ros.export.mjcf_swing import write_swing
+from trunk_ros.export.sheet import TERMS
 
-STIFF = (0.999, 0.9999, 0.001, 0.5, 2.0)  # solimp of friction and of stops that hold
 PAYLOAD, GRAIN = "payload", 1e-3  # m, its radius
 SAGS = "payload {:.4g} kg: no mass in the file, since the servos' findings have what it does to the motors"
 NO_TIP = "payload {:.4g} kg: no site is called tip, so the file has no mass there"
-BEARING = (
-    1.5  # times the largest weight's moment: what a bearing rubs so that a link stays within its backlash
-)
-LEAST = 1e-3  # N m
-POSTURES = 200  # in which weight is looked at
 FREE = 1e3  # rad
 
 
-class MjcfWriter(Writer):
+class MjcfWriter(MjcfFile):
     """Writes into an MJCF file. Where a joint has a position actuator, play and compliance are said by
     friction and stiffness; under a bare motor a play is a joint of its own.
     """
-
-    def __init__(self, model: Model, path: Path):
-        """Raises TrunkError where MuJoCo is not installed or cannot read the file."""
-        super().__init__(model)
-        mujoco = the_engine()
-        try:
-            self.spec = mujoco.MjSpec.from_file(str(path))
-            self.spec.compile()
-        except (ValueError, OSError) as error:
-            raise TrunkError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
-        self.mujoco = mujoco
-        self.drives = {joint: drive_of(mujoco, self.spec, joint) for joint in self.joints}
-        absent = [joint for joint in self.joints if self.spec.joint(joint) is None]
-        if len(absent) == len(self.joints):
-            there = ", ".join(joint.name for joint in self.spec.joints if joint.name)
-            raise TrunkError(f"{path}: none of the joints {', '.join(absent)} is in it (there are {there})")
-        self.remarks += [f"{joint}: not in the file" for joint in absent]
-
-    def text(self) -> str:
-        try:
-            self.spec.compile()
-        except ValueError as error:
-            raise TrunkError(f"what was written does not compile in MuJoCo: {error}") from None
-        root = parse(self.spec.to_xml(), "MuJoCo's own file")
-        commented(root, self.lines)
-        return to_text(root)
-
-    def lags(self) -> list[float]:
-        """How far each joint's own position loop is behind a steady command [s]; 0 where it has none."""
-        return [drive.lag(self._damping(joint)) if drive else 0.0 for joint, drive in self.drives.items()]
 
     def ratio_error(self, values: Values) -> Values:
         """The actuator's gear; its stiffness about the joint stays."""
@@ -97,15 +60,25 @@ class MjcfWriter(Writer):
         return self.each(values, "half_width", self._play)
 
     def load_elasticity(self, values: Values) -> Values:
-        """A spring in series with the actuator's: less stiffness."""
+        """A spring in series with the actuator's: less stiffness. Where the links swing on it, it has their
+        damping.
+        """
         if values.get("payload"):
             return self._carried(values)
+        swings = values.get("form", "weight") == "links" and self.model.arm.has_load
+        ratios = np.broadcast_to(values.get("damping", DAMPING.null), (len(self.joints),))
 
         def write(joint: str, compliance: float) -> bool:
             drive = self.drives[joint]
             if drive is None or compliance < 0.0:
                 return False
+            late, firm = drive.lag(self._damping(joint)), drive.stiffness
             drive.soften(compliance)
+            if joint in self.half_widths:  # of the same width over less stiffness
+                less = self.half_widths[joint] * (firm - drive.stiffness)
+                self._rub(joint, float(self.spec.joint(joint).frictionloss) - less)
+            if swings:
+                self._swing(joint, drive, float(ratios[self.joints.index(joint)]), late)
             return self._told(drive, f"load_elasticity {compliance:.4g} rad/(N m): kp, kv")
 
         return self.each(values, "compliance", write)
@@ -133,12 +106,11 @@ class MjcfWriter(Writer):
         """Damping over the actuator's stiffness."""
 
         def write(joint: str, constant: float) -> bool:
-            drive, own = self.drives[joint], self.spec.joint(joint)
+            drive = self.drives[joint]
             if drive is None:
                 return False
-            damping = np.atleast_1d(own.damping).copy()
-            damping[0] += constant * drive.stiffness
-            own.damping = damping if np.ndim(own.damping) else float(damping[0])
+            self._damp(joint, self._damping(joint) + constant * drive.stiffness)
+            self.taken[joint, "damping"] = "viscous_lag"
             self.note("joint", joint, f"viscous_lag {constant:.4g} s: damping")
             return True
 
@@ -234,12 +206,19 @@ class MjcfWriter(Writer):
             )
             self.remarks.append(f"{joint}: its link's angle is the tendon {joint}_link; {joint} is the motor")
             return True
-        own.frictionloss = float(own.frictionloss) + half_width * drive.stiffness
-        own.solref_friction = [2.0 * self.spec.option.timestep, 1.0]
-        own.solimp_friction = list(STIFF)
+        self._rub(joint, float(own.frictionloss) + half_width * drive.stiffness)
+        self.taken[joint, "friction"], self.half_widths[joint] = "backlash", half_width
         text = f"backlash {half_width:.4g} rad: frictionloss over the actuator's stiffness"
         self.note("joint", joint, text)
         return True
+
+    def _swing(self, joint: str, drive: Drive, damping: float, late: float) -> None:
+        inertia = float(self.model.arm.straight_inertia[self.joints.index(joint)])
+        done = write_swing(self.mujoco, self.spec, joint, drive, damping, late, inertia)
+        self.remarks += done.remarks
+        if done.hertz:
+            self.taken |= {(joint, name): "load_elasticity" for name in TERMS}
+            self._told(drive, f"load_elasticity: swings at {done.hertz:.3g} Hz, ratio {damping:.3g}: kv")
 
     def _carried(self, values: Values) -> Values:
         """The payload as a mass; the layer has its sag in the wire. What it does to the motors comes with the
@@ -267,23 +246,3 @@ class MjcfWriter(Writer):
             tag = tag_of(element) if name == "servo_delay" else "jointpos"
             self.note(tag, element.name, f"{name} {delay:.4g} s: delay")
         return {}
-
-    def _actuators(self) -> list[Any]:
-        drives = list(self.drives.values())
-        return [drive.actuator for drive in drives if drive] if all(drives) else []
-
-    def _damping(self, joint: str) -> float:
-        return float(np.atleast_1d(self.spec.joint(joint).damping)[0])
-
-    def _told(self, drive: Drive, text: str) -> bool:
-        self.note(tag_of(drive.actuator), drive.actuator.name, text)
-        return True
-
-
-def the_engine() -> Any:
-    """The module ``mujoco``. Raises TrunkError where it is not installed."""
-    try:
-        import mujoco
-    except ImportError:
-        raise TrunkError("MuJoCo is not installed: pip install mujoco, or trunk_ros[mujoco]") from None
-    return mujoco

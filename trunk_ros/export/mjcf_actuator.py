@@ -11,8 +11,8 @@ class Drive:
     """A joint's position actuator."""
 
     actuator: Any
-    kinds: Any
-    """MuJoCo's ``mjtTrn``."""
+    mujoco: Any
+    """The module."""
 
     @property
     def stiffness(self) -> float:
@@ -22,7 +22,8 @@ class Drive:
     def lag(self, damping: float) -> float:
         """How far the loop is behind a steady command [s], with the joint's own ``damping`` [N m s/rad]."""
         rate = -float(self.actuator.biasprm[2]) * float(self.actuator.gear[0]) ** 2
-        return (rate + damping) / self.stiffness
+        filters = self.actuator.dyntype in self._filters
+        return (rate + damping) / self.stiffness + (float(self.actuator.dynprm[0]) if filters else 0.0)
 
     def gear(self, factor: float) -> None:
         """Another gear with the same stiffness about the joint."""
@@ -39,13 +40,33 @@ class Drive:
         """Another gain with the same damping."""
         self._scale(factor, 1.0)
 
+    def damp(self, rate: float) -> None:
+        """Another damping about the joint [N m s/rad]."""
+        bias = list(self.actuator.biasprm)
+        bias[2] = -rate / float(self.actuator.gear[0]) ** 2
+        self.actuator.biasprm = bias
+
+    def filter(self, constant: float) -> bool:
+        """A first-order filter [s] of its command; False where its command goes through another one."""
+        if self.actuator.dyntype != self.mujoco.mjtDyn.mjDYN_NONE:
+            return False
+        prm = list(self.actuator.dynprm)
+        prm[0] = constant
+        self.actuator.dyntype, self.actuator.dynprm = self.mujoco.mjtDyn.mjDYN_FILTEREXACT, prm
+        return True
+
+    @property
+    def _filters(self) -> tuple[Any, ...]:
+        kinds = self.mujoco.mjtDyn
+        return kinds.mjDYN_FILTER, kinds.mjDYN_FILTEREXACT
+
     def couple(self, spec: Any, joint: str, source: str, gain: float) -> str:
         """Pull a tendon over the joint less ``gain`` of another; its name."""
         name = f"{joint}_wire"
         tendon = spec.add_tendon(name=name)
         tendon.wrap_joint(joint, 1.0)
         tendon.wrap_joint(source, -gain)
-        self.actuator.trntype, self.actuator.target = self.kinds.mjTRN_TENDON, name
+        self.actuator.trntype, self.actuator.target = self.mujoco.mjtTrn.mjTRN_TENDON, name
         return name
 
     def _scale(self, kp: float, kv: float) -> None:
@@ -66,7 +87,7 @@ def drive_of(mujoco: Any, spec: Any, joint: str) -> Drive | None:
     if not affine or kp <= 0.0 or float(actuator.biasprm[1]) != -kp:
         return None
     actuator.name = actuator.name or f"{joint}_drive"
-    return Drive(actuator, mujoco.mjtTrn)
+    return Drive(actuator, mujoco)
 
 
 def tag_of(actuator: Any) -> str:

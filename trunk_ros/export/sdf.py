@@ -6,8 +6,10 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from trunk_ros.bodies.found import Bodies
 from trunk_ros.effect_values import Values
 from trunk_ros.export.joints import JointWriter
+from trunk_ros.export.last_link import told
 from trunk_ros.export.markup import numbers, turned, written
 
 CONTROLLER = "JointPositionController"
@@ -30,6 +32,18 @@ class SdfWriter(JointWriter):
     def tell(self, limit: Element, key: str, text: str) -> None:
         child(limit, key).text = text
 
+    def term(self, joint: str, name: str, value: float) -> str:
+        """``friction`` and ``damping`` of the axis."""
+        dynamics = None if name == "armature" else self._part(joint, "dynamics")
+        if dynamics is None:
+            return ""
+        child(dynamics, name).text = written([value])
+        return "dynamics"
+
+    def last_link(self, bodies: Bodies) -> None:
+        """Left to the user, since links of SDF may be placed in any frame."""
+        self.remarks.append(f"{told(bodies)}: write it into the link's inertial, in its own frame")
+
     def backlash(self, values: Values) -> Values:
         """Friction over the controller's gain is a play."""
 
@@ -38,6 +52,7 @@ class SdfWriter(JointWriter):
             if gain is None:
                 return False
             self._add(joint, "friction", half_width * numbers(gain.text, 1)[0])
+            self.taken[joint, "friction"], self.half_widths[joint] = "backlash", half_width
             self.note("joint", joint, f"backlash {half_width:.4g} rad: friction over p_gain")
             return True
 
@@ -51,19 +66,25 @@ class SdfWriter(JointWriter):
             if gain is None:
                 return False
             self._add(joint, "damping", constant * numbers(gain.text, 1)[0])
+            self.taken[joint, "damping"] = "viscous_lag"
             self.note("joint", joint, f"viscous_lag {constant:.4g} s: damping over p_gain")
             return True
 
         return self.each(values, "time_constant", write)
 
     def load_elasticity(self, values: Values) -> Values:
-        """A spring in series with the controller's gain."""
+        """A spring in series with the controller's gain; one that links swing on is left."""
+        if values.get("form", "weight") == "links":
+            return values
 
         def write(joint: str, compliance: float) -> bool:
             gain = self._gain(joint, "p_gain")
             if gain is None or compliance < 0.0:
                 return False
-            factor = 1.0 / (1.0 + numbers(gain.text, 1)[0] * compliance)
+            firm = numbers(gain.text, 1)[0]
+            factor = 1.0 / (1.0 + firm * compliance)
+            if joint in self.half_widths:  # of the same width over less stiffness
+                self._add(joint, "friction", -self.half_widths[joint] * firm * (1.0 - factor))
             for name in ("p_gain", "d_gain"):
                 element = self._gain(joint, name)
                 if element is not None:

@@ -8,10 +8,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from trunk_ros.bodies.found import Bodies
 from trunk_ros.effect_values import Values
 from trunk_ros.effects import effect
 from trunk_ros.export.missing import missing
 from trunk_ros.model import Model
+
+TERMS = ("friction", "damping", "armature")  # of bodies.yaml, which a file can have
+TAKEN = "{}: not written, {} is in its place; it lies before the wire, in the servo's own loop"
 
 
 @dataclass(frozen=True)
@@ -49,13 +53,27 @@ class Writer(ABC):
         self.joints = model.arm.joints
         self.lines: list[Line] = []
         self.remarks: list[str] = []
+        self.taken: dict[tuple[str, str], str] = {}
+        """By joint and term (friction, damping, armature) the effect that is written in its place."""
+        self.half_widths: dict[str, float] = {}
+        """By joint the backlash that is written as friction over stiffness [rad]."""
 
     @abstractmethod
     def text(self) -> str:
         """The file with what was written, each with a comment."""
 
-    def run(self) -> Sheet:
-        """Write all effects."""
+    @abstractmethod
+    def last_link(self, bodies: Bodies) -> None:
+        """Write mass and centre of the last link, or remark why not."""
+
+    @abstractmethod
+    def term(self, joint: str, name: str, value: float) -> str:
+        """Write a joint's friction, damping or armature; what the format calls it, "" where it cannot."""
+
+    def run(self, bodies: Bodies | None = None) -> Sheet:
+        """Write all effects, and friction, armature and the last link where torque has shown them."""
+        if bodies is not None and bodies.centre is not None:
+            self.last_link(bodies)  # before an effect adds a payload to it
         left: dict[str, Values] = {}
         for name, values in self.model.in_order():
             write: Callable[[Values], Values] | None = getattr(self, name, None)
@@ -64,7 +82,25 @@ class Writer(ABC):
                 self.remarks.append(f"{name}: {sizes(self.model, name, rest)}: this file has no place for it")
             elif rest:
                 left[name] = rest
+        if bodies is not None:
+            self._terms(bodies)
         return Sheet(self.text(), self.lines, replace(self.model, effects=left), self.remarks)
+
+    def _terms(self, bodies: Bodies) -> None:
+        """What was fitted of each joint, where no effect has its place."""
+        for joint, own in bodies.joints.items():
+            for name in (name for name in TERMS if name in own and joint in self.joints):
+                said = f"{joint}: {name} {own[name].value:.4g} {own[name].unit}"
+                if (joint, name) in self.taken:
+                    self.remarks.append(TAKEN.format(said, self.taken[joint, name]))
+                    continue
+                called = self.term(joint, name, own[name].value)
+                if called:
+                    self.note(
+                        "joint", joint, f"bodies: {name} {own[name].value:.4g} {own[name].unit}: {called}"
+                    )
+                else:
+                    self.remarks.append(f"{said}: this file has no place for it")
 
     def each(self, values: Values, key: str, write: Callable[[str, float], bool]) -> Values:
         """Write a value per joint; what is left where ``write`` could not."""
@@ -81,10 +117,12 @@ class Writer(ABC):
         self.lines.append(Line(tag, name, text))
 
 
-def sheet_of(model: Model, simulation: Model | None, writer: Callable[[Model], Writer]) -> Sheet:
+def sheet_of(
+    model: Model, simulation: Model | None, writer: Callable[[Model], Writer], bodies: Bodies | None = None
+) -> Sheet:
     """What a simulator lacks, written by the writer of its format."""
     lacking = missing(model, simulation)
-    out = writer(lacking.model).run()
+    out = writer(lacking.model).run(bodies)
     out.remarks = [*lacking.remarks, *out.remarks]
     return out
 

@@ -6,9 +6,15 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from trunk_ros.arm.description import Description
+from trunk_ros.bodies.found import Bodies
 from trunk_ros.effect_values import Values
+from trunk_ros.errors import ModelError
 from trunk_ros.export.joints import JointWriter
-from trunk_ros.export.markup import numbers, turned, written
+from trunk_ros.export.last_link import OTHER_FRAME, TOO_LIGHT, Frame, own_part, told, turn_between
+from trunk_ros.export.markup import numbers, to_text, turned, written
+
+NO_INERTIAL = "{}: mass and centre of the last link: {} has no <inertial> to write them into"
 
 
 class UrdfWriter(JointWriter):
@@ -28,6 +34,22 @@ class UrdfWriter(JointWriter):
 
     def tell(self, limit: Element, key: str, text: str) -> None:
         limit.set(key, text)
+
+    def term(self, joint: str, name: str, value: float) -> str:
+        """``friction`` and ``damping`` of ``dynamics``."""
+        found = self.found.get(joint)
+        if found is None or name == "armature":
+            return ""
+        dynamics = found.find("dynamics")
+        dynamics = SubElement(found, "dynamics") if dynamics is None else dynamics
+        dynamics.set(name, written([value]))
+        return "dynamics"
+
+    def last_link(self, bodies: Bodies) -> None:
+        """``inertial`` of the link that the last joint moves; its inertia about the centre stays."""
+        why = self._last_link(bodies)
+        if why:
+            self.remarks.append(why)
 
     def ratio_error(self, values: Values) -> Values:
         """The reduction of a transmission, where the file has one."""
@@ -75,6 +97,37 @@ class UrdfWriter(JointWriter):
         origin.set("rpy", written(turned(numbers(origin.get("rpy"), 3), angle)))
         self.note("joint", self.joints[0], f"base_tilt {angle:+.4g} rad about X: origin")
         return {}
+
+    def _last_link(self, bodies: Bodies) -> str:
+        """Why it cannot be written, if so."""
+        arm = self.model.arm
+        names = [joint for joint in self.joints if joint in self.found and joint != bodies.last]
+        names.append(bodies.last)
+        try:
+            theirs = Description(to_text(self.root)).found(tuple(names)).body(tuple(names))
+            mine = Frame.of(arm.body, [arm.joints.index(name) for name in names])
+            turn = turn_between(mine, Frame.of(theirs, list(range(len(names)))))
+        except (ModelError, ValueError):
+            turn = None
+        if turn is None:
+            return OTHER_FRAME.format(bodies.last)
+        child = self.found[bodies.last].find("child")
+        name = "" if child is None else str(child.get("link"))
+        inertial = self.root.find(f"link[@name='{name}']/inertial")
+        mass = None if inertial is None else inertial.find("mass")
+        if inertial is None or mass is None:
+            return NO_INERTIAL.format(bodies.last, name)
+        origin = inertial.find("origin")
+        origin = SubElement(inertial, "origin", xyz="0 0 0", rpy="0 0 0") if origin is None else origin
+        own, whole = numbers(mass.get("value"), 1)[0], theirs.last_link
+        others = whole.mass * whole.lever - own * np.array(numbers(origin.get("xyz"), 3))
+        part = own_part(bodies, turn, np.zeros(3), whole.mass, (whole.mass - own, others))
+        if part is None:
+            return TOO_LIGHT.format(bodies.last)
+        mass.set("value", written([part[0]]))
+        origin.set("xyz", written(part[1]))
+        self.note("link", name, told(bodies))
+        return ""
 
     def _following(self, joint: str) -> Element | None:
         """The joint on the link that a joint moves."""

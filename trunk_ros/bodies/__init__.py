@@ -1,0 +1,1 @@
+"""Friction, armature and the last link's mass from the torque of the motors."""
