@@ -24,10 +24,10 @@ def run_exported(path: Path, layer: RealityLayer | None, joints: tuple[str, ...]
     for joint, angle in zip(joints, commands[0], strict=True):
         data.qpos[model.joint(joint).qposadr[0]] = angle
     data.act[:] = commands[0][model.actuator_actadr >= 0]
-    mujoco.mj_forward(model, data)
     sensors = [model.sensor(f"{joint}_encoder") for joint in joints]
     shown = np.empty_like(commands)
     for k, command in enumerate(commands):
+        mujoco.mj_forward(model, data)  # sensors of a step are those of its beginning
         state = np.array([data.sensordata[sensor.adr[0]] for sensor in sensors])
         if layer is not None:
             command, state = layer.step(command, state, TICK)
