@@ -123,6 +123,28 @@ def test_stamps_of_one_clock_have_no_skew(model: Model) -> None:
     np.testing.assert_allclose(without_skew(late, Skew(1e-3, 0.0)).stamp, stamp / 1.001)
 
 
+@pytest.mark.parametrize("own_lags", [False, True])
+def test_joints_that_move_in_turn_tell_of_skew_together(model: Model, own_lags: bool) -> None:
+    """45 ppm that no joint sees much of by itself; lags of their own are no clock's."""
+    rng, stamp, arm = np.random.default_rng(5), np.arange(12000) * 0.01, model.arm
+    begins = 24.0 * np.arange(5)
+    late = 1e-3 * np.array([0.4, 3.1, 1.2, 4.4, 0.9]) if own_lags else 45e-6 * np.ones(5)
+
+    def moved(t: np.ndarray) -> np.ndarray:
+        return np.asarray(0.6 * np.sin(2 * np.pi * 2 / 24.0 * np.clip(t - begins, 0.0, 24.0)))
+
+    times = stamp[:, None]
+    off = late if own_lags else late * times
+    shown = moved(times - off) + 7e-5 * rng.standard_normal((len(stamp), 5))
+    gearbox = JointSeries(stamp, arm.joints, moved(times) / arm.ratio)
+    found = skew(gearbox, JointSeries(stamp + 0.004, arm.joints, shown), arm)
+    if own_lags:
+        assert found is None
+    else:
+        assert found is not None
+        assert abs(found.rate - 45e-6) < 4.0 * found.std < 20e-6
+
+
 def test_thinned_setpoints_are_filled_in_and_others_are_not(clean: Run, model: Model) -> None:
     right, kinds = _right(_spoiled(clean, "thinned"), model)
     assert kinds == ["thinned"]

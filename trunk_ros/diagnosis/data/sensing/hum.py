@@ -25,6 +25,7 @@ ALIKE = 0.99  # by chance so many sizes of one tone differ less
 SHARP = 0.1  # of the size: its std, so that being alike says something
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
+NOTHING = 1e-5  # of what the motion says most
 
 
 @dataclass(frozen=True)
@@ -51,10 +52,9 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
         return []
     motion = motion_of(gearbox, shown, arm)
     moves = [_scaled(basis(motion, j, True)) for j in range(len(arm.joints))]
-    rest = np.stack([_beyond(moves[j], off) for j, off in enumerate(motion.off.T)], axis=1)
-    found: list[Hum] = []
-    while len(found) < TONES and (more := _tone(motion.stamp, rest, np.hstack(moves))) is not None:
-        rest = rest - more.at(motion.stamp)
+    off, found = motion.off, list[Hum]()
+    while len(found) < TONES and (more := _tone(motion.stamp, off, moves)) is not None:
+        off = off - more.at(motion.stamp)
         found.append(more)
     return found
 
@@ -64,19 +64,18 @@ def _scaled(features: Array) -> Array:
     return np.asarray(features / np.where(size > 0.0, size, 1.0))
 
 
-def _beyond(features: Array, off: Array) -> Array:
-    """(n,) what features (n, k) do not say of ``off`` (n,)."""
-    return np.asarray(off - features @ np.linalg.lstsq(features, off, rcond=1e-10)[0])
-
-
-def _tone(stamp: Array, rest: Array, moves: Array) -> Hum | None:
-    """The strongest line of what is left (n, joints), of the middle joint, where it is one of all of them and
-    not of what the motion does (n, features).
+def _tone(stamp: Array, off: Array, moves: list[Array]) -> Hum | None:
+    """The strongest line of what the motion (n, features) of each joint does not say of where it is off (n,
+    joints), of the middle joint, where it is one of all of them and not of the motion.
     """
-    frequency = float(np.median([spectrum(stamp, one)[0] for one in rest.T]))
+    says = [np.linalg.svd(m, full_matrices=False) for m in moves]
+    says_all = [u[:, size > NOTHING * size[0]] for u, size, _ in says]
+    rest = [one - u @ (u.T @ one) for one, u in zip(off.T, says_all, strict=True)]
+    frequency = float(np.median([spectrum(stamp, one)[0] for one in rest]))
     if frequency <= 0.0:
         return None
-    waves, std = _line(frequency, stamp, rest)
+    lines = [_line(frequency, stamp, one[:, None], u) for one, u in zip(rest, says_all, strict=True)]
+    waves, std = (np.concatenate(each, axis=-1) for each in zip(*lines, strict=True))
     sizes = np.hypot(*waves)
     if not np.all(sizes > SURE * std):
         return None
@@ -85,26 +84,28 @@ def _tone(stamp: Array, rest: Array, moves: Array) -> Hum | None:
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if float(np.median(std)) > SHARP * mean or unlike > chi2.ppf(ALIKE, len(sizes) - 1):
         return None
-    own, beside = _line(frequency, stamp, moves)
+    own, beside = _line(frequency, stamp, np.hstack(moves), np.empty((len(stamp), 0)))
     if np.any(np.hypot(*own) > SURE * beside):
         return None
     return Hum(frequency, mean, float(weight.sum() ** -0.5), waves)
 
 
-def _line(frequency: float, stamp: Array, signals: Array) -> tuple[Array, Array]:
-    """Cosine and sine (2, signals) of a frequency in some signals (n, signals), and what each is of
-    frequencies beside it (signals,) rms.
+def _line(frequency: float, stamp: Array, signals: Array, besides: Array) -> tuple[Array, Array]:
+    """Cosine and sine (2, signals) of a frequency in signals (n, signals) beside orthonormal features (n,
+    features), and the std of each (signals,), by what there is of frequencies next to it.
     """
+
+    def beside_features(at: float) -> Array:
+        turning = _turning(at, stamp)
+        return np.asarray(turning - besides @ (besides.T @ turning))
+
     bins = [k for k in range(-FAR, FAR + 1) if abs(k) > NEAR]
-    beside = [_waves(frequency + k / float(np.ptp(stamp)), stamp, signals) for k in bins]
-    std = np.sqrt(np.mean([np.mean(w**2, axis=0) for w in beside], axis=0))
-    return _waves(frequency, stamp, signals), np.maximum(std, 1e-15)
-
-
-def _waves(frequency: float, stamp: Array, signals: Array) -> Array:
-    """(2, signals) of cosine and sine."""
-    turning = _turning(frequency, stamp)
-    return np.asarray(np.linalg.solve(turning.T @ turning, turning.T @ signals))
+    near = [at for k in bins if (at := frequency + k / float(np.ptp(stamp))) > 0.0]
+    power = np.mean([(np.linalg.qr(beside_features(at))[0].T @ signals) ** 2 for at in near], axis=(0, 1))
+    turning = beside_features(frequency)
+    inverse = np.linalg.inv(turning.T @ turning)
+    std = np.sqrt(power * np.trace(inverse) / 2.0)
+    return inverse @ (turning.T @ signals), np.maximum(std, 1e-15)
 
 
 def _turning(frequency: float, stamp: Array) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
@@ -24,6 +25,8 @@ ALIKE, ALIKER = 0.25, 0.1
 DIFFER = 1.3  # times the speed of the slowest: joints of one speed are late alike for other reasons
 FEWEST = 200  # samples
 ROWS = 6000  # samples that are enough
+IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
+CHANCE = 0.99  # of lags on a line, so many lie nearer by chance
 BLOCK = 50  # of them may depend on each other
 WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
 
@@ -113,9 +116,35 @@ def _said(motion: Motion) -> Skew | None:
         return whole.skew
     both = AGREES * np.hypot(whole.skew.std, bare.skew.std) + ALIKE * abs(bare.skew.rate)
     if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
-        return None
+        return _from_joint_to_joint(motion)
     speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
     return bare.skew if np.ptp(np.log(speeds)) > np.log(DIFFER) else None
+
+
+def _from_joint_to_joint(motion: Motion) -> Skew | None:
+    """The same of joints that move one after the other, each of which sees little of a skew: the lags of all
+    of them, each with its own std, lie on a line over the times at which they move.
+    """
+    if len(motion.moving) < IN_TURN:
+        return None
+    power = motion.speed[:, motion.moving] ** 2
+    when = (motion.stamp - motion.stamp[0]) @ power / power.sum(axis=0)
+    lag, std = np.array([_lag(motion, joint) for joint in motion.moving]).T
+    line = np.column_stack([np.ones_like(when), when]) / std[:, None]
+    covariance = np.linalg.pinv(line.T @ line)
+    found = covariance @ (line.T @ (lag / std))
+    rate, spread, off = float(found[1]), float(np.sqrt(covariance[1, 1])), lag / std - line @ found
+    on_line = float(off @ off) < chi2.ppf(CHANCE, len(lag) - 2)
+    apart = np.ptp(when) > APART * np.ptp(motion.stamp)
+    return Skew(rate, spread) if on_line and apart and SURE * spread < abs(rate) < LARGEST else None
+
+
+def _lag(motion: Motion, joint: int) -> tuple[float, float]:
+    """s that a joint is late, and the std."""
+    values, spread = _fitted(
+        np.column_stack([-motion.speed[:, joint], basis(motion, joint, False)]), motion.off[:, joint]
+    )
+    return float(values[0]), float(spread[0])
 
 
 def _told(motion: Motion, wear: bool) -> _Told:
@@ -131,12 +160,18 @@ def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
     x = (motion.stamp - motion.stamp[0]) / length - 1.0
     ways = np.column_stack([x, x**2 - 1 / 3, x**3 - 0.6 * x]) * length
     features = np.column_stack([ways * late[:, None], late, basis(motion, joint, wear)])
-    off = motion.off[:, joint]
+    values, spread = _fitted(features, motion.off[:, joint])
+    return values[:3], spread[:3]
+
+
+def _fitted(features: Array, off: Array) -> tuple[Array, Array]:
+    """Shares (features,) of features (n, features) in ``off`` (n,), and their std from blocks of samples."""
     size = np.sqrt(np.mean(features**2, axis=0))
-    features = features / np.where(size > 0.0, size, 1.0)
+    size = np.where(size > 0.0, size, 1.0)
+    features = features / size
     inverse = np.linalg.pinv(features.T @ features, rcond=1e-10, hermitian=True)
     values = inverse @ (features.T @ off)
     left = features * (off - features @ values)[:, None]
     blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)
     spread = np.sqrt(np.diag(inverse @ (blocks.T @ blocks) @ inverse))
-    return values[:3] / size[:3], np.maximum(spread[:3] / size[:3], 1e-12)
+    return values / size, np.maximum(spread / size, 1e-12)
