@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -11,9 +10,8 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.score import CLEARLY, score
+from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
 
-OFTEN = 1  # times that a search may come to a structure
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain at first, then, and in the end
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
@@ -54,8 +52,8 @@ class Desk:
     """By move, group and state: what its best trial gained there."""
     kept: dict[Hashable, object] = field(default_factory=dict)
     """Results of trials on single columns, by all that they depend on."""
-    been: Counter[Hashable] = field(default_factory=Counter)
-    """How often the search has stood on a structure."""
+    been: dict[Hashable, Hypothesis] = field(default_factory=dict)
+    """By structure: how the search last stood on it."""
 
     def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
         """Whether a group was tried in a state that is nearly the same, and gained too little."""
@@ -122,14 +120,17 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
 
 
 def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
-    """Whether the search has not stood on a structure too often: noise that is estimated anew could lead it
-    round in circles.
+    """Whether the search has not stood on a structure, or not as well: noise that is estimated anew could
+    lead it round in circles.
     """
     there = structure(trial.hypothesis)
     if there == structure(best.hypothesis):
         return True
-    desk.been[there, best.context.claims] += 1
-    return desk.been[there, best.context.claims] <= OFTEN
+    before = desk.been.get((there, best.context.claims))
+    if before is not None and not beats(trial, costed(trial.context, before)):
+        return False
+    desk.been[there, best.context.claims] = trial.hypothesis
+    return True
 
 
 def renewed(now: Fit) -> Fit:

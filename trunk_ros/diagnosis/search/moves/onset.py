@@ -33,6 +33,14 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
         yield Group((name, column, moment), columns, partial(_nearby, best, name, column, moment))
 
 
+def dated(now: Fit, name: str) -> Fit:
+    """With the moments of one effect where each fits best nearby."""
+    for one, column, moment in moments(now):
+        if one == name:
+            now = min(now, *_nearby(now, name, column, moment), key=lambda fit: fit.total)
+    return now
+
+
 def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
     rough = best_time(best, name, column, moment, _home(best.hypothesis, name, column)[moment] + ROUGHLY)
     return [moved(best, name, column, moment, rough + NEARBY)]

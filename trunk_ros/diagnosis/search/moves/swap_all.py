@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.form import FORM
 from trunk_ros.diagnosis.search.moves.member import MEMBER
+from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.swap_many import on_most
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
@@ -44,7 +45,7 @@ def _swapped(best: Fit, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
         again = kind.regime == effect(name).regime
         for candidate in screen.all_everywhere(kind):
             if candidate.gain > SEEN * min(sum(lost.values()), SIGNIFICANT):
-                trial = refit(best.context, extended(best.context, bare, candidate))
+                trial = dated(refit(best.context, extended(best.context, bare, candidate)), kind.id)
                 if _promises(trial, screen, lost, again):
                     yield _polished(best, trial, name, again)
 
