@@ -20,6 +20,7 @@ from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
+from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
@@ -140,7 +141,7 @@ def everywhere(best: Fit) -> Iterator[Fit]:
     found = [c for k in kinds for c in screen.all_everywhere(k) if c.gain > SIGNIFICANT]
     most = PROMISING_EVERYWHERE if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
-        trial = refit(context, extended(context, best.hypothesis, candidate))
+        trial = dated(refit(context, extended(context, best.hypothesis, candidate)), candidate.effect)
         trial = descend_with(shown_again(best, trial, candidate.effect), (MEMBER, EVENT))
         if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
             yield trial

@@ -11,6 +11,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
@@ -48,7 +49,7 @@ def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
     start = screen.local_form(effect(name), form, column)
     found = start and screen.lasting(start, [column])
     if found:
-        yield refit_column(now, extended(now.context, bare, found), column)
+        yield dated(refit_column(now, extended(now.context, bare, found), column), name, column)
 
 
 def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
@@ -68,7 +69,7 @@ def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
         return
     there[name].shared[mass.name] = _mass(mass, window.rd, window.dd)
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
-    yield refit(now.context, there)
+    yield dated(refit(now.context, there), name)
 
 
 def _gained(mass: Parameter, rd: Array, dd: Array) -> Array:

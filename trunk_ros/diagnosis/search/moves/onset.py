@@ -33,10 +33,10 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
         yield Group((name, column, moment), columns, partial(_nearby, best, name, column, moment))
 
 
-def dated(now: Fit, name: str) -> Fit:
-    """With the moments of one effect where each fits best nearby."""
+def dated(now: Fit, name: str, on: int | None = None) -> Fit:
+    """With the moments of one effect where each fits best nearby, on one joint or on all."""
     for one, column, moment in moments(now):
-        if one == name:
+        if one == name and on in (None, column):
             now = min(now, *_nearby(now, name, column, moment), key=lambda fit: fit.total)
     return now
 
