@@ -109,6 +109,15 @@ def test_friction_is_wider_at_low_speed(form: str, fade: Callable[[Array], Array
     assert got == pytest.approx(play(THETA, 1e-3 + 2e-3 * fade(np.abs(SPEED) / 0.1)), abs=1e-12)
 
 
+def test_a_film_of_oil_sees_the_whole_dead_band_by_whatever_name() -> None:
+    film = {"stribeck_friction": {"form": "film", "amplitude": np.full(3, 2e-3), "velocity": np.full(3, 0.1),
+                                  "memory": np.full(3, 0.05)}}  # fmt: skip
+    arm = arm_of(3, 1e-3)
+    wider = {"backlash": {"half_width": np.full(3, 3e-3)}}, {"tension_error": {"factor": 4.0}}
+    one, other = (Chain(Model(arm, {**film, **more}), "wire").run(PHI, STAMP)[0] for more in wider)
+    np.testing.assert_allclose(one, other, atol=1e-12)
+
+
 def test_friction_of_a_film_falls_with_the_speed_that_the_joint_has_had_of_late() -> None:
     got = wire("stribeck_friction", dead_band=1e-3, form="film", amplitude=2e-3, velocity=0.1, memory=0.05)
     theta, late, more, last = THETA[0].copy(), np.zeros(3), [], THETA[0]

@@ -20,7 +20,7 @@ class StribeckFriction(Effect):
     """
 
     id = "stribeck_friction"
-    stage, place, regime = "wire", 100, "low_speed"
+    stage, place, regime = "wire", 110, "low_speed"  # the last: a film of oil sees the whole width
     signature = "Backlash that is wide in slow motion and narrow in fast motion."
     source = (
         "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), eq. (3): "
@@ -45,6 +45,10 @@ class StribeckFriction(Effect):
         ),
     )
     confused_with = (("backlash", "reverse slowly and fast: a backlash stays the same"),)
+
+    @property
+    def acts_at(self) -> int:
+        return self.CORE
 
     def adjust(self, core: Core, now: Now) -> None:
         if self.form == "film":
