@@ -11,6 +11,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.louder import CONSTANT, Louder, growth
 from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
@@ -53,6 +54,7 @@ class Context:
     """Columns that show a wide loop and go through none of it twice: what varies with time is in it."""
     look: int = 0
     """Counts the looks at the arm that differed from the one before."""
+    louder: Louder = CONSTANT
     misfit: Mapping[int, float] = field(default_factory=dict)
     """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
@@ -77,7 +79,8 @@ class Context:
         loops = {c: motion[:2] for c, motion in seen.items() if is_wide(*motion)}
         wide = frozenset(c for c, motion in loops.items() if stage.step < SLOW and not speed_tells(*motion))
         once = frozenset(c for c, motion in loops.items() if not repeats(*motion))
-        return replace(blank, wide=wide, once=once).weighed(stage.known)
+        louder = Louder.of([blank._growth(c) for c in range(len(stage.joints))])
+        return replace(blank, wide=wide, once=once, louder=louder).weighed(stage.known)
 
     # What the stage says.
 
@@ -120,7 +123,7 @@ class Context:
         longest = strides_within(self.step)
         seen = []
         for column in range(len(self.joints)):
-            residuals = [self.residual(i, hypothesis, column) for i in range(len(self.views))]
+            residuals = self.evened(hypothesis, column)
             masks = [view.span.valid[:, column] for view in self.views]
             strides = 1 if column in self.formed else longest
             seen.append(differences_of(residuals, masks, strides, self.stage.steps[column]))
@@ -233,13 +236,30 @@ class Context:
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
-        return self.whiten([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
+        return self.whiten(self.evened(hypothesis, column), column)
+
+    def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
+        """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""
+        rests = [self.residual(i, hypothesis, column) for i in range(len(self.views))]
+        return self._evened(rests, column)
+
+    def _evened(self, signals: list[Array], column: int) -> list[Array]:
+        pairs = zip(self.views, signals, strict=True)
+        return [signal / self.louder.at(view.shown_speed(column), column) for view, signal in pairs]
+
+    def _growth(self, column: int) -> float:
+        """How the noise of a column grows with its speed."""
+        if self.count(column) < LEAST or self.step >= SLOW:
+            return 0.0
+        speeds = [view.shown_speed(column) for view in self.views]
+        masks = [view.columns[column].valid for view in self.views]
+        return growth(self.evened(self.known, column), speeds, masks)
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
         pairs = zip(self.views, changes, strict=True)
         seen = [np.where(view.columns[column].valid, change, 0.0) for view, change in pairs]
-        return self.whiten(seen, column)
+        return self.whiten(self._evened(seen, column), column)
 
     def whiten(self, signals: list[Array], column: int) -> Array:
         """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""

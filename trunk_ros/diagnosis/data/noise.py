@@ -196,10 +196,10 @@ def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> flo
             difference = sum(c * residual[k * stride : ends + k * stride] for k, c in enumerate(BINOMIAL))
             parts.append(np.abs(difference[whole]))
     joined = np.concatenate(parts) if parts else np.empty(0)
-    return _trimmed(joined) if joined.size else 0.0
+    return trimmed(joined) if joined.size else 0.0
 
 
-def _trimmed(size: Array) -> float:
+def trimmed(size: Array) -> float:
     """Standard deviation of what lies within three of it, starting from the median: a tenth of its
     scatter.
     """

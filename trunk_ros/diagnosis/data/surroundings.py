@@ -54,6 +54,10 @@ class View:
             for c in range(span.target.shape[1])
         ]
 
+    def shown_speed(self, column: int) -> Array:
+        """(n,) rad/s of a joint, as the gearbox would have it, where it was measured."""
+        return np.asarray(self.speeds[self.span.rows, column])
+
     @cached_property
     def load(self) -> Array:
         """(m, joints) moment on the joints."""

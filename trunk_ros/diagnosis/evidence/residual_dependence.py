@@ -30,8 +30,8 @@ def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     if context.step >= SLOW:
         return True
     noise, products = context.noise[column], []
-    for i, view in enumerate(context.views):
-        rest, follows = context.residual(i, hypothesis, column), view.follows[:, column]
+    for rest, view in zip(context.evened(hypothesis, column), context.views, strict=True):
+        follows = view.follows[:, column]
         products.append((rest[1:] * rest[:-1])[follows[1:]])
     own = noise.correlation * (noise.std**2 - noise.white**2)
     return goes_on(np.concatenate(products), own, COHERENT * context.rest(column) * noise.std**2)

@@ -88,7 +88,8 @@ def _parts(
 ) -> list[tuple[Array, np.ndarray, np.ndarray]]:
     """By span the residual (n,), where the sample before counts as well, and which rows count."""
     seen = [view.columns[column] for view in context.views]
-    return [(context.residual(i, hypothesis, column), s.follows, s.counted) for i, s in enumerate(seen)]
+    rests = context.evened(hypothesis, column)
+    return [(rest, s.follows, s.counted) for rest, s in zip(rests, seen, strict=True)]
 
 
 def _untimed(hypothesis: Hypothesis, column: int) -> Hypothesis:

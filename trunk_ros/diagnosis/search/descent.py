@@ -92,8 +92,10 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
 
 
 def descend_with(best: Fit, moves: Sequence[Move]) -> Fit:
-    """A few steps that have to follow a change before it is judged, in what was seen before."""
-    desk = Desk()
+    """A few steps that have to follow a change before it is judged, in what was seen before; what gains
+    little is left to the search.
+    """
+    desk = Desk(share=COARSE[1])
     while (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
     return best

@@ -1,0 +1,87 @@
+"""Noise that grows with speed, as stamps that jitter and cameras that blur make it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.noise import BINOMIAL, LEAST, trimmed
+
+GROUPS = 8  # of samples, by speed
+EACH = 100  # samples of a group, without which it tells nothing
+ALTERNATES = -0.3  # mean product of the signs of one fourth difference and the next: -0.6 of white noise
+CLEARLY = 1.5  # times the noise at rest, at the speeds that are fastest
+ROUNDS = 5
+ALIKE = 0.25  # of the variance of a group that the law may be off
+
+
+@dataclass(frozen=True)
+class Louder:
+    """How the noise of each joint grows with its speed: ``each`` (joints,) s/rad, 0 where it does not."""
+
+    each: tuple[float, ...] = ()
+
+    @staticmethod
+    def of(each: Sequence[float]) -> Louder:
+        """Sensors are alike: what more than half of the joints show is that of the others as well."""
+        known = [one for one in each if one > 0.0]
+        usual = float(np.median(known)) if 2 * len(known) > len(each) else 0.0
+        return Louder(tuple(one or usual for one in each))
+
+    def at(self, speed: Array, column: int) -> Array | float:
+        """Noise over that at rest, at speeds (n,) rad/s of a joint."""
+        grows = self.each[column] if self.each else 0.0
+        return np.asarray(np.hypot(1.0, grows * speed)) if grows else 1.0
+
+
+CONSTANT = Louder()
+
+
+def growth(residuals: Sequence[Array], speeds: Sequence[Array], masks: Sequence[np.ndarray]) -> float:
+    """k [s/rad] of noise whose standard deviation goes with sqrt(1 + (k speed)^2); 0 where it is the same at
+    every speed, or where what grows with speed is no noise.
+
+    ``residuals`` and ``speeds`` (n,) rad/s of each recording, and where they count (n,).
+    """
+    found = [_differences(*each) for each in zip(residuals, speeds, masks, strict=True)]
+    size, speed, turns = (np.concatenate([parts[k] for parts in found]) for k in range(3))
+    if len(size) < GROUPS * EACH:
+        return 0.0
+    group = np.argsort(np.argsort(speed, kind="stable"), kind="stable") * GROUPS // len(speed)
+    each = np.array([trimmed(size[group == g]) for g in range(GROUPS)])
+    fast = group >= GROUPS // 2
+    if each[0] <= LEAST or each[-1] < CLEARLY * each[0] or float(np.mean(turns[fast])) > ALTERNATES:
+        return 0.0
+    squares = np.array([np.mean(speed[group == g] ** 2) for g in range(GROUPS)])
+    rest, rising = _line(squares, each**2)
+    law = rest + rising * squares
+    if rest <= 0.0 or rising <= 0.0 or np.any(np.abs(each**2 - law) > ALIKE * law):
+        return 0.0
+    return float(np.sqrt(rising / rest))
+
+
+def _differences(residual: Array, speed: Array, mask: np.ndarray) -> tuple[Array, Array, Array]:
+    """(k,) of fourth differences: their sizes, the speeds in their middle, and whether each has the sign of
+    the next (1, -1).
+    """
+    ends = len(residual) - 4
+    if ends < 2:
+        return (np.empty(0),) * 3
+    whole = np.all([mask[k : ends + k] for k in range(5)], axis=0)
+    difference = sum(c * residual[k : ends + k] for k, c in enumerate(BINOMIAL))
+    turns = np.sign(difference) * np.sign(np.append(difference[1:], 0.0))
+    return np.abs(difference[whole]), np.abs(speed[2 : ends + 2][whole]), turns[whole]
+
+
+def _line(x: Array, y: Array) -> tuple[float, float]:
+    """Offset and slope of ``y`` (k,) over ``x`` (k,), each off in proportion to itself."""
+    weight = y.copy()
+    offset = slope = 0.0
+    for _ in range(ROUNDS):
+        basis = np.column_stack([np.ones_like(x), x]) / weight[:, None]
+        offset, slope = np.linalg.lstsq(basis, y / weight, rcond=None)[0]
+        weight = np.maximum(offset + slope * x, 0.1 * y)
+    return float(offset), float(slope)
