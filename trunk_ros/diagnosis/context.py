@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.recording.signal.resample import SLOW
@@ -26,19 +27,6 @@ OFTEN = 0.02  # s between samples that show what lies between them
 CLOSE = 0.01  # of the motion: a change of the angles that changes nothing of what was tried
 PLAIN = 0.25  # of the joints: so many show little but noise
 KEPT = 8  # surroundings of each joint and span that are kept
-
-
-@dataclass
-class Work:
-    """Simulated joint-steps, counted over all contexts of a search. No decision reads a clock."""
-
-    most: float = np.inf
-    done: int = 0
-
-    @property
-    def over(self) -> bool:
-        """Whether what was granted is spent."""
-        return self.done >= self.most
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +67,8 @@ class Context:
         loops = {c: motion[:2] for c, motion in seen.items() if is_wide(*motion)}
         wide = frozenset(c for c, motion in loops.items() if stage.step < SLOW and not speed_tells(*motion))
         once = frozenset(c for c, motion in loops.items() if not repeats(*motion))
-        louder = Louder.of([blank._growth(c) for c in range(len(stage.joints))])
-        return replace(blank, wide=wide, once=once, louder=louder).weighed(stage.known)
+        first = replace(blank, wide=wide, once=once)
+        return replace(first, louder=blank._louder()).weighed(stage.known)
 
     # What the stage says.
 
@@ -236,37 +224,28 @@ class Context:
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
-        return self.whiten(self.evened(hypothesis, column), column)
+        return self.whiten([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""
         rests = [self.residual(i, hypothesis, column) for i in range(len(self.views))]
-        return self._evened(rests, column)
+        return [rest / self._loud(view, column) for rest, view in zip(rests, self.views, strict=True)]
 
-    def _evened(self, signals: list[Array], column: int) -> list[Array]:
-        pairs = zip(self.views, signals, strict=True)
-        return [signal / self.louder.at(view.shown_speed(column), column) for view, signal in pairs]
-
-    def _growth(self, column: int) -> float:
-        """How the noise of a column grows with its speed."""
-        if self.count(column) < LEAST or self.step >= SLOW:
-            return 0.0
-        speeds = [view.shown_speed(column) for view in self.views]
-        masks = [view.columns[column].valid for view in self.views]
-        return growth(self.evened(self.known, column), speeds, masks)
+    def _loud(self, view: View, column: int) -> Array | float:
+        return self.louder.at(view.shown_speed(column), column)
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
         pairs = zip(self.views, changes, strict=True)
         seen = [np.where(view.columns[column].valid, change, 0.0) for view, change in pairs]
-        return self.whiten(self._evened(seen, column), column)
+        return self.whiten(seen, column)
 
     def whiten(self, signals: list[Array], column: int) -> Array:
         """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""
         parts = []
         for view, signal in zip(self.views, signals, strict=True):
-            seen = view.columns[column]
-            parts.append(self.noise[column].whiten(signal, seen.follows).take(seen.counted))
+            seen, even = view.columns[column], signal / self._loud(view, column)
+            parts.append(self.noise[column].whiten(even, seen.follows).take(seen.counted))
         return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
     # What the motion shows.
@@ -297,6 +276,15 @@ class Context:
             tells(self.now(index, column)) and tells(self.shown(column, index))
             for index in range(len(self.views))
         )
+
+    def _louder(self) -> Louder:
+        """How the noise grows with speed; not where next to nothing of the motion was sampled."""
+        if self.step >= SLOW:
+            return CONSTANT
+        masks = [[view.columns[c].valid for view in self.views] for c in range(len(self.joints))]
+        speeds = [[view.shown_speed(c) for view in self.views] for c in range(len(self.joints))]
+        rests = [self.evened(self.known, c) for c in range(len(self.joints))]
+        return Louder.of([growth(*each) for each in zip(rests, speeds, masks, strict=True)])
 
     def _motion(self, column: int) -> tuple[Array, Array, Array]:
         """Gearbox angle, speed and what no effect explains (rows,) where a column counts."""

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context, fitted
-from trunk_ros.diagnosis.context import Work
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.work import Work
 
 
 def test_a_context_cannot_be_changed() -> None:

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from test.diagnosis.search.looks import context, fitted
-from trunk_ros.diagnosis.context import Work
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import COARSE, Desk, Group, Move, descend
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import search
+from trunk_ros.diagnosis.work import Work
 
 LITTLE, HALF, ALL = 1e-4, 8e-4, 1.5e-3  # rad of the half-width of joint 3, which is 1.5e-3
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context
-from trunk_ros.diagnosis.context import Context, Work
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, fit
+from trunk_ros.diagnosis.work import Work
 
 
 def predictions(look: Context, hypothesis: Hypothesis, column: int) -> tuple[Fit, float]:

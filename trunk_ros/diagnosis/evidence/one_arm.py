@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.context import Context, Work
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 TELLS = 4.0  # times the power of noise: less on a joint contradicts nothing

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from trunk_ros.diagnosis.context import Context, Work
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.search.moves import CURVE, DROP, MOVES
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.moves.curve import CLEARER
 from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 FIRSTS = 3  # first steps that are gone

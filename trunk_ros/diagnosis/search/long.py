@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.context import Context, Work
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.search.greedy import begun, plain, search
 from trunk_ros.diagnosis.search.moves import ADD, DROP, ONSET
 from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats
+from trunk_ros.diagnosis.work import Work
 
 WORK = 4e8  # simulated joint-steps that a search may take: half a minute of one core
 SCAN = 160  # moments over the whole recording, then as many between two of them
