@@ -13,6 +13,7 @@ import pytest
 from test.diagnosis.arms import setpoints_of
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis.against import with_room
 from trunk_ros.diagnosis.report.page import render
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
@@ -112,3 +113,13 @@ def test_a_simulator_without_the_arms_joints_is_refused() -> None:
     renamed = {key: replace(each, joints=("a", "b", "c")) for key, each in other.series.items()}
     with pytest.raises(RecordingError, match="no joint_states of shoulder, elbow, wrist"):
         diagnose([run(TRUTH, 1e-4)], against=replace(other, series=renamed))
+
+
+def test_a_simulator_that_is_faster_than_the_models_motors_has_no_top_speed_of_theirs() -> None:
+    model, slow = load_model("direct").for_joints(JOINTS), run({}, 0.0)
+    assert with_room(model, [slow]) is model
+    fast = replace(slow, series={k: replace(v, stamp=v.stamp / 8) for k, v in slow.series.items()})
+    phi = fast.series["gearbox_states"]
+    quickest = np.abs(np.diff(phi.position, axis=0)).max() / np.median(np.diff(phi.stamp))
+    assert quickest > model.arm.v_max
+    assert with_room(model, [slow, fast]).arm.v_max > 5 * quickest

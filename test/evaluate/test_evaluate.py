@@ -78,6 +78,13 @@ def test_too_large_an_error_ends_with_3(folder: Path, capsys: pytest.CaptureFixt
     assert "2 of 10 signals err by more than 1.2 times the noise, most of all wire joint_2 of run" in said
 
 
+def test_the_simulator_that_others_are_compared_with_fails_nobody(folder: Path) -> None:
+    words = ["evaluate", str(folder / "run"), "--fail-above", "1.2", "--against"]
+    assert main([*words, str(folder / "nominal")]) == 3
+    assert main([*words, str(folder / "nominal"), str(folder / "right")]) == 0
+    assert main([*words, str(folder / "right"), str(folder / "nominal")]) == 3
+
+
 def test_rows_as_csv(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = tmp_path / "rows.csv"
     words = [

@@ -147,6 +147,17 @@ def test_friction_is_not_written_where_backlash_and_lag_are(tmp_path: Path) -> N
     assert any(remark.startswith("elbow: damping 0.2 N m s/rad: not written") for remark in sheet.remarks)
 
 
+def test_what_friction_and_masses_do_to_motors_is_written_once(tmp_path: Path) -> None:
+    effects = {"load_droop": {"gain": 0.01}, "servo_delay": {"delay": 0.02}}
+    model = Model(model_of().arm, effects)
+    sheet = written(tmp_path, file_of(), model)
+    assert any(remark.startswith("load_droop: left out") for remark in sheet.remarks)
+    assert "load_droop" not in sheet.layer.effects
+    assert "servo_delay" in str([*sheet.lines, *sheet.left])
+    alone = written(tmp_path, file_of(), model, Bodies(("run",), {}, JOINTS[-1], None, None))
+    assert "load_droop" in str([*alone.lines, *alone.left])
+
+
 def test_urdf_has_friction_damping_and_the_link(tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(urdf())
     sheet = export(Model(model_of().arm), "urdf", tmp_path / "arm.urdf", None, BODIES)

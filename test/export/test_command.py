@@ -54,6 +54,12 @@ def test_what_the_simulator_has_is_found_beside_the_model(
     assert set(RealityLayer("new.reality.yaml").model.effects) == {"sensor_delay"}
 
 
+def test_what_is_read_is_not_written_over(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--overwrite", "--output", "./arm.urdf") == 2
+    assert "would be written over what is read" in capsys.readouterr().err
+    assert (folder / "arm.urdf").read_text() == URDF
+
+
 @pytest.mark.parametrize(
     ("model", "into", "said"),
     [("model.yaml", "nope.urdf", "no such file"), ("direct", "arm.urdf", "wants a model with joints")],

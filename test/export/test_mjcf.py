@@ -130,6 +130,14 @@ def test_what_mujoco_cannot_say_is_left_with_its_size(tmp_path: Path) -> None:
     assert "presliding_hysteresis: width shoulder 0.003 rad" in sheet.left
 
 
+def test_a_lag_that_is_no_damping_is_left_to_the_layer(tmp_path: Path) -> None:
+    for form in ("shift", "proportional"):
+        effects = {"viscous_lag": {"time_constant": pair(0.05, 0.03), "form": form}}
+        sheet, model = written(effects, tmp_path)
+        assert (sheet.lines, set(sheet.layer.effects)) == ([], {"viscous_lag"})
+        assert not model.dof_damping.any()
+
+
 def test_files_that_are_none_are_refused_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text("<mujoco><bodies/></mujoco>")
     with pytest.raises(TrunkError, match=r"arm.xml: MuJoCo cannot read it"):

@@ -61,6 +61,13 @@ def test_sdf_says_play_and_lag_beside_a_position_controller(tmp_path: Path) -> N
     assert sheet.layer.effects == {"backlash": {"half_width": pytest.approx(pair(1e-3))}}
 
 
+def test_sdf_leaves_a_lag_that_is_no_damping(tmp_path: Path) -> None:
+    (tmp_path / "arm.sdf").write_text(SDF)
+    effects = {"viscous_lag": {"time_constant": pair(0.0, 0.02), "form": "shift"}}
+    sheet = export(model_of(effects), "sdf", tmp_path / "arm.sdf")
+    assert (sheet.lines, set(sheet.layer.effects)) == ([], {"viscous_lag"})
+
+
 @pytest.mark.parametrize(("to", "text"), [("urdf", "<robot"), ("urdf", SDF), ("sdf", URDF)])
 def test_other_files_are_refused(to: str, text: str, tmp_path: Path) -> None:
     (tmp_path / "arm").write_text(text)

@@ -68,6 +68,11 @@ class Bodies:
         found = self.joints.get(joint, {}).get(name)
         return None if found is None else found.value
 
+    @property
+    def pull_at_motors(self) -> bool:
+        """Whether friction or a mass was found, which keep a motor off its command."""
+        return self.mass is not None or any("friction" in own for own in self.joints.values())
+
     def to_json(self) -> dict[str, Any]:
         """As the file has it."""
         link: dict[str, Any] = {"joint": self.last}

@@ -20,7 +20,7 @@ def main(argv: list[str]) -> int:
         raise ArgumentError("evaluate: nothing to score: give --model MODEL.yaml or --against SIM_BAG")
     from rich.console import Console
 
-    from trunk_ros.evaluate.run import evaluated, verdict
+    from trunk_ros.evaluate.run import compared_with, evaluated, verdict
     from trunk_ros.evaluate.score import to_json
     from trunk_ros.evaluate.table import save_csv, show
     from trunk_ros.recording.output import new_file, prepare_output
@@ -35,7 +35,7 @@ def main(argv: list[str]) -> int:
         print(json.dumps(to_json(rows), indent=1))
     else:
         show(rows, Console(width=None if sys.stdout.isatty() else WIDE, highlight=False))
-    return verdict(rows, asked.fail_above)
+    return verdict(rows, asked.fail_above, compared_with(asked.bag, asked.against))
 
 
 def parser() -> Parser:
@@ -66,8 +66,10 @@ def parser() -> Parser:
     add("--json", action="store_true", help="the rows as JSON in place of the table")
     add("--csv", metavar="FILE", help="write the rows")
     add(
-        "--fail-above", type=number, metavar="X", help="exit with 3 where an rms error is above X times noise"
-    )
+        "--fail-above", type=number, metavar="X",
+        help="exit with 3 where an rms error is above X times noise; of several simulators the first, "
+        "which the others are compared with, does not count",
+    )  # fmt: skip
     add("--overwrite", action="store_true", help="replace what is there")
     return out
 

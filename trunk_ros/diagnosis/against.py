@@ -20,6 +20,8 @@ from trunk_ros.recording.recording import Recording
 
 DITHER = 0.3  # of the arm's sensor noise, laid on the simulator's readings: what is smaller is of no account
 FOLLOWS = 0.5  # of the arm's sensor noise: a simulator that errs by less from the model is that model
+FASTER, ROOM = 1.05, 10.0  # times a top speed: what is faster has another one; times what was seen
+FEW = 5  # samples
 SERVO = {"setpoints", "gearbox_states"}
 
 Diagnose = Callable[[Recording, Model], Diagnosis]
@@ -70,10 +72,28 @@ def identified(
         )
     noise = dict(zip(span.joints, (n.std for n in Context.of(WireStage([span], model)).noise), strict=True))
     own = dithered(own, noise)
-    base = model.for_joints(span.joints)
+    base = with_room(model.for_joints(span.joints), [own, arm])
     base = base if follows(own, base, noise) else without_play(base)
     found = diagnose(own, base)
     return Simulator(own, with_own_ratio(found.model), found)
+
+
+def with_room(model: Model, recordings: Sequence[Recording]) -> Model:
+    """The model with no top speed to speak of, where a gearbox was faster than that: it is not theirs."""
+    driven = [r.series["gearbox_states"] for r in recordings if "gearbox_states" in r.series]
+    fastest = max((top_speed(series.stamp, series.position) for series in driven), default=0.0)
+    if fastest <= FASTER * model.arm.v_max:
+        return model
+    return replace(model, arm=replace(model.arm, v_max=ROOM * fastest))
+
+
+def top_speed(stamp: Array, angle: Array) -> float:
+    """rad/s of the fastest of some angles (n, joints), over a few samples."""
+    if len(stamp) <= FEW:
+        return 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = np.abs(angle[FEW:] - angle[:-FEW]) / (stamp[FEW:] - stamp[:-FEW])[:, None]
+    return float(np.max(speed[np.isfinite(speed)], initial=0.0))
 
 
 def with_gearbox(other: Recording, arm: Recording) -> Recording:

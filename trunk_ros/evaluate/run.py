@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -59,8 +59,16 @@ def shared_out(bags: Sequence[str], simulators: Sequence[str]) -> list[list[str]
     return [list(simulators[k :: len(bags)]) for k in range(len(bags))]
 
 
-def verdict(rows: Sequence[Row], most: float | None) -> int:
-    """3, and a line on stderr, where an rms error is more than ``most`` times the noise."""
+def compared_with(bags: Sequence[str], simulators: Sequence[str]) -> list[str]:
+    """The first simulator's recordings, where there are others: what these are compared with."""
+    return list(simulators[: len(bags)]) if len(simulators) > len(bags) else []
+
+
+def verdict(rows: Sequence[Row], most: float | None, aside: Collection[str] = ()) -> int:
+    """3, and a line on stderr, where an rms error is more than ``most`` times the noise; of models and
+    simulators that are not named ``aside``.
+    """
+    rows = [row for row in rows if row.model not in aside]
     above = [row for row in rows if most is not None and not row.in_noise <= most]
     if not above:
         return 0

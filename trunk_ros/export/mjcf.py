@@ -103,7 +103,9 @@ class MjcfWriter(MjcfFile):
         return {}
 
     def viscous_lag(self, values: Values) -> Values:
-        """Damping over the actuator's stiffness."""
+        """Damping over the actuator's stiffness; a mere delay, or a lag without inertia, is left."""
+        if values.get("form", "first_order") != "first_order":
+            return values
 
         def write(joint: str, constant: float) -> bool:
             drive = self.drives[joint]

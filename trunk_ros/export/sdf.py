@@ -59,7 +59,9 @@ class SdfWriter(JointWriter):
         return self.each(values, "half_width", write)
 
     def viscous_lag(self, values: Values) -> Values:
-        """Damping over the controller's gain."""
+        """Damping over the controller's gain; a mere delay, or a lag without inertia, is left."""
+        if values.get("form", "first_order") != "first_order":
+            return values
 
         def write(joint: str, constant: float) -> bool:
             gain = self._gain(joint, "p_gain")

@@ -15,6 +15,9 @@ from trunk_ros.export.missing import missing
 from trunk_ros.model import Model
 
 TERMS = ("friction", "damping", "armature")  # of bodies.yaml, which a file can have
+AT_THE_MOTOR = ("load_droop", "servo_bandwidth", "unknown_servo")
+"""What friction and masses do to a motor, by the names of a diagnosis that knows neither."""
+TWICE = "{}: left out: friction and masses do that to the motors, and they are written as bodies"
 TAKEN = "{}: not written, {} is in its place; it lies before the wire, in the servo's own loop"
 
 
@@ -122,8 +125,11 @@ def sheet_of(
 ) -> Sheet:
     """What a simulator lacks, written by the writer of its format."""
     lacking = missing(model, simulation)
-    out = writer(lacking.model).run(bodies)
-    out.remarks = [*lacking.remarks, *out.remarks]
+    effects = lacking.model.effects
+    twice = [n for n in AT_THE_MOTOR if n in effects] if bodies is not None and bodies.pull_at_motors else []
+    wanted = replace(lacking.model, effects={n: v for n, v in effects.items() if n not in twice})
+    out = writer(wanted).run(bodies)
+    out.remarks = [*lacking.remarks, *map(TWICE.format, twice), *out.remarks]
     return out
 
 

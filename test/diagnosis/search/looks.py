@@ -51,6 +51,10 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
             "form": "sine",
         }
     },
+    "late and soft": {
+        "sensor_delay": {"delay": 0.02},
+        "load_elasticity": {"compliance": np.full(5, 0.1)},
+    },
     "tension": {"tension_error": {"factor": 3.0}},
     "rough": {
         "unknown": {
