@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from test.bench import __main__ as bench
-from test.bench import reality
+from test.bench import policy, reality
 from test.bench.compare import changes
 from test.bench.releases import last
 from test.bench.row import Row
@@ -108,3 +108,25 @@ def test_what_is_worse_than_in_the_last_release_is_said_first() -> None:
         ("made: throughput", False),
     ]
     assert found[0].factor == pytest.approx(0.5)
+
+
+def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
+    by_name = {str(each): each for each in policy.constants()}
+    assert {"context.LEAST", "descent.COARSE", "long.WORK"} <= set(by_name)
+    coarse = by_name["descent.COARSE"]
+    assert coarse.scaled(0.5) == "(0.1, 0.005, 0.0)"
+    assert by_name["context.LEAST"].scaled(4 / 3) == "67"
+    assert policy.Constant("x.py", "MOST", 1, "2").scaled(4 / 3) == "3"
+    policy.changed(coarse, 0.5, tmp_path)
+    old, new = (
+        (root / coarse.path).read_text().splitlines() for root in (Path(__file__).parents[1], tmp_path)
+    )
+    assert [b for a, b in zip(old, new, strict=True) if a != b] == [
+        old[coarse.line - 1].replace("(0.2, 0.01, 0.0)", "(0.1, 0.005, 0.0)")
+    ]
+
+
+def test_policy_refuses_a_constant_that_there_is_not(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        bench.main(["policy", "nothing.AT_ALL"])
+    assert "--list names them" in capsys.readouterr().err

@@ -1,4 +1,7 @@
-"""Measure speed and memory: python -m test.bench [--output bench.json] [SECTION ...]."""
+"""Measure speed and memory: python -m test.bench [--output bench.json] [SECTION ...].
+
+``python -m test.bench policy`` measures what the diagnosis hangs on.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +21,13 @@ from rich.console import Console
 from rich.table import Table
 
 from test import bench
+from test.bench import policy
 from test.bench.compare import changes
 from test.bench.releases import kept, last
 from test.bench.row import Row
 from trunk_ros import __version__
 
-HELPERS = ("__main__", "bare", "compare", "releases", "row")
+HELPERS = ("__main__", "bare", "compare", "policy", "releases", "row")
 MARKS = {True: "[green]reached[/]", False: "[red]missed[/]", None: ""}
 
 
@@ -60,6 +64,9 @@ def show_changes(console: Console, old: dict[str, Any], done: dict[str, Any]) ->
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the sections asked for, all by default; a missed target is said, and no error."""
+    argv = sys.argv[1:] if argv is None else list(argv)
+    if argv[:1] == ["policy"]:
+        return policy.main(argv[1:])
     parser = argparse.ArgumentParser(prog="python -m test.bench", description=__doc__)
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=", ".join(sections()))
     parser.add_argument("--output", type=Path, help="JSON file for the figures")
