@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
+from test.diagnosis.search.looks import fitted
 from trunk_ros.diagnosis.evidence.residual_dependence import CELLS, TELLS, accounted, goes_on
+from trunk_ros.diagnosis.verdict.findings import left_over
 
 
 @pytest.mark.parametrize("count", [20 * CELLS, 600, 6000])
@@ -42,3 +46,17 @@ def test_noise_that_comes_in_bursts_does_not_go_on_and_a_small_wave_does() -> No
     assert often <= 2
     wave = rng.normal(size=6000) + np.sin(np.arange(6000) / 50.0)
     assert goes_on(wave[1:] * wave[:-1], 0.0, 0.05)
+
+
+def test_what_is_left_is_said_with_its_stage_and_size() -> None:
+    now = fitted("rough")
+    (rest,) = left_over(now.context, now.hypothesis)
+    assert (rest.stage, rest.joints) == ("wire", ["joint_2"])
+    said = re.fullmatch(
+        r"joint_2 \(wire\): 100\.0% of the residual's power, ([\d.]+) times the noise, stays unexplained"
+        r" and depends on position.*\.",
+        rest.statement,
+    )
+    assert said is not None
+    left = np.sqrt(now.rest(1) / now.context.count(1))
+    assert float(said[1]) == pytest.approx(left, rel=0.05)

@@ -165,6 +165,7 @@ def _said(name: str, value: dict[str, Any]) -> str:
 def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
     """What is above the noise after all findings, joints that vary with the same thing together."""
     out: dict[tuple[str, ...], Unexplained] = {}
+    noises: dict[tuple[str, ...], float] = {}
     for column, power in rests(context, hypothesis).items():
         varies = depends_on(context, hypothesis, column)
         before = float(np.mean(context.whitened(context.known, column) ** 2))
@@ -172,6 +173,7 @@ def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
         if share < LITTLE and power < 1.0:
             continue
         joint = context.joints[column]
+        noises[tuple(varies)] = max(noises.get(tuple(varies), 0.0), float(np.sqrt(power)))
         if tuple(varies) in out:
             rest = out[tuple(varies)]
             rest.joints.append(joint)
@@ -179,10 +181,10 @@ def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
         else:
             regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
             out[tuple(varies)] = Unexplained(context.stage.name, [joint], regime, share, varies, "")
-    for rest in out.values():
+    for variables, rest in out.items():
         on = f" and depends on {' and '.join(rest.depends_on)}" if rest.depends_on else ""
-        unexplained = f"{rest.share:.1%} of the residual's power stays unexplained"
-        rest.statement = f"{', '.join(rest.joints)}: {unexplained}{on}."
+        size = f"{rest.share:.1%} of the residual's power, {noises[variables]:.2g} times the noise,"
+        rest.statement = f"{', '.join(rest.joints)} ({rest.stage}): {size} stays unexplained{on}."
     return list(out.values())
 
 
