@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -124,6 +125,14 @@ def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     assert [b for a, b in zip(old, new, strict=True) if a != b] == [
         old[coarse.line - 1].replace("(0.2, 0.01, 0.0)", "(0.1, 0.005, 0.0)")
     ]
+    works = (
+        "from trunk_ros.diagnosis.search.descent import COARSE; from trunk_ros.model import load_model;"
+        "load_model('trunk'); print(COARSE)"
+    )
+    said = subprocess.run(
+        [sys.executable, "-c", works], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert said.stdout.strip() == "(0.1, 0.005, 0.0)"
 
 
 def test_policy_refuses_a_constant_that_there_is_not(capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,7 +21,6 @@ from rich.console import Console
 from rich.table import Table
 
 from test import bench
-from test.bench import policy
 from test.bench.compare import changes
 from test.bench.releases import kept, last
 from test.bench.row import Row
@@ -66,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the sections asked for, all by default; a missed target is said, and no error."""
     argv = sys.argv[1:] if argv is None else list(argv)
     if argv[:1] == ["policy"]:
-        return policy.main(argv[1:])
+        return int(importlib.import_module("test.bench.policy").main(argv[1:]))
     parser = argparse.ArgumentParser(prog="python -m test.bench", description=__doc__)
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=", ".join(sections()))
     parser.add_argument("--output", type=Path, help="JSON file for the figures")

@@ -89,7 +89,9 @@ def _is_numbers(value: ast.expr) -> bool:
 
 def changed(constant: Constant, factor: float, folder: Path) -> None:
     """A copy of the package in a folder, with another value in one place."""
-    shutil.copytree(ROOT / PACKAGE, folder / PACKAGE)
+    for name in (PACKAGE, "config"):
+        shutil.copytree(ROOT / name, folder / name)
+    shutil.copy(ROOT / "package.xml", folder)  # by which it knows that the two belong together
     path = folder / constant.path
     lines = path.read_text(encoding="utf-8").split("\n")
     line = lines[constant.line - 1]
@@ -99,7 +101,7 @@ def changed(constant: Constant, factor: float, folder: Path) -> None:
 
 
 def f1_of(package: Path, cases: Path, results: Path, workers: int) -> float:
-    """F1 over the cases, diagnosed by the package in a folder."""
+    """F1 over the cases, diagnosed by the package in a folder. Raises RuntimeError where it fails on all."""
     words = [str(cases), "--workers", str(workers), "--label", "policy", "--results", str(results)]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (package, ROOT)))}
     subprocess.run(
@@ -107,6 +109,8 @@ def f1_of(package: Path, cases: Path, results: Path, workers: int) -> float:
         cwd=package, env=environment, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     marks = [json.loads(path.read_text()) for path in sorted(results.rglob("score.json"))]
+    if all(one.get("failed") for one in marks):
+        raise RuntimeError(f"every case fails, {marks[0]['name']} with: {marks[0]['failed']}")
     return float(summed_up(marks)["all"]["f1"])
 
 
