@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -59,3 +60,9 @@ def at_joints(series: JointSeries, arm: Arm, measured: bool = True) -> JointSeri
         None if series.velocity is None else arm.driven(series.velocity),
         None if series.effort is None else series.effort @ back,
     )
+
+
+def ratio_of(model: Model) -> Array:
+    """(joints,) joint angle per gearbox angle, with what was found."""
+    relative = model.effects.get("ratio_error", {}).get("relative", 0.0)
+    return np.asarray(model.arm.ratio * (1.0 + relative))

@@ -58,6 +58,10 @@ def test_what_is_read_is_not_written_over(folder: Path, capsys: pytest.CaptureFi
     assert run("--overwrite", "--output", "./arm.urdf") == 2
     assert "would be written over what is read" in capsys.readouterr().err
     assert (folder / "arm.urdf").read_text() == URDF
+    save_model(model_of({}), "simulation.yaml")
+    before = (folder / "simulation.yaml").read_text()
+    assert run("--overwrite", "--output", "simulation.yaml") == 2
+    assert (folder / "simulation.yaml").read_text() == before
 
 
 @pytest.mark.parametrize(

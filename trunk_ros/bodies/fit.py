@@ -47,7 +47,7 @@ class Fit:
         for j in range(joints):
             self._own[:, j, PER_JOINT * j : PER_JOINT * j + OFFSET] = rows.joint[:, j]
             self._own[:, j, PER_JOINT * j + OFFSET] = 1.0
-        self.squares = self._squares()
+        self.squares = self.at_the_models = self._squares()
         empty = np.einsum("bjpp->p", self.squares.gram)
         self.filled = np.asarray(empty > EMPTY * empty.max())
         for k in np.flatnonzero(~self.filled):
@@ -204,16 +204,11 @@ def _helps_least(fit: Fit, weight: Array) -> list[int] | None:
     for group in groups:
         less = fit.active.copy()
         less[group] = False
-        squares = fit.squares if group != link else _with_the_models(fit)
+        squares = fit.squares if group != link else fit.at_the_models
         without = float(weight @ squares.unseen(less, weight))
         if without <= whole:
             best, whole = group, without
     return best
-
-
-def _with_the_models(fit: Fit) -> Squares:
-    """The sums at the model's mass and centre."""
-    return Fit(fit.rows, fit.arm).squares
 
 
 def _check_scale(rows: Rows, arm: Arm) -> None:
@@ -267,13 +262,12 @@ def short(value: float) -> float:
 
 def _held_out(fit: Fit, weight: Array) -> dict[str, dict[str, float | str]]:
     """Rms torque error on unseen blocks by joint, of the model's bodies alone and with what was found."""
-    bare = Fit(fit.rows, fit.arm)
-    bare.active[:] = False
-    bare.active[OFFSET : PER_JOINT * fit.rows.joints : PER_JOINT] = True
+    bare = np.zeros_like(fit.active)
+    bare[OFFSET : PER_JOINT * fit.rows.joints : PER_JOINT] = True
     count = fit.squares.count.sum(axis=0)
     before, after = (
-        np.sqrt(each.squares.unseen(each.active & fit.filled, weight) / np.maximum(count, 1))
-        for each in (bare, fit)
+        np.sqrt(squares.unseen(active & fit.filled, weight) / np.maximum(count, 1))
+        for squares, active in ((fit.at_the_models, bare), (fit.squares, fit.active))
     )
     return {
         joint: {

@@ -12,13 +12,12 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.effort import MOVES
 from trunk_ros.errors import ModelError, RecordingError
-from trunk_ros.export.missing import ratio_of
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.gaps import in_gaps
 from trunk_ros.simulate import simulate
-from trunk_ros.transmission import by_joint, uncoupled
+from trunk_ros.transmission import by_joint, ratio_of, uncoupled
 
 ORDER = 4  # of the low-pass, which runs forward and backward
 WIDE, SPEED = 5.0, 0.95  # times the frequency below which this share of the speed's power lies: the cut-off

@@ -24,12 +24,12 @@ def main(argv: list[str]) -> int:
         prepare_output(path, asked.overwrite)
     if not into.is_file():
         raise ArgumentError(f"{into}: no such file: --into wants the simulator's own file")
-    read = [into, Path(asked.model), *(Path(p) for p in (asked.simulation, asked.bodies) if p)]
+    simulation = simulation_beside(asked.model, asked.simulation)
+    bodies = bodies_beside(asked.model, asked.bodies)
+    read = [into, *map(Path, filter(None, (asked.model, simulation, bodies)))]
     if any(new.exists() and old.exists() and new.samefile(old) for new in (output, layer) for old in read):
         raise ArgumentError(f"{output}: would be written over what is read: give --output another name")
-    simulation = simulation_beside(asked.model, asked.simulation)
     theirs = None if simulation is None else load_model(simulation)
-    bodies = bodies_beside(asked.model, asked.bodies)
     fitted = None if bodies is None else load_bodies(bodies)
     sheet = export(load_model(asked.model), asked.to, into, theirs, fitted)
     with new_file(output, asked.overwrite) as path:

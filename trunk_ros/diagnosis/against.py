@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
+from trunk_ros.transmission import ratio_of
 
 DITHER = 0.3  # of the arm's sensor noise, laid on the simulator's readings: what is smaller is of no account
 FOLLOWS = 0.5  # of the arm's sensor noise: a simulator that errs by less from the model is that model
@@ -133,8 +134,5 @@ def without_play(model: Model) -> Model:
 
 def with_own_ratio(model: Model) -> Model:
     """The same with the ratios that were found as the arm's own."""
-    if "ratio_error" not in model.effects:
-        return model
     effects = {name: values for name, values in model.effects.items() if name != "ratio_error"}
-    ratio = model.arm.ratio * (1.0 + model.effects["ratio_error"]["relative"])
-    return replace(model, arm=replace(model.arm, ratio=ratio), effects=effects)
+    return replace(model, arm=replace(model.arm, ratio=ratio_of(model)), effects=effects)

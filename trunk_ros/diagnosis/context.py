@@ -228,11 +228,10 @@ class Context:
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""
-        rests = [self.residual(i, hypothesis, column) for i in range(len(self.views))]
-        return [rest / self._loud(view, column) for rest, view in zip(rests, self.views, strict=True)]
-
-    def _loud(self, view: View, column: int) -> Array | float:
-        return self.louder.at(view.shown_speed(column), column)
+        return [
+            self.louder.evened(self.residual(i, hypothesis, column), view.columns[column].speed, column)
+            for i, view in enumerate(self.views)
+        ]
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
@@ -244,7 +243,8 @@ class Context:
         """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""
         parts = []
         for view, signal in zip(self.views, signals, strict=True):
-            seen, even = view.columns[column], signal / self._loud(view, column)
+            seen = view.columns[column]
+            even = self.louder.evened(signal, seen.speed, column)
             parts.append(self.noise[column].whiten(even, seen.follows).take(seen.counted))
         return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
@@ -281,10 +281,12 @@ class Context:
         """How the noise grows with speed; not where next to nothing of the motion was sampled."""
         if self.step >= SLOW:
             return CONSTANT
-        masks = [[view.columns[c].valid for view in self.views] for c in range(len(self.joints))]
-        speeds = [[view.shown_speed(c) for view in self.views] for c in range(len(self.joints))]
-        rests = [self.evened(self.known, c) for c in range(len(self.joints))]
-        return Louder.of([growth(*each) for each in zip(rests, speeds, masks, strict=True)])
+        found = []
+        for column in range(len(self.joints)):
+            seen = [view.columns[column] for view in self.views]
+            rests = self.evened(self.known, column)
+            found.append(growth(rests, [s.speed for s in seen], [s.valid for s in seen]))
+        return Louder.of(found)
 
     def _motion(self, column: int) -> tuple[Array, Array, Array]:
         """Gearbox angle, speed and what no effect explains (rows,) where a column counts."""

@@ -10,6 +10,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect
 from trunk_ros.model import Model
+from trunk_ros.transmission import ratio_of
 
 RELATIVE = "relative"  # of a gain: two of them multiply
 PLAY = ("backlash", "tension_error")
@@ -59,12 +60,6 @@ def missing(model: Model, simulation: Model | None = None) -> Missing:
         model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=model.arm.kp * (1.0 + faster)
     )
     return Missing(replace(model, arm=arm, effects=effects), tuple(remarks))
-
-
-def ratio_of(model: Model) -> Array:
-    """(joints,) joint angle per gearbox angle, with what was found."""
-    relative = model.effects.get("ratio_error", {}).get("relative", 0.0)
-    return np.asarray(model.arm.ratio * (1.0 + relative))
 
 
 def _relative(values: Values) -> float:

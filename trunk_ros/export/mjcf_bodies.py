@@ -1,4 +1,4 @@
-"""Friction, damping, armature and the last link in an MJCF file."""
+"""The last link in an MJCF file."""
 
 from __future__ import annotations
 

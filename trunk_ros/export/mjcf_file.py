@@ -74,10 +74,7 @@ class MjcfFile(Writer):
             return name
         self._rub(joint, value)
         if drive is not None:
-            off = value / drive.stiffness
-            self.remarks.append(
-                f"{joint}: its friction lets it stand up to {off:.3g} rad off its actuator's command"
-            )
+            self.remarks.append(OFF.format(joint, value / drive.stiffness))
         return "frictionloss"
 
     def _actuators(self) -> list[Any]:

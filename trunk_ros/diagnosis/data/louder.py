@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import BINOMIAL, LEAST, trimmed
+from trunk_ros.diagnosis.data.noise import LEAST, fourth_differences, trimmed
 
 GROUPS = 8  # of samples, by speed
 EACH = 100  # samples of a group, without which it tells nothing
@@ -35,6 +35,11 @@ class Louder:
         """Noise over that at rest, at speeds (n,) rad/s of a joint."""
         grows = self.each[column] if self.each else 0.0
         return np.asarray(np.hypot(1.0, grows * speed)) if grows else 1.0
+
+    def evened(self, signal: Array, speed: Array, column: int) -> Array:
+        """A signal (n,) of a joint in the measure of its noise at rest."""
+        loud = self.at(speed, column)
+        return signal if isinstance(loud, float) else signal / loud
 
 
 CONSTANT = Louder()
@@ -67,13 +72,9 @@ def _differences(residual: Array, speed: Array, mask: np.ndarray) -> tuple[Array
     """(k,) of fourth differences: their sizes, the speeds in their middle, and whether each has the sign of
     the next (1, -1).
     """
-    ends = len(residual) - 4
-    if ends < 2:
-        return (np.empty(0),) * 3
-    whole = np.all([mask[k : ends + k] for k in range(5)], axis=0)
-    difference = sum(c * residual[k : ends + k] for k, c in enumerate(BINOMIAL))
+    difference, whole = fourth_differences(residual, mask)
     turns = np.sign(difference) * np.sign(np.append(difference[1:], 0.0))
-    return np.abs(difference[whole]), np.abs(speed[2 : ends + 2][whole]), turns[whole]
+    return np.abs(difference[whole]), np.abs(speed[2 : len(difference) + 2][whole]), turns[whole]
 
 
 def _line(x: Array, y: Array) -> tuple[float, float]:

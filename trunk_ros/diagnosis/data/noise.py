@@ -187,15 +187,19 @@ def alike(residuals: list[Array]) -> float:
     return total
 
 
+def fourth_differences(residual: Array, mask: np.ndarray, stride: int = 1) -> tuple[Array, np.ndarray]:
+    """(n - 4 stride,) of unit variance in white unit noise, of a residual (n,), and where all of it counts;
+    ``mask`` (n,).
+    """
+    ends = max(len(residual) - 4 * stride, 0)
+    parts = [slice(k * stride, ends + k * stride) for k in range(len(BINOMIAL))]
+    difference = sum((c * residual[part] for c, part in zip(BINOMIAL, parts, strict=True)), np.zeros(ends))
+    return difference, np.all([mask[part] for part in parts], axis=0)
+
+
 def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> float:
-    parts = []
-    for residual, mask in zip(residuals, masks, strict=True):
-        if len(residual) > 4 * stride:
-            ends = len(residual) - 4 * stride
-            whole = np.all([mask[k * stride : ends + k * stride] for k in range(5)], axis=0)
-            difference = sum(c * residual[k * stride : ends + k * stride] for k, c in enumerate(BINOMIAL))
-            parts.append(np.abs(difference[whole]))
-    joined = np.concatenate(parts) if parts else np.empty(0)
+    seen = [fourth_differences(*each, stride) for each in zip(residuals, masks, strict=True)]
+    joined = np.concatenate([np.empty(0), *(np.abs(difference[whole]) for difference, whole in seen)])
     return trimmed(joined) if joined.size else 0.0
 
 

@@ -17,14 +17,15 @@ from trunk_ros.effects.lasting import NOTHING, Payload
 
 
 class Column(NamedTuple):
-    """One joint's measured values (n,), where they count (n,), these rows (k,), and where the one before
-    counts as well (n,).
+    """One joint's measured values (n,), where they count (n,), these rows (k,), where the one before counts
+    as well (n,), and the speed (n,) rad/s that its gearbox would give it there.
     """
 
     target: Array
     valid: np.ndarray
     counted: np.ndarray
     follows: np.ndarray
+    speed: Array
 
 
 @dataclass(frozen=True)
@@ -50,13 +51,10 @@ class View:
                 np.ascontiguousarray(span.valid[:, c]),
                 np.flatnonzero(span.valid[:, c]),
                 np.ascontiguousarray(self.follows[:, c]),
+                self.speeds[span.rows, c],
             )
             for c in range(span.target.shape[1])
         ]
-
-    def shown_speed(self, column: int) -> Array:
-        """(n,) rad/s of a joint, as the gearbox would have it, where it was measured."""
-        return np.asarray(self.speeds[self.span.rows, column])
 
     @cached_property
     def load(self) -> Array:

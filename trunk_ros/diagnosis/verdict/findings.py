@@ -164,28 +164,25 @@ def _said(name: str, value: dict[str, Any]) -> str:
 
 def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
     """What is above the noise after all findings, joints that vary with the same thing together."""
-    out: dict[tuple[str, ...], Unexplained] = {}
-    noises: dict[tuple[str, ...], float] = {}
+    found: dict[tuple[str, ...], list[tuple[str, float, float]]] = {}
     for column, power in rests(context, hypothesis).items():
         varies = depends_on(context, hypothesis, column)
         before = float(np.mean(context.whitened(context.known, column) ** 2))
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
         if share < LITTLE and power < 1.0:
             continue
-        joint = context.joints[column]
-        noises[tuple(varies)] = max(noises.get(tuple(varies), 0.0), float(np.sqrt(power)))
-        if tuple(varies) in out:
-            rest = out[tuple(varies)]
-            rest.joints.append(joint)
-            rest.share = max(rest.share, share)
-        else:
-            regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
-            out[tuple(varies)] = Unexplained(context.stage.name, [joint], regime, share, varies, "")
-    for variables, rest in out.items():
-        on = f" and depends on {' and '.join(rest.depends_on)}" if rest.depends_on else ""
-        size = f"{rest.share:.1%} of the residual's power, {noises[variables]:.2g} times the noise,"
-        rest.statement = f"{', '.join(rest.joints)} ({rest.stage}): {size} stays unexplained{on}."
-    return list(out.values())
+        found.setdefault(tuple(varies), []).append((context.joints[column], share, float(np.sqrt(power))))
+    return [_unexplained(context.stage.name, list(varies), each) for varies, each in found.items()]
+
+
+def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, float]]) -> Unexplained:
+    """What is left on joints, with its share of their residual's power, and its size over the noise."""
+    joints, shares, sizes = (list(column) for column in zip(*each, strict=True))
+    regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
+    on = f" and depends on {' and '.join(varies)}" if varies else ""
+    size = f"{max(shares):.1%} of the residual's power, {max(sizes):.2g} times the noise,"
+    statement = f"{', '.join(joints)} ({stage}): {size} stays unexplained{on}."
+    return Unexplained(stage, joints, regime, max(shares), varies, statement)
 
 
 def is_known(context: Context, finding: Finding) -> bool:

@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
@@ -51,34 +51,38 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return []
     motion = motion_of(gearbox, shown, arm)
-    moves = [_scaled(basis(motion, j, True)) for j in range(len(arm.joints))]
+    moves = [scaled(basis(motion, j, True))[0] for j in range(len(arm.joints))]
+    says = [_spanned(each) for each in moves]
     off, found = motion.off, list[Hum]()
-    while len(found) < TONES and (more := _tone(motion.stamp, off, moves)) is not None:
+    while len(found) < TONES and (more := _tone(motion.stamp, off, moves, says)) is not None:
         off = off - more.at(motion.stamp)
         found.append(more)
     return found
 
 
-def _scaled(features: Array) -> Array:
-    size = np.sqrt(np.mean(features**2, axis=0))
-    return np.asarray(features / np.where(size > 0.0, size, 1.0))
+def _spanned(features: Array) -> Array:
+    """Orthonormal features (n, fewer) that say the same as features (n, k)."""
+    u, size, _ = np.linalg.svd(features, full_matrices=False)
+    return np.asarray(u[:, size > NOTHING * size[0]])
 
 
-def _tone(stamp: Array, off: Array, moves: list[Array]) -> Hum | None:
+def _tone(stamp: Array, off: Array, moves: list[Array], says: list[Array]) -> Hum | None:
     """The strongest line of what the motion (n, features) of each joint does not say of where it is off (n,
-    joints), of the middle joint, where it is one of all of them and not of the motion.
+    joints), of the middle joint, where it is one of all of them and not of the motion; ``says``: the motion
+    as orthonormal features.
     """
-    says = [np.linalg.svd(m, full_matrices=False) for m in moves]
-    says_all = [u[:, size > NOTHING * size[0]] for u, size, _ in says]
-    rest = [one - u @ (u.T @ one) for one, u in zip(off.T, says_all, strict=True)]
+    rest = [one - u @ (u.T @ one) for one, u in zip(off.T, says, strict=True)]
     frequency = float(np.median([spectrum(stamp, one)[0] for one in rest]))
     if frequency <= 0.0:
         return None
-    lines = [_line(frequency, stamp, one[:, None], u) for one, u in zip(rest, says_all, strict=True)]
+    lines = []
+    for one, u in zip(rest, says, strict=True):
+        wave, spread = _line(frequency, stamp, one[:, None], u)
+        if not np.all(np.hypot(*wave) > SURE * spread):
+            return None
+        lines.append((wave, spread))
     waves, std = (np.concatenate(each, axis=-1) for each in zip(*lines, strict=True))
     sizes = np.hypot(*waves)
-    if not np.all(sizes > SURE * std):
-        return None
     weight = std**-2.0
     mean = float(sizes @ weight / weight.sum())
     unlike = float(np.sum(weight * (sizes - mean) ** 2))

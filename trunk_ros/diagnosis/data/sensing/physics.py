@@ -73,6 +73,13 @@ def basis(motion: Motion, joint: int, wear: bool) -> Array:
     return np.column_stack([np.ones_like(t), t, t**2, *rubs, *bends, *moves, *creeps, headings, motion.asked])
 
 
+def scaled(features: Array) -> tuple[Array, Array]:
+    """Features (n, k) over their rms (k,), and that; 1 where a feature is nothing."""
+    size = np.sqrt(np.mean(features**2, axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    return features / size, size
+
+
 @compiled
 def _way(own: Array, wide: float) -> Array:
     """(n,) from -1 to 1: where in a play of this half-width a joint is that follows (n,) rad."""

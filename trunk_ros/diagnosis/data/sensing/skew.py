@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import Motion, basis, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import Motion, basis, motion_of, scaled
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
@@ -166,9 +166,7 @@ def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
 
 def _fitted(features: Array, off: Array) -> tuple[Array, Array]:
     """Shares (features,) of features (n, features) in ``off`` (n,), and their std from blocks of samples."""
-    size = np.sqrt(np.mean(features**2, axis=0))
-    size = np.where(size > 0.0, size, 1.0)
-    features = features / size
+    features, size = scaled(features)
     inverse = np.linalg.pinv(features.T @ features, rcond=1e-10, hermitian=True)
     values = inverse @ (features.T @ off)
     left = features * (off - features @ values)[:, None]

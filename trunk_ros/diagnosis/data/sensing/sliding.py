@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.sensing.physics import scaled
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
@@ -100,9 +101,7 @@ def _left(stamp: Array, off: Array, speed: Array, said: Array) -> Array:
     """(n,) of what a servo is off, less what a constant lag, other gains, load and a top speed make of it."""
     acts = np.gradient(speed, stamp)
     ways = [np.ones_like(off), speed, acts, np.gradient(acts, stamp), np.abs(speed) * speed, said]
-    design = np.column_stack([*ways, np.sin(said), np.sign(speed)])
-    size = np.sqrt(np.mean(design**2, axis=0))
-    design = design / np.where(size > 0.0, size, 1.0)
+    design, _ = scaled(np.column_stack([*ways, np.sin(said), np.sign(speed)]))
     values, *_ = np.linalg.lstsq(design, off, rcond=1e-9)
     return np.asarray(off - design @ values)
 
