@@ -63,6 +63,16 @@ def test_two_tones_are_taken_out_one_by_one(model: Model) -> None:
     assert [seen.kind for seen in right.observed] == ["hum", "hum"]
 
 
+@pytest.mark.parametrize("frequency", [0.14, 0.2, 49.93])
+def test_a_tone_as_slow_as_the_motion_or_at_half_the_rate_is_found_as_well(
+    model: Model, frequency: float
+) -> None:
+    right = clocks_put_right(_recording(model, _tone(frequency, np.full(5, SIZE))), model)
+    (seen,) = right.observed
+    assert seen.kind == "hum"
+    assert seen.value == pytest.approx(SIZE, rel=0.2)
+
+
 @pytest.mark.parametrize("sizes", [(1.0, 1.0, 0.0, 1.0, 1.0), (1.0, 1.5, 0.7, 1.0, 1.2)])
 def test_what_swings_joints_by_their_own_sizes_is_left_to_the_diagnosis(
     model: Model, sizes: tuple[float, ...]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, RATE
+from test.diagnosis.arms import NOISE, RATE, on
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
@@ -19,14 +20,17 @@ from trunk_ros.recording.recording import JointSeries, Recording
 COUNT, STAND, MOVE = 180, 200, 150  # stations, samples of each, and in which the arm moves there
 
 
-def visited(effects: dict[str, Any] | None = None, seed: int = 0) -> Recording:
-    """Setpoints, gearbox and joints, a sample of each just before the arm moves on."""
+def visited(effects: dict[str, Any] | None = None, seed: int = 0, beyond: float = 0.0) -> Recording:
+    """Setpoints, gearbox and joints, a sample of each just before the arm moves on; ``beyond``: part of each
+    way that the drives go further first.
+    """
     model = Model(load_model("trunk").arm, effects or {})
     rng = np.random.default_rng(seed)
     joints, stamp = model.arm.joints, np.arange(COUNT * STAND) / RATE
     stations = np.vstack([np.zeros(len(joints)), rng.uniform(-0.25, 0.25, (COUNT, len(joints)))])
     share = np.clip(np.arange(STAND)[:, None] / MOVE, 0.0, 1.0)
     eased = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    eased = eased + beyond * np.exp(-(((share - 0.9) / 0.05) ** 2))
     setpoints = np.vstack([a + eased * (b - a) for a, b in itertools.pairwise(stations)])
     phi, _ = Chain(model, "servo").run(setpoints, stamp)
     theta, _ = Chain(model, "wire").run(phi, stamp)
@@ -65,3 +69,23 @@ def test_what_differs_from_one_station_to_the_next_is_not_taken_for_noise(
 
 def test_stations_of_a_nominal_arm_show_nothing() -> None:
     assert diagnose([visited()]).verdict == "no_mismatch"
+
+
+def test_drives_that_settle_from_beyond_are_no_narrower_dead_band() -> None:
+    """The nominal dead bands are 0.4 to 0.8 mrad, and these drives come back by a quarter of that."""
+    result = diagnose([visited(beyond=1.5e-3)])
+    assert result.verdict == "no_mismatch", result.summary()
+
+
+def test_what_such_drives_hide_of_a_dead_band_is_given_back() -> None:
+    result = diagnose([visited({"backlash": {"half_width": on(2, 2e-3)}}, beyond=5e-3)])
+    assert [f.effect for f in result.findings] == ["backlash"]
+    assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(2e-3, rel=0.03)
+
+
+def test_topics_of_a_stop_belong_together_whichever_was_read_first() -> None:
+    recording = visited()
+    gearbox = recording.series["gearbox_states"]
+    to_and_fro = gearbox.stamp + 0.02 * (-1.0) ** np.arange(COUNT)
+    recording.series["gearbox_states"] = replace(gearbox, stamp=to_and_fro)
+    assert diagnose([recording]).verdict == "no_mismatch"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -69,6 +69,8 @@ class Span:
     scatters them more than such steps."""
     before: int = 0
     """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
+    arrives: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    """Rows of the grid that stand for how the drives came to the stop of the row after."""
 
     @property
     def stamp(self) -> Array:
@@ -105,21 +107,27 @@ def wire_span(recording: Recording, model: Model) -> Span:
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
-    return with_a_past(span) if stops_to_measure(span.stamp) else span
+    return with_the_unseen(span) if stops_to_measure(span.stamp) else span
 
 
-def with_a_past(span: Span) -> Span:
-    """The same with rows for what moved before the recording, at first nothing."""
-    order = np.concatenate([np.zeros(TURNS, dtype=int), np.arange(len(span.grid))])
+def with_the_unseen(span: Span) -> Span:
+    """The same with rows for what moved before the recording, at first nothing, and half-way to each stop for
+    how it was reached, at first straight.
+    """
+    order = np.concatenate([np.zeros(TURNS, dtype=int), np.repeat(np.arange(len(span.grid)), 2)[1:]])
+    arrives = np.arange(TURNS + 1, len(order), 2)
+    grid = span.grid[order]
+    grid[arrives] -= np.diff(span.grid) / 2
     return replace(
         span,
-        grid=span.grid[order],
+        grid=grid,
         source=span.source[order],
         velocity=span.velocity[order],
         gearbox=span.gearbox[order],
-        rows=span.rows + TURNS,
+        rows=2 * span.rows + TURNS,
         resistance=None if span.resistance is None else span.resistance.part(order),
         before=TURNS,
+        arrives=arrives,
     )
 
 

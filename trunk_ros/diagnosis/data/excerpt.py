@@ -62,6 +62,7 @@ def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
         gearbox=span.gearbox[chosen],
         start=tuple(rows[seen[rows]] for rows in span.start),
         resistance=None if known is None else known.part(chosen),
+        arrives=at[span.arrives[chosen[span.arrives]]],
     )
 
 

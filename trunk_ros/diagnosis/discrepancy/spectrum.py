@@ -15,14 +15,16 @@ SPARSE = 10.0  # times the usual step between samples
 LONGEST = 50.0  # Hz
 
 
-def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
-    """(frequency Hz, share of the power) of the strongest line in a residual (n,) at uneven stamps (n,)."""
+def spectrum(stamp: Array, residual: Array, fastest: float = FASTEST) -> tuple[float, float]:
+    """(frequency Hz, share of the power) of the strongest line in a residual (n,) at uneven stamps (n,), no
+    faster than ``fastest`` of the sampling rate.
+    """
     whole = _longest(stamp)
     stamp, off = stamp[whole], residual[whole] - residual[whole].mean()
     if len(stamp) < 2:
         return 0.0, 0.0
     step, span = float(np.median(np.diff(stamp))), float(stamp[-1] - stamp[0])
-    low, high = TURNS / span, min(FASTEST / step, LONGEST)
+    low, high = TURNS / span, min(fastest / step - 1.0 / span, LONGEST)
     if high <= low or not np.any(off):
         return 0.0, 0.0
     cell = np.round((stamp - stamp[0]) / step).astype(int)

@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from trunk_ros.diagnosis.arrivals import arrived, stops
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
 
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain at first, then, and in the end
+TURNS = 4  # of fitting values and the drives' arrivals: a ratio of 1 % and these have parted by then
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
@@ -136,8 +138,13 @@ def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
 
 
 def renewed(now: Fit) -> Fit:
-    """In the angles and the noise that it leads to, fitted there."""
-    return _settled(now.context.seen_with(now.hypothesis).weighed(now.hypothesis), now.hypothesis)
+    """In the angles and the noise that it leads to, fitted there; in turns with how drives came to their
+    stops, where only these were recorded.
+    """
+    for _ in range(TURNS if stops(now.context) else 1):
+        context = arrived(now.context.seen_with(now.hypothesis), now.hypothesis)
+        now = _settled(context.weighed(now.hypothesis), now.hypothesis)
+    return now
 
 
 def relooked(now: Fit) -> Fit:

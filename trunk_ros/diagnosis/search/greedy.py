@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
@@ -55,7 +56,8 @@ def better_of(best: Fit, other: Fit) -> Fit:
 
 def begun(context: Context, start: Hypothesis | None = None) -> Fit:
     """What is known, fitted; all else is measured by what it leaves."""
-    first = refit(context, start or context.known)
+    known = start or context.known
+    first = refit(arrived(context, known), known)
     misfit = {c: first.rest(c) for c in first.cost}
     return replace(first, context=replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first)))
 

@@ -52,7 +52,8 @@ def stops_to_measure(stamp: Floats) -> bool:
 
 def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
     """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that
-    fits. What stops to measure holds each sample until the next.
+    fits. Where a recording stops to measure, what was read next to a time is of the same stop, whatever
+    topic came first.
     """
     t, position = series.stamp, fill(series.position)
     if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
@@ -60,8 +61,8 @@ def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
     inside = np.clip(grid, t[0], t[-1])
     beyond = np.clip(grid - inside, *_one_step(t))[:, None]
     if stops_to_measure(t):
-        held = position[np.clip(np.searchsorted(t, grid + SAME, side="right") - 1, 0, None)]
-        return held, _slope(grid, held)
+        at_rest = position[_nearest(t, grid)]
+        return at_rest, _slope(grid, at_rest)
     if len(t) < 4:
         curve = PchipInterpolator(t, position) if len(t) > 1 else None
         values = np.repeat(position, len(grid), axis=0) if curve is None else curve(inside)
@@ -77,6 +78,12 @@ def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
         values[guessed] = position[after] + (inside[guessed] - t[after])[:, None] * step
         slope[guessed] = step
     return values + beyond * slope, slope
+
+
+def _nearest(stamp: Floats, grid: Floats) -> np.ndarray:
+    """(m,) which of the stamps (n,) is next to each of the grid."""
+    after = np.clip(np.searchsorted(stamp, grid), 1, len(stamp) - 1)
+    return np.where(grid - stamp[after - 1] <= stamp[after] - grid, after - 1, after)
 
 
 def _one_step(stamp: Floats) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
@@ -20,11 +21,14 @@ from trunk_ros.recording.signal.resample import SLOW
 
 FEWEST = 200  # samples
 JOINTS = 3  # of which one size says something
-SURE = 6.0  # standard deviations that the tone of each joint stands out of what is beside it
+SURE = 6.0  # standard deviations that a tone stands out of what is beside it
+EACH = 3.0  # the same of the tone of each joint
 ALIKE = 0.99  # by chance so many sizes of one tone differ less
-SHARP = 0.1  # of the size: its std, so that being alike says something
+SHARP = 0.2  # of the size: its std, so that being alike says something
+IN_STEP = 0.9  # of phases: how nearly they are one, from 0 to 1
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
+HALF = 0.5  # of the sampling rate: up to there
 NOTHING = 1e-5  # of what the motion says most
 
 
@@ -51,10 +55,9 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return []
     motion = motion_of(gearbox, shown, arm)
-    moves = [scaled(basis(motion, j, True))[0] for j in range(len(arm.joints))]
-    says = [_spanned(each) for each in moves]
+    says = [_spanned(scaled(basis(motion, j, True))[0]) for j in range(len(arm.joints))]
     off, found = motion.off, list[Hum]()
-    while len(found) < TONES and (more := _tone(motion.stamp, off, moves, says)) is not None:
+    while len(found) < TONES and (more := _tone(motion.stamp, off, motion.asked, says)) is not None:
         off = off - more.at(motion.stamp)
         found.append(more)
     return found
@@ -66,32 +69,61 @@ def _spanned(features: Array) -> Array:
     return np.asarray(u[:, size > NOTHING * size[0]])
 
 
-def _tone(stamp: Array, off: Array, moves: list[Array], says: list[Array]) -> Hum | None:
-    """The strongest line of what the motion (n, features) of each joint does not say of where it is off (n,
-    joints), of the middle joint, where it is one of all of them and not of the motion; ``says``: the motion
-    as orthonormal features.
+def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | None:
+    """The strongest line of what the motion does not say of where each joint is off (n, joints), of the
+    middle joint, where it is one of all of them and not of the motion ``asked`` (n, joints) rad; ``says``:
+    the motion as orthonormal features.
     """
     rest = [one - u @ (u.T @ one) for one, u in zip(off.T, says, strict=True)]
-    frequency = float(np.median([spectrum(stamp, one)[0] for one in rest]))
+    frequency = _shared(stamp, rest, says)
     if frequency <= 0.0:
         return None
     lines = []
     for one, u in zip(rest, says, strict=True):
         wave, spread = _line(frequency, stamp, one[:, None], u)
-        if not np.all(np.hypot(*wave) > SURE * spread):
+        if not np.all(np.hypot(*wave) > EACH * spread):
             return None
         lines.append((wave, spread))
     waves, std = (np.concatenate(each, axis=-1) for each in zip(*lines, strict=True))
     sizes = np.hypot(*waves)
     weight = std**-2.0
-    mean = float(sizes @ weight / weight.sum())
+    mean, known = float(sizes @ weight / weight.sum()), float(weight.sum() ** -0.5)
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
-    if float(np.median(std)) > SHARP * mean or unlike > chi2.ppf(ALIKE, len(sizes) - 1):
+    if mean < SURE * known or float(np.median(std)) > SHARP * mean:
         return None
-    own, beside = _line(frequency, stamp, np.hstack(moves), np.empty((len(stamp), 0)))
-    if np.any(np.hypot(*own) > SURE * beside):
+    if unlike > chi2.ppf(ALIKE, len(sizes) - 1) or _driven(frequency, stamp, waves, asked):
         return None
-    return Hum(frequency, mean, float(weight.sum() ** -0.5), waves)
+    return Hum(frequency, mean, known, waves)
+
+
+def _shared(stamp: Array, rest: list[Array], says: list[Array]) -> float:
+    """The frequency near that of the middle joint's strongest line by which most of the rests (n,) is
+    explained beside features (n, k); 0 where there is no line.
+    """
+    first = float(np.median([spectrum(stamp, one, HALF)[0] for one in rest]))
+    if first <= 0.0:
+        return 0.0
+
+    def left(frequency: float) -> float:
+        turning = _turning(frequency, stamp)
+        waves = [np.linalg.qr(turning - u @ (u.T @ turning))[0] for u in says]
+        pairs = zip(waves, rest, strict=True)
+        return -float(sum(np.sum((wave.T @ one) ** 2) / (one @ one) for wave, one in pairs))
+
+    width = 0.5 / float(np.ptp(stamp))
+    near = max(first - width, 0.5 * width), first + width
+    found = minimize_scalar(left, bounds=near, method="bounded", options={"xatol": 0.01 * width})
+    return float(found.x)
+
+
+def _driven(frequency: float, stamp: Array, waves: Array, asked: Array) -> bool:
+    """Whether the motion ``asked`` (n, joints) may make the ``waves`` (2, joints): every joint swings with
+    that frequency itself, and its wave is as far behind that as the others' are behind theirs.
+    """
+    own, beside = _line(frequency, stamp, asked, np.empty((len(stamp), 0)))
+    behind = np.angle(np.exp(1j * (np.arctan2(*waves) - np.arctan2(*own))) ** 2)
+    in_step = float(np.abs(np.mean(np.exp(1j * behind))))
+    return bool(np.all(np.hypot(*own) > SURE * beside)) and in_step > IN_STEP
 
 
 def _line(frequency: float, stamp: Array, signals: Array, besides: Array) -> tuple[Array, Array]:

@@ -1,0 +1,65 @@
+"""How drives arrive where a recording stops to measure: one that goes beyond and comes back takes the wires
+back with it, which makes every dead band look narrower. No sample shows it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.surroundings import View
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+
+FURTHEST = 0.1  # of the way to a stop: what goes further beyond it is no drive that settles
+NEAREST = 1e-5
+
+
+def stops(context: Context) -> bool:
+    """Whether drives were only seen where they stopped."""
+    return any(len(view.span.arrives) for view in context.views)
+
+
+def arrived(context: Context, hypothesis: Hypothesis) -> Context:
+    """With each joint's drive going as far beyond its stops as makes what was measured likeliest under a
+    hypothesis; as it is where samples follow the motion.
+    """
+    if not stops(context):
+        return context
+    beyond = np.zeros(len(context.joints))
+    for column in context.columns:
+        beyond[column] = _likeliest(context, hypothesis, column)
+    return _with(context, beyond)
+
+
+def _likeliest(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    """Part of each way that a joint's drive goes beyond its end."""
+
+    def left(beyond: float) -> float:
+        there = _with(context, beyond * (np.arange(len(context.joints)) == column))
+        rests = there.evened(hypothesis, column)
+        return float(sum(rest @ rest for rest in rests))
+
+    tried = np.concatenate([[0.0], np.geomspace(NEAREST, FURTHEST, 14)])
+    best = int(np.argmin([left(beyond) for beyond in tried]))
+    if best == 0:
+        return 0.0
+    near = float(tried[best - 1]), float(tried[min(best + 1, len(tried) - 1)])
+    return float(minimize_scalar(left, bounds=near, method="bounded", options={"xatol": NEAREST}).x)
+
+
+def _with(context: Context, beyond: Array) -> Context:
+    views = tuple(_arriving(view, beyond) for view in context.views)
+    return replace(context, views=views, shown_before={}, _cache={})
+
+
+def _arriving(view: View, beyond: Array) -> View:
+    """With drives that first go ``beyond`` (joints,) of each way, and come back from there."""
+    span, path = view.span, view.span.gearbox.copy()
+    here = span.arrives[span.arrives > 0]
+    ends = here + 1
+    path[here] = path[ends] + beyond * (path[ends] - path[here - 1])
+    return replace(view, span=replace(span, source=path, gearbox=path), wires=view.arm.driven(path))
