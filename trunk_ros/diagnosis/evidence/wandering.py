@@ -17,8 +17,9 @@ from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.moves import DROP
+from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
 from trunk_ros.diagnosis.search.score import need
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
@@ -28,11 +29,14 @@ SURE = 2.0  # standard errors over these parts
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
 SHARED, CHANCE = 0.07, 3.0  # of unit noise with itself so much later, and standard errors besides
 FURTHEST = 3.0  # times the noise without it: what goes further is no noise
+SEVERAL = 2  # joints by which the others' sensors are known
 SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
 
 def steadied(now: Fit) -> Fit:
-    """Without what only follows the readings about, where a noise that wanders explains it as well."""
+    """Without what only follows the readings about, where a noise that wanders explains it as well, and with
+    names that hold in that noise.
+    """
     context, bare, found = now.context, now.hypothesis, dict[int, Noise]()
     if context.step >= SLOW:
         return now
@@ -50,9 +54,30 @@ def steadied(now: Fit) -> Fit:
                 bare = _untimed(bare, column)
     if not found:
         return now
+    found = _of_the_others(context, now.hypothesis, found) | found
     noises = tuple(found.get(c, noise) for c, noise in enumerate(context.noise))
-    steady = replace(context, noise=noises, claims=True, shown_before={})
-    return descend(refit(steady, bare), (DROP,), Desk())
+    again = Work(context.work.most)  # granted besides
+    steady = replace(context, noise=noises, claims=True, shown_before={}, work=again)
+    done = descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())
+    context.work.most += again.done
+    context.work.done += again.done
+    return replace(done, context=replace(done.context, work=context.work))
+
+
+def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, Noise]) -> dict[int, Noise]:
+    """The middle one of several noises that were ``found``, on joints that show more than noise, where it is
+    likelier than theirs: sensors are alike.
+    """
+    if len(found) < SEVERAL:
+        return {}
+    usual = sorted(found.values(), key=lambda noise: noise.std)[len(found) // 2]
+    return {
+        column: usual
+        for column in context.columns
+        if column not in found
+        and _unlikely(context, usual, hypothesis, column)
+        < _unlikely(context, context.noise[column], hypothesis, column)
+    }
 
 
 def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:

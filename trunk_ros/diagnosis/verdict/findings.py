@@ -100,8 +100,9 @@ def _touched(context: Context, kind: type[Effect], term: Term) -> list[int]:
 def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
     """1 where the effect's size is well above its spread on its surest joint, less where it is not."""
     lead = kind.own_parameters(term.form)[0]
+    null = lead.null if lead.scale == "linear" else 0.0  # where none is endless, a value is no surer for that
     sizes = [
-        abs(values[lead.name] - lead.null) / max(std.get((term.effect, lead.name, c), 0.0), 1e-300)
+        abs(values[lead.name] - null) / max(std.get((term.effect, lead.name, c), 0.0), 1e-300)
         for c, values in term.own.items()
         if lead.name in values and not term.given
     ]

@@ -35,4 +35,4 @@ MOVES = (
 what each has, names before curves where names may do.
 """
 
-__all__ = ["ADD", "CURVE", "DROP", "MOVES", "ONSET"]
+__all__ = ["ADD", "CURVE", "DROP", "MOVES", "ONSET", "SWAP", "SWAP_ALL"]
