@@ -25,8 +25,9 @@ from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
 from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Plots, Unexplained
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effect_values import Values
 from trunk_ros.effects import effect

@@ -13,8 +13,9 @@ from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import listed, powers, quantity, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import place
+from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
 
 ALL = "arm"  # owner of shared values
@@ -22,12 +23,12 @@ FEW = 6
 MOST_TIES = 8
 
 
-def cards(result: Diagnosis) -> list[dict[str, Any]]:
+def cards(result: Answer) -> list[dict[str, Any]]:
     """One dictionary per finding, for the template."""
     return [_card(result, finding) for finding in result.findings]
 
 
-def _card(result: Diagnosis, finding: Finding) -> dict[str, Any]:
+def _card(result: Answer, finding: Finding) -> dict[str, Any]:
     figure = figure_signature(result, finding)
     samples = samples_of(result, finding)
     gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
@@ -104,7 +105,7 @@ def _telling(held: dict[str, dict[str, Any]]) -> str:
     return "" if name is None else f"{spoken(name)} {_value(name, held[name])}"
 
 
-def does(result: Diagnosis, finding: Finding) -> str:
+def does(result: Answer, finding: Finding) -> str:
     """What it does to its signals, rms of the largest, in a unit."""
     mine = contributions(result, finding)
     held = {s.name: s for s in signals(result) if s.name in mine and concerns(finding, s.stage, s.name)}
@@ -144,7 +145,7 @@ def _at(finding: Finding, place: dict[str, str]) -> str:
     return f"{other}{spoken(place['parameter'])} ({'shared' if place['joint'] == ALL else place['joint']})"
 
 
-def samples_of(result: Diagnosis, finding: Finding) -> int:
+def samples_of(result: Answer, finding: Finding) -> int:
     """Samples that a finding was judged on: those of the first recording, times how much there is of all."""
     first = sum(int(s.valid.sum()) for s in signals(result) if concerns(finding, s.stage, s.name))
     key = {"servo": "gearbox_states", "wire": "joint_states"}.get(finding.stage, "joint_states")

@@ -10,7 +10,7 @@ from typing import Any
 
 from trunk_ros.diagnosis.report.errors import ratios
 from trunk_ros.diagnosis.report.units import listed, spoken
-from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.recording.topics import TOPICS
 
 NEEDS = {"servo": ("setpoints", "gearbox_states"), "wire": ("gearbox_states", "joint_states"),
@@ -28,7 +28,7 @@ class Step:
     commands: tuple[str, ...] = ()
 
 
-def next_steps(result: Diagnosis) -> list[Step]:
+def next_steps(result: Answer) -> list[Step]:
     """Put the data right, use the model, record what decides, measure what is missing, look at the rest."""
     return [
         *_nothing(result),
@@ -41,20 +41,20 @@ def next_steps(result: Diagnosis) -> list[Step]:
     ]
 
 
-def _nothing(result: Diagnosis) -> Iterator[Step]:
+def _nothing(result: Answer) -> Iterator[Step]:
     if result.verdict == "no_mismatch" and ratios(result):
         yield Step(
             "Nothing to change.", "Check the simulation on another motion:", (_scored("trunk", result),)
         )
 
 
-def _mixed_up(result: Diagnosis) -> Iterator[Step]:
+def _mixed_up(result: Answer) -> Iterator[Step]:
     said = [one for held in result.quality.values() for one in held.get("mix_ups", ()) if one["certain"]]
     for statement in dict.fromkeys(str(one["statement"]).rstrip(".") for one in said):
         yield Step("Put the data right and diagnose again.", f"{statement}.")
 
 
-def _use(result: Diagnosis) -> Iterator[Step]:
+def _use(result: Answer) -> Iterator[Step]:
     if result.simulation and result.findings:
         yield Step(
             "Put what was found into your simulator.",
@@ -69,12 +69,12 @@ def _use(result: Diagnosis) -> Iterator[Step]:
         )
 
 
-def _scored(model: str, result: Diagnosis) -> str:
+def _scored(model: str, result: Answer) -> str:
     given = result.provenance.get("model", model) if model == "trunk" else model
     return f"trunk_ros evaluate another_run -m {quote(str(given))}"
 
 
-def _record(result: Diagnosis) -> Iterator[Step]:
+def _record(result: Answer) -> Iterator[Step]:
     pairs: dict[str, list[list[Any]]] = {}
     for one in result.experiments:
         if one.get("trajectory"):
@@ -92,7 +92,7 @@ def _words(name: str | list[str]) -> str:
     return spoken(name) if isinstance(name, str) else " with ".join(map(spoken, name))
 
 
-def _topics(result: Diagnosis) -> Iterator[Step]:
+def _topics(result: Answer) -> Iterator[Step]:
     seen = {key for held in result.quality.values() for key in held.get("topics", {})}
     lost: dict[str, list[str]] = {}
     for stage, keys in NEEDS.items():
@@ -103,7 +103,7 @@ def _topics(result: Diagnosis) -> Iterator[Step]:
         yield Step(f"Record {topics} too.", f"Without it {listed(what)} cannot be judged.")
 
 
-def _move(result: Diagnosis) -> Iterator[Step]:
+def _move(result: Answer) -> Iterator[Step]:
     for stage, said in result.stages.items():
         if said.get("compared") and said.get("silent"):
             still = said["silent"]
@@ -112,7 +112,7 @@ def _move(result: Diagnosis) -> Iterator[Step]:
             )
 
 
-def _rest(result: Diagnosis) -> Iterator[Step]:
+def _rest(result: Answer) -> Iterator[Step]:
     nameless = any(f.effect == "unknown" for f in result.findings)
     told = {one["statement"] for held in result.quality.values() for one in held.get("mix_ups", ())}
     joints = dict.fromkeys(

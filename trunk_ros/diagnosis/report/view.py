@@ -10,7 +10,8 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.report.signals import Signal, joint_angle, load, reversals, signals
 from trunk_ros.diagnosis.report.units import multiple
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.answer import Answer
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects.curve import SPEED_OF
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 
@@ -69,7 +70,7 @@ class Cloud:
     log: bool
 
 
-def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
+def cloud(result: Answer, view: View, signal: Signal, part: Array) -> Cloud:
     """The signature of one finding on one signal; ``part`` (n,) is what it adds to the prediction.
 
     The points are the error that is left with everything but this finding in the model.
@@ -102,7 +103,7 @@ def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
     )
 
 
-def abscissa(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
+def abscissa(result: Answer, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
     """(n,) what a view is over in SI units, time where it is not known; (n,) where it can be used."""
     keep = np.ones(len(signal.stamp), dtype=bool)
     angle = joint_angle(result, signal)
@@ -122,7 +123,7 @@ def abscissa(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.n
     return (np.abs(x) if view.along and view.over in ("load", "speed") else x), keep
 
 
-def _of_another(result: Diagnosis, signal: Signal, over: str) -> Array:
+def _of_another(result: Answer, signal: Signal, over: str) -> Array:
     """(n,) another joint's angle or speed, time where it is not known."""
     joint = over.removeprefix(SPEED_OF)
     others = [s for s in signals(result) if (s.stage, s.name) == (signal.stage, joint)]
@@ -134,7 +135,7 @@ def _of_another(result: Diagnosis, signal: Signal, over: str) -> Array:
     return np.asarray(others[0].velocity * result.model.arm.ratio[result.model.arm.index(joint)])
 
 
-def _motion(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
+def _motion(result: Answer, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
     """Sign of the motion (n,), ones where it does not matter, and where the dead band has been crossed."""
     angle = joint_angle(result, signal)
     if not view.along or angle is None:

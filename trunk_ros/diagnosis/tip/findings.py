@@ -12,8 +12,8 @@ from trunk_ros.diagnosis.evidence.residual_dependence import accounted
 from trunk_ros.diagnosis.tip.data import UNITS
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, owner, parameter_of
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.findings import ARM, SURE, UNNAMED_SURE, statement_of, unchanged, value_of
-from trunk_ros.diagnosis.verdict.result import Finding
 from trunk_ros.effects import effect
 
 UNKNOWN = "unknown"

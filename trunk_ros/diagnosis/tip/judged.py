@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.tip.data import UNITS, tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import model_effects
-from trunk_ros.diagnosis.verdict.result import Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effect_values import Values
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording

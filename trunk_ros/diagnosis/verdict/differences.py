@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, title, unchanged
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect

@@ -14,7 +14,8 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
-from trunk_ros.diagnosis.verdict.result import Finding, Unexplained
+from trunk_ros.diagnosis.verdict.answer import Unexplained
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
