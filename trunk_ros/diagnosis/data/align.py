@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import comes_back, is_wide, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.errors import RecordingError
-from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
 from trunk_ros.recording.signal.fill import hold
@@ -76,7 +76,7 @@ class Span:
         return np.asarray(self.grid[self.rows])
 
 
-def wire_span(recording: Recording, model: Model) -> Span:
+def wire_span(recording: Recording, model: ArmModel) -> Span:
     """Gearbox angles against joint angles. Raises RecordingError where a topic or all common joints are
     missing.
     """
@@ -139,7 +139,7 @@ def _goes_on(u: Array) -> np.ndarray:
     return np.array([not comes_back(column) and float(np.ptp(column)) > MOVED for column in u.T])
 
 
-def servo_span(recording: Recording, model: Model) -> Span:
+def servo_span(recording: Recording, model: ArmModel) -> Span:
     """Setpoints against gearbox angles."""
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = common_joints(recording, model, setpoints, gearbox)
@@ -158,7 +158,7 @@ def servo_span(recording: Recording, model: Model) -> Span:
     return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
 
-def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:
+def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -> tuple[str, ...]:
     """Joints that all the topics and the model have, in the model's order."""
     known = model.for_joints(series[0].joints).arm.joints if model.any_joints else model.arm.joints
     joints = tuple(j for j in known if all(j in s.joints for s in series))
