@@ -71,6 +71,18 @@ class ArmModel:
         """The arm with the payload that was found."""
         return replace(self.arm, payload=self.payload)
 
+    def number(self, name: str) -> Any:
+        """A number of the arm, such as its ``ratio``, with what was found of it."""
+        number = getattr(self.arm, name)
+        for found, values in self.in_order():
+            number = effect(found).changed(number, values) if effect(found).changes == name else number
+        return number
+
+    def prompt(self) -> Self:
+        """The model with readings that are not late: as the joints are."""
+        kept = {name: v for name, v in self.effects.items() if not effect(name).delays_readings}
+        return replace(self, effects=kept)
+
     def for_joints(self, joints: tuple[str, ...]) -> Self:
         """The model for a recording's joints. Raises ModelError where a joint is not the arm's."""
         if self.any_joints:

@@ -64,5 +64,4 @@ def at_joints(series: JointSeries, arm: Arm, measured: bool = True) -> JointSeri
 
 def ratio_of(model: ArmModel) -> Array:
     """(joints,) joint angle per gearbox angle, with what was found."""
-    relative = model.effects.get("ratio_error", {}).get("relative", 0.0)
-    return np.asarray(model.arm.ratio * (1.0 + relative))
+    return np.asarray(model.number("ratio"))

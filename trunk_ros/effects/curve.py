@@ -47,6 +47,10 @@ class Curve(Effect):
     texts = ("on",)
     follows_readings: ClassVar[bool] = False
     """Over time it adds to the angle whatever there is, as a reading that wanders does."""
+    linear: ClassVar[bool] = False
+    """It is added to the angle as it is."""
+    hides: ClassVar[bool] = False
+    """A small one shows nothing of a large one: a fit begins at the best constant."""
     of: ClassVar[str] = "the angle"
     """What the curve is added to."""
     also: ClassVar[tuple[str, ...]] = ()
@@ -90,6 +94,11 @@ class Curve(Effect):
         from scipy.interpolate import CubicSpline  # of few models: importing it takes a node 0.3 s
 
         return CubicSpline(knots, values, bc_type="natural")
+
+    @classmethod
+    def over(cls, variables: list[str], own: list[str]) -> list[str]:
+        """What it is tried over, of what there is: all ``variables``, and those that are the joint's own."""
+        return []
 
     @classmethod
     def leaves(cls, words: Mapping[str, str]) -> float:

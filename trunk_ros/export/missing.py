@@ -13,7 +13,6 @@ from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect
 from trunk_ros.transmission import ratio_of
 
-RELATIVE = "relative"  # of a gain: two of them multiply
 PLAY = ("backlash", "tension_error")
 EXCESS = "{}: the simulator has more of it than the arm ({}), which nothing that is added takes away"
 CHANGED = "{}: the simulator has it with other values, and one cannot be had from the other"
@@ -56,15 +55,9 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
     for name in theirs.effects:
         if name not in model.effects and name not in (*PLAY, "ratio_error"):
             remarks.append(EXCESS.format(name, "the arm has none"))
-    faster = _relative(theirs.effects.get("servo_bandwidth", {}))
-    arm = replace(
-        model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=model.arm.kp * (1.0 + faster)
-    )
+    servo = float(replace(theirs, arm=model.arm).number("kp"))
+    arm = replace(model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=servo)
     return Missing(replace(model, arm=arm, effects=effects), tuple(remarks))
-
-
-def _relative(values: Values) -> float:
-    return float(values.get(RELATIVE, 0.0))
 
 
 def play_of(model: ArmModel) -> Array:
@@ -87,7 +80,7 @@ def _less(
     if lead.null != 0.0 or lead.scale == "log" or not kind.scalable or not kind.named:
         remarks.append(CHANGED.format(kind.id))
         return {}
-    left = (1.0 + mine) / (1.0 + own) - 1.0 if lead.name == RELATIVE else mine - own
+    left = (1.0 + mine) / (1.0 + own) - 1.0 if lead.relative else mine - own
     if lead.bounds[0] == 0.0 and np.any(left < 0.0):
         remarks.append(EXCESS.format(kind.id, listed(joints, -np.minimum(left, 0.0), lead.unit)))
         left = np.maximum(left, 0.0)

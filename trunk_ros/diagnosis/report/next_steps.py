@@ -11,12 +11,13 @@ from typing import Any
 from trunk_ros.diagnosis.report.errors import ratios
 from trunk_ros.diagnosis.report.units import listed, spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
+from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.effects import registry
 from trunk_ros.recording.topics import TOPICS
 
 NEEDS = {"servo": ("setpoints", "gearbox_states"), "wire": ("gearbox_states", "joint_states"),
          "arm": ("joint_states", "tip_pose")}  # fmt: skip
 BETWEEN = {"servo": "the servos", "wire": "the transmission", "arm": "the tip"}
-LATE = "sensor_delay"  # of a reading: the joint itself is not late, there is nothing to compensate
 
 
 @dataclass(frozen=True)
@@ -61,12 +62,18 @@ def _use(result: Answer) -> Iterator[Step]:
             "Formats: MJCF, URDF, SDF.",
             ("trunk_ros export model.yaml --to mjcf --into arm.xml -o arm_real.xml",),
         )
-    elif any(f.effect != LATE and f.stage != "arm" for f in result.findings):
+    elif any(_compensated(f) for f in result.findings):
         yield Step(
             "Compensate with this model",
             "(model.yaml, beside this page), and score it on a recording that the fit did not see:",
             ("trunk_ros compensator --ros-args --params-file model.yaml", _scored("model.yaml", result)),
         )
+
+
+def _compensated(finding: Finding) -> bool:
+    """Whether there is anything to compensate: where only a reading is late, the joint is not."""
+    kind = registry().get(finding.effect)
+    return finding.stage != "arm" and not (kind is not None and kind.delays_readings)
 
 
 def _scored(model: str, result: Answer) -> str:
@@ -113,7 +120,7 @@ def _move(result: Answer) -> Iterator[Step]:
 
 
 def _rest(result: Answer) -> Iterator[Step]:
-    nameless = any(f.effect == "unknown" for f in result.findings)
+    nameless = any(not f.named for f in result.findings)
     told = {one["statement"] for held in result.quality.values() for one in held.get("mix_ups", ())}
     joints = dict.fromkeys(
         joint for rest in result.unexplained if rest.statement not in told for joint in rest.joints

@@ -72,7 +72,7 @@ def content(result: Answer) -> dict[str, Any]:
         "cards": cards(result),
         "events": result.events,
         "unexplained": result.unexplained,
-        "unnamed": any(f.effect == "unknown" for f in result.findings),
+        "unnamed": any(not f.named for f in result.findings),
         "experiments": result.experiments,
         "runs": runs(result),
         "recorded": " ".join(quote(str(bag)) for bag in result.provenance.get("bags", ["run1"])),

@@ -94,7 +94,7 @@ def contributions(result: Answer, finding: Finding) -> dict[str, Array]:
 
 def _is(finding: Finding, name: str) -> bool:
     """Whether an effect of the model is what a finding is about; curves have several names."""
-    return name == finding.effect or (finding.effect == "unknown" and not effect(name).named)
+    return name == finding.effect or not (finding.named or effect(name).named)
 
 
 def _share_in_wire(result: Answer, finding: Finding) -> dict[str, Array]:

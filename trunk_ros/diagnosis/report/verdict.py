@@ -79,7 +79,7 @@ def _no_mismatch(result: Answer) -> str:
 def _missing(result: Answer) -> list[str]:
     """The likely ones first, in the order of the table."""
     ranked = sorted(result.findings, key=lambda f: f.confidence < LIKELY)
-    return [_unnamed(result, f) if f.effect == "unknown" else _named(result, f) for f in ranked]
+    return [_unnamed(result, f) if not f.named else _named(result, f) for f in ranked]
 
 
 def _named(result: Answer, finding: Finding) -> str:

@@ -12,7 +12,9 @@ from trunk_ros.diagnosis.report.signals import Signal, joint_angle, load, revers
 from trunk_ros.diagnosis.report.units import multiple
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.effects import registry
 from trunk_ros.effects.curve import SPEED_OF
+from trunk_ros.effects.now import View
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 
 POINTS = 1500
@@ -22,37 +24,28 @@ PERIODS = 4.0  # of what comes back in time
 STANDS = 0.01  # of the largest speed
 SLID = 0.02  # of the joint's range after a reversal, from where the dead band is crossed
 
-
-@dataclass(frozen=True)
-class View:
-    """An abscissa; ``along``: errors count in the direction of motion; ``window`` s are shown (0: all)."""
-
-    over: str
-    along: bool = False
-    window: float = 0.0
-
-
 BY_REGIME = {
     "reversal": View("travel", along=True), "low_speed": View("speed", along=True),
     "hold": View("time", window=20.0), "high_speed": View("speed"), "posture": View("position"),
-}  # fmt: skip
-BY_EFFECT = {
-    "friction_wear": View("time", along=True), "link_resonance": View("time", window=3.0),
-    "velocity_saturation": View("time", window=6.0), "load_dependent_friction": View("load", along=True),
 }  # fmt: skip
 LABELS = {"time": "time / s", "load": "load moment / N·m", "speed": "speed / rad/s"}
 
 
 def view_of(finding: Finding, joint: str) -> View:
     """What shows a finding best on one of its joints."""
-    if finding.effect in BY_EFFECT:
-        return BY_EFFECT[finding.effect]
+    kind = registry().get(finding.effect)
+    if kind is not None and kind.view is not None:
+        return kind.view
     view = View("time") if finding.stage == "arm" else BY_REGIME.get(finding.regime, View("time"))
-    source = finding.parameters.get(joint, {}).get("source", {}).get("value") or finding.curve.get("on")
-    first = str(source or (finding.depends_on[0] if finding.depends_on else ""))
+    held = finding.parameters.get(joint, {})
+    words = [held.get(text, {}).get("value") for text in kind.texts] if kind is not None else []
+    first = str(
+        next(filter(None, words), finding.curve.get("on"))
+        or (finding.depends_on[0] if finding.depends_on else "")
+    )
     if finding.curve.get("of") == UnknownCycle.of:
         return View("time", window=PERIODS * float(np.ptp(finding.curve["joints"][joint]["x"])))
-    if view.over == "position" or finding.effect == "unknown":
+    if view.over == "position" or not finding.named:
         return View(first or view.over, along=finding.regime == "reversal")
     return view
 

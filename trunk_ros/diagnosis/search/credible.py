@@ -8,6 +8,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
+from trunk_ros.parameter import FROM, UNTIL
 
 ALONE, BESIDE = 2, 1
 """A joint shows an effect by itself; or beside another joint that does."""
@@ -31,7 +32,7 @@ def hidden(context: Context, term: Term) -> list[int]:
 
 def ends_within(block: Effect, now: Now) -> bool:
     """Whether what begins or ends does so while it is looked at."""
-    times = [t for name in ("from", "until") for t in block.values.get(name, ())]
+    times = [t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ())]
     return all(now.stamp[0] < t < now.stamp[-1] for t in times)
 
 

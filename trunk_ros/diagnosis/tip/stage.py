@@ -33,7 +33,7 @@ from trunk_ros.diagnosis.tip.values import (
     point_of,
     told_otherwise,
 )
-from trunk_ros.effect_values import Values
+from trunk_ros.effect_values import Values, zeros_in
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
 from trunk_ros.stage import core_of
@@ -69,7 +69,7 @@ class ArmProblem:
         self.signals = signals_of(data)
         self.rows = [SIGNALS.index(signal) for signal in self.signals]
         self.known = point_of(effects or {}, len(self.arm.joints))
-        self.zeros = (effects or {}).get("zero_offset", {}).get("offset", np.zeros(len(self.arm.joints)))
+        self.zeros = np.zeros(len(self.arm.joints)) + zeros_in(effects or {})
         """(joints,) rad by which the readings of joints and gearbox disagree."""
         self.candidates = candidates(self.arm, len(self.signals))
         self.told_otherwise = told_otherwise(self.arm)

@@ -53,7 +53,7 @@ class Answer:
     @property
     def verdict(self) -> str:
         """``no_mismatch``, ``explained``, ``partly_explained`` or ``unexplained``."""
-        named = [f for f in self.findings if f.effect != "unknown"]
+        named = [f for f in self.findings if f.named]
         rest = bool(self.unexplained) or len(named) < len(self.findings)
         if not self.findings and not self.unexplained:
             return "no_mismatch"

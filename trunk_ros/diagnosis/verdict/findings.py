@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
-from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
@@ -70,7 +70,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         varies, regime = _varies_with(kind, term), kind.regime
         statement, curve = statement_of(kind, where, parameters), {}
     return Finding(
-        effect=term.effect if kind.named else "unknown",
+        effect=term.effect if kind.named else UNKNOWN,
         stage=kind.stage,
         joints=joints,
         regime=regime,
@@ -221,7 +221,7 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
     statement = f"{', '.join(joints)}: physics that no name and no smooth curve fits"
     statement += f"; it varies with {' and '.join(varies)}." if varies else "."
     for number, finding in enumerate(known):
-        if finding.effect == "unknown":
+        if not finding.named:
             both = sorted({*finding.joints, *joints})
             on = list(dict.fromkeys([*finding.depends_on, *varies]))
             said = f"{finding.statement} {statement}"
@@ -229,5 +229,5 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
             return [*known[:number], joined, *known[number + 1 :]]
     evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": "", "signature": NO_CURVE}
     stage, regime = rests[0].stage, rests[0].regime
-    told = Finding("unknown", stage, joints, regime, UNNAMED_SURE, [], {}, varies, statement, evidence)
+    told = Finding(UNKNOWN, stage, joints, regime, UNNAMED_SURE, [], {}, varies, statement, evidence)
     return [*known, told]
