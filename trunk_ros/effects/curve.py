@@ -27,6 +27,8 @@ RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),
     Parameter("high", "1", (-1e9, 1e9), "where the curve ends", typical=1.0),
 )
+LOW, HIGH = (p.name for p in RANGE)
+ON = "on"  # the word that says what a curve is over
 VALUES = tuple(
     Parameter(f"value_{k:02d}", "rad", (-10.0, 10.0), "the curve at an evenly spaced knot", typical=1e-3)
     for k in range(KNOTS)
@@ -44,7 +46,7 @@ class Curve(Effect):
     named = False
     regime: ClassVar[Regime] = "posture"
     parameters = RANGE + VALUES
-    texts = ("on",)
+    texts = (ON,)
     follows_readings: ClassVar[bool] = False
     """Over time it adds to the angle whatever there is, as a reading that wanders does."""
     linear: ClassVar[bool] = False

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.effects import effect, registry
-from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, abscissa
+from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, abscissa
 from trunk_ros.effects.wire.unknown import Unknown
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
@@ -118,7 +118,7 @@ def drawn_on(context: Context, hypothesis: Hypothesis, column: int) -> list[Term
 def _place(term: Term, column: int) -> Place:
     own = term.own[column]
     moments = tuple(own[p.name] for p in MOMENTS if p.name in own)
-    return Place(term.effect, term.words[column]["on"], own["low"], own["high"], moments)
+    return Place(term.effect, term.words[column][ON], own[LOW], own[HIGH], moments)
 
 
 def places(context: Context, bare: Hypothesis, column: int) -> list[list[Place]]:
@@ -212,8 +212,8 @@ def with_curve(bare: Hypothesis, place: Place, column: int, values: Array) -> Hy
     term = out.setdefault(kind, Term(kind, given=frozenset(p.name for p in effect(kind).parameters)))
     own = dict(zip((p.name for p in VALUES), values.tolist(), strict=True))
     moments = {p.name: at for p, at in zip(MOMENTS, place.moments, strict=False)}
-    term.own[column] = {"low": place.low, "high": place.high, **own, **moments}
-    term.words[column] = {"on": place.variable}
+    term.own[column] = {LOW: place.low, HIGH: place.high, **own, **moments}
+    term.words[column] = {ON: place.variable}
     return out
 
 
