@@ -9,11 +9,8 @@ import pytest
 from test.packaging.imports import ROOT, imported, modules
 from trunk_ros.effects import registry
 
-# Said of flaws of the data: which effects each would have been taken for. No effect is treated otherwise there.
-WORDS_FOR_FLAWS = {
-    "trunk_ros/diagnosis/data/sensing/clocks.py",
-    "trunk_ros/diagnosis/data/sensing/readings.py",
-}
+# Flaws of the data are told with the effects that each would have been taken for; these names are words only.
+WORDS_FOR_FLAWS = {f"trunk_ros/diagnosis/data/sensing/{name}.py" for name in ("clocks", "readings")}
 IDS = set(registry())
 WITHOUT_NAMES = [*modules("trunk_ros/diagnosis"), *modules("trunk_ros/nodes")]
 

@@ -8,9 +8,7 @@ from trunk_ros.chain import run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
-from trunk_ros.diagnosis.stage import Sight, Stage
-
-STANDING = 3.0  # times the mean power of an encoder's steps that a joint shows where it stands
+from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
 
 
 class ServoStage(Stage):

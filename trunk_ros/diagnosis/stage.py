@@ -21,10 +21,11 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Now, borne
 from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.guards import SAME
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
 
-UNLOADED = 1e-6  # of the largest moment, below which a joint feels none
+STANDING = 3.0  # times the mean power of an encoder's steps that a joint shows where it stands
 
 
 class Sight(Protocol):
@@ -108,7 +109,7 @@ class Stage(ABC):
     @cached_property
     def _bears(self) -> list[bool]:
         seen = np.array([np.abs(each).max(axis=0) for v in self.views for each in (v.load, v.lever)])
-        return [bool(felt) for felt in (seen > UNLOADED * seen.max()).any(axis=0)]
+        return [bool(felt) for felt in (seen > SAME * seen.max()).any(axis=0)]
 
     def own_steps(self, column: int) -> float:
         """Standard deviation of the steps of a joint's own encoder, or of a coarse sensor."""

@@ -20,7 +20,8 @@ MOST = 0.985  # correlation
 CORRELATIONS = np.linspace(0.0, MOST, 24)
 DIFFERENCED = np.array([2.0, -16.0, 56.0, -112.0, 70.0])
 """Variance of a fourth difference over that of a signal, as a polynomial of its correlation at one stride."""
-BEND = 8.0  # power of the stride with which the variance of a smooth signal's fourth difference grows
+BEND = 2.0 * (len(BINOMIAL) - 1)
+"""Power of the stride with which the variance of a smooth signal's fourth difference grows."""
 TELLING = 4  # strides that tell motion from noise
 FIRM = 1e-6  # keeps what no stride shows where it is
 ROUNDS = 20

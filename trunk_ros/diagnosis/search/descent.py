@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
+from trunk_ros.guards import TINY
 
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain at first, then, and in the end
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
@@ -188,4 +189,4 @@ def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
 
 
 def _level(value: float) -> int:
-    return round(float(np.log(max(value, 1e-300))) / CLOSE)
+    return round(float(np.log(max(value, TINY))) / CLOSE)

@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.evidence.evidence import likely
+from trunk_ros.diagnosis.evidence.evidence import UNNAMED, likely
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted
 from trunk_ros.diagnosis.tip.data import UNITS
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, of_sensors, owner, parameter_of
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
-from trunk_ros.diagnosis.verdict.findings import ARM, SURE, UNNAMED_SURE, statement_of, unchanged, value_of
+from trunk_ros.diagnosis.verdict.findings import ARM, SURE, statement_of, unchanged, value_of
 from trunk_ros.effects import effect
+from trunk_ros.guards import TINY
 
 FRAMES = "a camera's frame, a marker's place or a joint sensor's zero makes one"
 Losses = dict[str, float]
@@ -139,7 +140,7 @@ def _elsewhere(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
 def _confidence(problem: ArmProblem, done: ArmFit, mine: list[Key], losses: list[float]) -> float:
     """As in the wires; less where no value is well above its spread."""
     sure = likely(problem.need * len(mine), sum(done.gain[k] for k in mine), losses)
-    sizes = [abs(done.values[k] - problem.known.get(k, 0.0)) / max(done.std[k], 1e-300) for k in mine]
+    sizes = [abs(done.values[k] - problem.known.get(k, 0.0)) / max(done.std[k], TINY) for k in mine]
     return round(min(sure, 1.0 if max(sizes) > SURE else 0.5), 3)
 
 
@@ -176,7 +177,7 @@ def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
         stage="arm",
         joints=[bent],
         regime="posture",
-        confidence=UNNAMED_SURE,
+        confidence=UNNAMED,
         equivalents=[],
         parameters={},
         depends_on=["position", *varies],

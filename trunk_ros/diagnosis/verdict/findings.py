@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.determined import Determined
-from trunk_ros.diagnosis.evidence.evidence import Evidence
+from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
@@ -20,6 +20,7 @@ from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
+from trunk_ros.guards import TINY
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
@@ -34,7 +35,6 @@ ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
 SURE = 4.0  # spreads that the size of an effect must have on one joint
 MOSTLY = 0.5  # share of the misfit
-UNNAMED_SURE = 0.7  # confidence in what has no name and no curve
 NO_CURVE = "No effect and no curve explains it."
 LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
 
@@ -102,7 +102,7 @@ def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
     """1 where the effect's size is well above its spread on its surest joint, less where it is not."""
     lead = kind.own_parameters(term.form)[0]
     sizes = [
-        abs(values[lead.name] - lead.null) / max(std.get((term.effect, lead.name, c), 0.0), 1e-300)
+        abs(values[lead.name] - lead.null) / max(std.get((term.effect, lead.name, c), 0.0), TINY)
         for c, values in term.own.items()
         if lead.name in values and not term.given
     ]
@@ -229,5 +229,5 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
             return [*known[:number], joined, *known[number + 1 :]]
     evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": "", "signature": NO_CURVE}
     stage, regime = rests[0].stage, rests[0].regime
-    told = Finding(UNKNOWN, stage, joints, regime, UNNAMED_SURE, [], {}, varies, statement, evidence)
+    told = Finding(UNKNOWN, stage, joints, regime, UNNAMED, [], {}, varies, statement, evidence)
     return [*known, told]

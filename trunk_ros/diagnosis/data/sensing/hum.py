@@ -13,15 +13,13 @@ from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, scaled
+from trunk_ros.diagnosis.data.sensing.physics import CHANCE, FEWEST, basis, motion_of, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
-FEWEST = 200  # samples
 JOINTS = 3  # of which one size says something
 SURE = 6.0  # standard deviations that the tone of each joint stands out of what is beside it
-ALIKE = 0.99  # by chance so many sizes of one tone differ less
 SHARP = 0.1  # of the size: its std, so that being alike says something
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
@@ -86,7 +84,7 @@ def _tone(stamp: Array, off: Array, moves: list[Array], says: list[Array]) -> Hu
     weight = std**-2.0
     mean = float(sizes @ weight / weight.sum())
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
-    if float(np.median(std)) > SHARP * mean or unlike > chi2.ppf(ALIKE, len(sizes) - 1):
+    if float(np.median(std)) > SHARP * mean or unlike > chi2.ppf(CHANCE, len(sizes) - 1):
         return None
     own, beside = _line(frequency, stamp, np.hstack(moves), np.empty((len(stamp), 0)))
     if np.any(np.hypot(*own) > SURE * beside):
