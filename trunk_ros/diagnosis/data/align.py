@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import comes_back, is_wide, turned
+from trunk_ros.diagnosis.data.motion_content import ENOUGH, comes_back, is_wide, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -37,7 +37,6 @@ BANDS = 4.0  # dead bands that a joint has to move until it is known where in it
 WITHOUT = 0.01  # share of the samples at both ends of a range that may be outliers
 STANDS = 1e-4  # rad, more than the encoder's steps
 FIRST = 1200  # samples that the angle at the start is the median of: of fewer the error shows in a long stand
-LONG = 100  # samples that a joint has to stand before it moves for them to tell anything
 
 
 @dataclass(frozen=True)
@@ -241,4 +240,4 @@ def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tupl
     """The first rows of the target at which each joint stands, if it stands long before it moves."""
     still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
     seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(target.shape[1])]
-    return tuple(s[:FIRST] if len(s) >= LONG else s[:0] for s in seen)
+    return tuple(s[:FIRST] if len(s) >= ENOUGH else s[:0] for s in seen)

@@ -6,6 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 
+ENOUGH = 100  # samples: of fewer nothing is told
 PLACES = 20  # cells of a range, with as many samples each
 WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
 VARIES = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import erf, exp, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.resample import SLOW
 
 BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-TRIMMED = 0.98658  # std of a normal variable within three of its std
+TRIMMED = round(sqrt(1.0 - 6.0 * exp(-4.5) / sqrt(2.0 * pi) / erf(3.0 / sqrt(2.0))), 5)
+"""Standard deviation of a normal variable within three of its standard deviations."""
 REMEMBERED = 0.16  # s that noise is compared over
 LEAST = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none

@@ -19,8 +19,8 @@ RELEVANT = 0.02
 OWN_STEPS = 0.1
 """Times that of the joint's own encoder, which the other noise shakes loose."""
 SHARE = 0.05
-"""Of what is left above the noise that an effect, a variable or a bank of memory must explain, so that a misfit
-is not cut into slices."""
+"""Of what is left above the noise that an effect, a variable or a bank of memory must explain, so that a
+misfit is not cut into slices."""
 SLICE = 0.15
 """The same for each value of what will be said, beside a rest as strong as the noise."""
 SHARED_SLICE = 0.5

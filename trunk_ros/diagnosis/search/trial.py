@@ -12,6 +12,8 @@ from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.effects import Effect
 
+PROMISING = 4  # local candidates a joint that are refitted in full
+
 
 @dataclass(frozen=True)
 class Look:

@@ -11,6 +11,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import MOVES, scaled
 from trunk_ros.diagnosis.data.sensing.thinned import SETTLED
+from trunk_ros.diagnosis.discrepancy.spectrum import FINER
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
@@ -22,7 +23,6 @@ BEGINS = 60.0  # s in which a saw is searched for
 ROWS = 20_000  # samples that are enough
 LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
-FINER = 4  # steps of the search in which two of its waves part by one period over the recording
 PHASES = 16
 SURE = 0.6  # of the power of all that makes joints late or early, but for constant lags and servos
 SIZE = (0.6, 1.4)  # of the setpoints' period
