@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
@@ -19,7 +20,6 @@ from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import ModelError
 from trunk_ros.look import UNKNOWN, Given, Look
-from trunk_ros.model import Model
 from trunk_ros.passes import Passes
 from trunk_ros.resistance import Resistance
 from trunk_ros.stage import (
@@ -49,7 +49,7 @@ __all__ = ["Chain", "State", "run_servo", "tip_pass", "wire_pass"]
 class Chain:
     """One stage of a model over all its joints: ``wire``, ``servo`` or ``arm``."""
 
-    def __init__(self, model: Model, stage: str, hold_time: bool = False):
+    def __init__(self, model: ArmModel, stage: str, hold_time: bool = False):
         """``hold_time``: effects of time stay at the model's ``duration`` (live nodes).
 
         Raises ModelError for a wrong stage.

@@ -12,7 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.lasting import Payload, share
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import NEVER
+from trunk_ros.parameter import FROM, GROWN, NEVER, UNTIL
 
 Values = dict[str, Any]
 """Of one effect: (joints,) by parameter, a float where it is shared; words as lists; ``form``."""
@@ -109,10 +109,26 @@ def payload_in(name: str, values: Mapping[str, Any]) -> Payload:
     return Payload(mass or 0.0, begin or 0.0, NEVER if until is None else until)
 
 
+def lateness(effects: Mapping[str, Values]) -> float:
+    """Age [s] of the joints' readings at their stamps."""
+    return float(sum(np.max(age) for age in _first_of(effects, "delays_readings")))
+
+
+def zeros_in(effects: Mapping[str, Values]) -> Any:
+    """(joints,) rad, or one for all: constants in the joints' readings."""
+    return sum(_first_of(effects, "shifts_readings"), start=0.0)
+
+
+def _first_of(effects: Mapping[str, Values], says: str) -> list[Any]:
+    """First values of the effects that say that of themselves."""
+    those = [(effect(name).parameters[0], v) for name, v in effects.items() if getattr(effect(name), says)]
+    return [values.get(lead.name, lead.null) for lead, values in those]
+
+
 def _acting_at(stamp: float, values: Values) -> Any:
     """(joints,) or one: how much of an effect acts at a time [s]."""
     begin, until, grown = (
         np.asarray(values.get(name, default))
-        for name, default in (("from", 0.0), ("until", NEVER), ("grown", 0.0))
+        for name, default in ((FROM.name, 0.0), (UNTIL.name, NEVER), (GROWN.name, 0.0))
     )
     return share(np.array([stamp]), begin, until, grown)[0]

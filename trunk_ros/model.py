@@ -7,20 +7,16 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm import Arm
-from trunk_ros.arm.description import Description
-from trunk_ros.arm.flat import arm_from, arm_parameters, limits_in, per_joint
-from trunk_ros.arm.parameters import ANY_JOINTS, RENAMED, check_names, checked, declared_arm
-from trunk_ros.compiled import Array
-from trunk_ros.effect_values import Values, at_end, bind, check_rivals, effect_values, payload_in, spread_over
-from trunk_ros.effects import Effect, effect, registry
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.arm.flat import arm_from, arm_parameters, per_joint
+from trunk_ros.arm.parameters import RENAMED, check_names, checked, declared_arm
+from trunk_ros.effect_values import Values, check_rivals, effect_values
+from trunk_ros.effects import effect, registry
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Declaration
 from trunk_ros.parameter_file import model_path, read_parameters, write_parameters
@@ -29,124 +25,7 @@ from trunk_ros.predictor import Predictor
 
 @dataclass(frozen=True)
 class Model(Predictor):
-    """An arm and its effects: ``effects[id]`` maps a parameter to (joints,) values, a float where shared,
-    words to lists.
-
-    ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold
-    their value at its end. ``error`` and ``reach`` (joints,) rad are what it left of samples that its fit
-    did not
-    see, and how far from their mean the motors went there, joint side, rms; empty where that is not known.
-    """
-
-    arm: Arm
-    effects: Mapping[str, Values] = field(default_factory=dict)
-    duration: float = 0.0
-    error: Array = field(default_factory=lambda: np.empty(0))
-    reach: Array = field(default_factory=lambda: np.empty(0))
-
-    @property
-    def any_joints(self) -> bool:
-        """Whether the model takes the joints of whatever recording it meets."""
-        return self.arm.joints == (ANY_JOINTS,)
-
-    @property
-    def payload(self) -> float:
-        """Mass at the tip [kg], nominal and found."""
-        return self.arm.payload + sum(one.mass for one in self._payloads() if one.always)
-
-    @property
-    def taken_up(self) -> Payload:
-        """A mass at the tip that is not there from beginning to end."""
-        return next((one for one in self._payloads() if not one.always), NOTHING)
-
-    def _payloads(self) -> list[Payload]:
-        return [
-            payload_in(p.name, values)
-            for name, values in self.effects.items()
-            for p in effect(name).carried()
-        ]
-
-    def at_end(self) -> Model:
-        """The model as it is at the end of the recording that it was fitted on: what had ended by then is
-        gone, what had begun lasts.
-        """
-        there = {name: at_end(name, v, self.duration, self.arm.joints) for name, v in self.in_order()}
-        return replace(self, effects={name: values for name, values in there.items() if values})
-
-    def loaded_arm(self) -> Arm:
-        """The arm with the payload that was found."""
-        return replace(self.arm, payload=self.payload)
-
-    def for_joints(self, joints: tuple[str, ...]) -> Model:
-        """The model for a recording's joints. Raises ModelError where a joint is not the arm's."""
-        if self.any_joints:
-            return replace(
-                self,
-                arm=_spread(self.arm, joints),
-                error=spread_over(self.error, len(joints)),
-                reach=spread_over(self.reach, len(joints)),
-                effects={
-                    name: {key: spread_over(value, len(joints)) for key, value in values.items()}
-                    for name, values in self.effects.items()
-                },
-            )
-        for joint in joints:
-            self.arm.index(joint)
-        return self
-
-    def with_urdf(self, text: str, recorded: tuple[str, ...]) -> Model:
-        """The model with the links of a URDF; one for any joints takes those of ``recorded`` that move its
-        tip.
-
-        Raises ModelError where the URDF has none of them.
-        """
-        description = Description(text).found(recorded)
-        own = tuple(joint.name for joint in description.arm_joints)
-        joints = tuple(joint for joint in own if joint in recorded) if self.any_joints else self.arm.joints
-        if other := [joint for joint in joints if joint not in own] or (not joints and recorded):
-            raise ModelError(
-                f"the URDF is of another arm: {', '.join(own)} move its {description.tip}, "
-                f"not {', '.join(other)}"
-            )
-        arm = _spread(self.arm, joints) if self.any_joints else self.arm
-        lower, upper = limits_in(description, joints)
-        empty = np.empty(0)
-        arm = replace(
-            arm, description=description, link_length=empty, link_mass=empty, lower=lower, upper=upper
-        )
-        return replace(self, arm=replace(arm, load_from="weight") if arm.has_load else arm)
-
-    def only(self, joints: tuple[str, ...]) -> Model:
-        """The model of some of the arm's joints, in their order. Raises ModelError for a joint that it
-        lacks.
-        """
-        if joints == self.arm.joints:
-            return self
-        columns = [self.arm.index(joint) for joint in joints]
-
-        def cut(value: Any) -> Any:
-            if isinstance(value, list):
-                return [value[c] for c in columns]
-            return value[columns] if isinstance(value, np.ndarray) else value
-
-        effects = {
-            name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()
-        }
-        error, reach = (known[columns] if len(known) else known for known in (self.error, self.reach))
-        return replace(self, arm=self.loaded_arm().only(joints), effects=effects, error=error, reach=reach)
-
-    def bound(self, stage: str) -> list[Effect]:
-        """The effects of a stage as blocks over all joints, in physical order."""
-        return [
-            bind(name, values, self.arm.joints)
-            for name, values in self.in_order()
-            if effect(name).stage == stage
-        ]
-
-    def in_order(self) -> list[tuple[str, Values]]:
-        """The effects that the model has, in physical order. Raises ModelError for one that there is not."""
-        order = list(registry())
-        return sorted(self.effects.items(), key=lambda item: order.index(effect(item[0]).id))
+    """An arm and its effects, with what it predicts and as a file; see ``ArmModel`` for what it holds."""
 
     def parameters(self) -> dict[str, Any]:
         """Flat ROS parameters, effects at their null left out."""
@@ -191,13 +70,6 @@ class Model(Predictor):
         """Twelve hex digits that change with any parameter."""
         text = json.dumps(self.parameters(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
-
-
-def _spread(arm: Arm, joints: tuple[str, ...]) -> Arm:
-    """The arm with as many joints as that, each like its only one."""
-    names = ("ratio", "dead_band", "lower", "upper", "compliance", "link_length", "link_mass")
-    arrays: dict[str, Any] = {name: spread_over(getattr(arm, name), len(joints)) for name in names}
-    return replace(arm, joints=joints, wire=None, **arrays)
 
 
 def declared_parameters() -> list[Declaration]:

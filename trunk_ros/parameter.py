@@ -28,6 +28,8 @@ class Parameter:
     """What the motion itself tells, at the start of a fit, is not fitted."""
     gone: float | None = None
     """The value at which the effect is absent, where what is meant by default is another one."""
+    relative: bool = False
+    """Of a number of the arm, which is multiplied by 1 more than that."""
     carried: bool = False
     """A mass at the tip [kg], which all joints feel."""
     stated: str = ""

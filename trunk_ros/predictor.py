@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from trunk_ros.arm_model import ArmModel
+
 if TYPE_CHECKING:
     from trunk_ros.export.reality.plant import Plant
-    from trunk_ros.model import Model
     from trunk_ros.recording.recording import Recording
 
 
-class Predictor:
+@dataclass(frozen=True)
+class Predictor(ArmModel):
     """The part of a model that predicts and is scored."""
 
     def predict(self, recording: Recording, source: str = "gearbox_states") -> Recording:
@@ -21,7 +24,7 @@ class Predictor:
         """
         from trunk_ros.simulate import simulate
 
-        return simulate(recording, cast("Model", self), source)
+        return simulate(recording, self, source)
 
     def score(self, recording: Recording, after: float = 5.0) -> dict[str, float]:
         """Root mean square error [rad] of the predicted readings of each joint, ``after`` s from the start.
@@ -42,4 +45,4 @@ class Predictor:
         """
         from trunk_ros.export.reality.plant import Plant
 
-        return Plant(cast("Model", self), environments)
+        return Plant(self, environments)

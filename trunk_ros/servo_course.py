@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import Chain
-from trunk_ros.model import Model
 from trunk_ros.recording.recording import Floats, JointSeries, Recording
 from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
 from trunk_ros.recording.signal.fill import fill, hold
@@ -19,7 +19,7 @@ WILD = 6.0  # standard deviations of noise
 AGREES = 65  # samples around a moment whose readings must all be those of the servo's course
 
 
-def servo_course(setpoints: JointSeries, wanted: Floats, model: Model) -> JointSeries:
+def servo_course(setpoints: JointSeries, wanted: Floats, model: ArmModel) -> JointSeries:
     """Gearbox angles of the model's servos under setpoints, at the stamps ``wanted`` (n,) s."""
     grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
     last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
@@ -27,7 +27,7 @@ def servo_course(setpoints: JointSeries, wanted: Floats, model: Model) -> JointS
     return JointSeries(wanted[kept], setpoints.joints, phi[rows])
 
 
-def all_setpoints(recording: Recording, joints: tuple[str, ...], model: Model) -> JointSeries | None:
+def all_setpoints(recording: Recording, joints: tuple[str, ...], model: ArmModel) -> JointSeries | None:
     """Setpoints of the joints with those that were lost on the way to the bag, which move as the reference
     does; None where they were not recorded.
     """
@@ -43,7 +43,7 @@ def all_setpoints(recording: Recording, joints: tuple[str, ...], model: Model) -
 
 
 def as_the_servo_went(
-    recording: Recording, gearbox: JointSeries, steps: Floats, grid: Floats, phi: Floats, model: Model
+    recording: Recording, gearbox: JointSeries, steps: Floats, grid: Floats, phi: Floats, model: ArmModel
 ) -> Floats:
     """Gearbox angles (m, joints) on the grid (m,) s: ``phi``, but those of the model's servo where it
     passes, led by the recorded setpoints alone, all readings near by within their rounding or their noise. Of

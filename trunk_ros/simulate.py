@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.sensor_faults import without_wild
-from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
 from trunk_ros.recording.signal.gaps import bridged, missing
@@ -22,7 +22,7 @@ from trunk_ros.transmission import at_joints, by_joint, uncoupled
 
 
 def simulate(
-    recording: Recording, model: Model, source: str = "gearbox_states", settle: float = SETTLE
+    recording: Recording, model: ArmModel, source: str = "gearbox_states", settle: float = SETTLE
 ) -> Recording:
     """What a model predicts for a recording's gearbox angles or setpoints. Of recorded joint angles those
     of the
@@ -83,7 +83,7 @@ def _readings(measured: JointSeries, joints: tuple[str, ...]) -> Array:
     return out
 
 
-def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: Model) -> JointSeries:
+def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: ArmModel) -> JointSeries:
     """Gearbox angles between the encoder's counts, and with lost ones as the servo follows the setpoints.
 
     A model without effects stays the formula of the counts.

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm_model import AnyModel, ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.errors import RecordingError
-from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
 
@@ -25,7 +25,7 @@ def by_joint(recording: Recording, arm: Arm) -> Recording:
     return replace(recording, series=series)
 
 
-def uncoupled(recording: Recording, model: Model) -> tuple[Recording, Model]:
+def uncoupled(recording: Recording, model: AnyModel) -> tuple[Recording, AnyModel]:
     """Both as if each joint had a motor of its own, which turns as far as all motors together turn the joint.
 
     Raises RecordingError where a motor is missing.
@@ -62,7 +62,6 @@ def at_joints(series: JointSeries, arm: Arm, measured: bool = True) -> JointSeri
     )
 
 
-def ratio_of(model: Model) -> Array:
+def ratio_of(model: ArmModel) -> Array:
     """(joints,) joint angle per gearbox angle, with what was found."""
-    relative = model.effects.get("ratio_error", {}).get("relative", 0.0)
-    return np.asarray(model.arm.ratio * (1.0 + relative))
+    return np.asarray(model.number("ratio"))

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding, Plots
+from trunk_ros.diagnosis.verdict.answer import Plots
+from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import load_model
 
 NOISE = 1e-4  # rad

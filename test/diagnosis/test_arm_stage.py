@@ -15,7 +15,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
-from trunk_ros.diagnosis.verdict.result import Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
 

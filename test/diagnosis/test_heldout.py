@@ -11,11 +11,12 @@ from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.discrepancy.curves import KNOTS, UNKNOWN, Place, redrawn, with_curve
+from trunk_ros.diagnosis.discrepancy.curves import KNOTS, Place, redrawn, with_curve
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, held_out
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.wire.unknown import Unknown
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
@@ -29,7 +30,7 @@ BEAM = Hypothesis(
 
 def curve_over(variable: str, low: float, high: float) -> Hypothesis:
     """A curve of nothing yet."""
-    return with_curve(Hypothesis(), Place(UNKNOWN, variable, low, high), JOINT, np.zeros(KNOTS))
+    return with_curve(Hypothesis(), Place(Unknown.id, variable, low, high), JOINT, np.zeros(KNOTS))
 
 
 def with_added(added: Array) -> Recording:

@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import fitted
-from trunk_ros.diagnosis.evidence.residual_dependence import CELLS, TELLS, accounted, goes_on
+from trunk_ros.diagnosis.data.motion_content import PLACES
+from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on
+from trunk_ros.diagnosis.search.score import SHARE
 from trunk_ros.diagnosis.verdict.findings import left_over
 
 
-@pytest.mark.parametrize("count", [20 * CELLS, 600, 6000])
+@pytest.mark.parametrize("count", [20 * PLACES, 600, 6000])
 def test_noise_depends_on_nothing(count: int) -> None:
     rng = np.random.default_rng(count)
     shares = [accounted(rng.normal(size=count), rng.normal(size=count)) for _ in range(200)]
-    assert np.mean(np.array(shares) > TELLS) < 0.05
+    assert np.mean(np.array(shares) > SHARE) < 0.05
 
 
 def test_coloured_noise_depends_on_nothing_that_moves_slowly() -> None:
@@ -26,7 +28,7 @@ def test_coloured_noise_depends_on_nothing_that_moves_slowly() -> None:
         noise, x = rng.normal(size=3000), np.sin(np.linspace(0, 20 * rng.uniform(0.5, 1), 3000))
         for k in range(1, len(noise)):
             noise[k] += pole * noise[k - 1]
-        over += accounted(x, noise, pole) > TELLS
+        over += accounted(x, noise, pole) > SHARE
     assert over < 10
 
 

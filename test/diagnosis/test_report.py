@@ -19,7 +19,8 @@ from trunk_ros.diagnosis.report.regimes import stretches
 from trunk_ros.diagnosis.report.series import thinned
 from trunk_ros.diagnosis.report.signals import signals
 from trunk_ros.diagnosis.report.where import maps
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Unexplained
+from trunk_ros.diagnosis.verdict.answer import Unexplained
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.recording.topics import TOPICS
 
 TRAIN = Path(__file__).parents[3] / "shared" / "concealed" / "dev_two_0" / "train"

@@ -11,7 +11,7 @@ import pytest
 
 from test.diagnosis.arms import on, recorded, reshaped
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.verdict.result import SCHEMA
+from trunk_ros.diagnosis.verdict.answer import SCHEMA
 from trunk_ros.diagnosis.verdict.schema import diagnosis_schema
 
 jsonschema = pytest.importorskip("jsonschema")

@@ -6,7 +6,7 @@ import pytest
 
 from test.concealed.space_case import SpaceCase, draw_case
 from test.space_proof import told
-from trunk_ros.diagnosis.verdict.result import Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
 
 
 def findings(seed: int) -> tuple[SpaceCase, list[Finding]]:

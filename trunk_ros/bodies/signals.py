@@ -129,8 +129,7 @@ def _even(series: JointSeries, values: Array, grid: Array) -> Array:
 
 def _joint_angles(recording: Recording, model: Model, grid: Array) -> Array:
     series = {key: each for key, each in recording.series.items() if key == "gearbox_states"}
-    prompt = replace(model, effects={k: v for k, v in model.effects.items() if k != "sensor_delay"})
-    said = simulate(replace(recording, series=series), prompt).series["joint_states"]
+    said = simulate(replace(recording, series=series), model.prompt()).series["joint_states"]
     return _even(said, said.select(model.arm.joints).position, grid)
 
 

@@ -15,7 +15,8 @@ from trunk_ros.commands.progress import progress
 from trunk_ros.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+    from trunk_ros.diagnosis.verdict.finding import Finding
+    from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 FILES = ("diagnosis.json", "model.yaml", "report.html", "simulation.yaml", "*.yaml", "*.png")
 TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".npy", ".npz")

@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
@@ -134,5 +135,5 @@ def without_play(model: Model) -> Model:
 
 def with_own_ratio(model: Model) -> Model:
     """The same with the ratios that were found as the arm's own."""
-    effects = {name: values for name, values in model.effects.items() if name != "ratio_error"}
+    effects = {name: values for name, values in model.effects.items() if effect(name).changes != "ratio"}
     return replace(model, arm=replace(model.arm, ratio=ratio_of(model)), effects=effects)

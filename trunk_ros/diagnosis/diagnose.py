@@ -11,7 +11,8 @@ from trunk_ros.diagnosis.data.other_simulator import completed
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model
 from trunk_ros.recording.read import read_parts, read_recording

@@ -25,10 +25,11 @@ from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
 from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Plots, Unexplained
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.wire import WireStage
-from trunk_ros.effect_values import Values
+from trunk_ros.effect_values import Values, lateness
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
@@ -187,7 +188,7 @@ class Diagnoser:
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, power in powers(context, state.hypothesis).items() if power > STRONG}
-        told = {j for f in new if f.effect == "unknown" for j in f.joints}
+        told = {j for f in new if not f.named for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(context, state.hypothesis)
@@ -224,7 +225,7 @@ class Diagnoser:
 
     def tip(self) -> None:
         """Joint to tip."""
-        late = float(self.effects.get("sensor_delay", {}).get("delay", 0.0))
+        late = lateness(self.effects)
         model = replace(self.path, effects={**self.path.effects, **self.effects})
         best = fitted_tip(self.wires, model, late, self.lasting) if self.against is None else None
         if best is None:

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
 from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.verdict.result import STAGES
+from trunk_ros.diagnosis.verdict.answer import STAGES
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import Effect, registry
 from trunk_ros.errors import TrunkError

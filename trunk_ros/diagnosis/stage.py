@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -18,14 +18,34 @@ from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.repeated_readings import coarseness
 from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
-from trunk_ros.effects.effect import borne
+from trunk_ros.diagnosis.work import Work
+from trunk_ros.effects.effect import Now, borne
+from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.guards import SAME
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
 
-if TYPE_CHECKING:
-    from trunk_ros.diagnosis.context import Context
+STANDING = 3.0  # times the mean power of an encoder's steps that a joint shows where it stands
 
-UNLOADED = 1e-6  # of the largest moment, below which a joint feels none
+
+class Sight(Protocol):
+    """What a stage is shown of the arm when it is to predict."""
+
+    @property
+    def views(self) -> tuple[View, ...]:
+        """What is seen in each span."""
+
+    @property
+    def work(self) -> Work:
+        """What predictions have cost so far."""
+
+    def now(
+        self, index: int, column: int, payload: Payload = NOTHING, rows: tuple[int, ...] | None = None
+    ) -> Now:
+        """The surroundings of a column in a span, or at some ``rows`` of its grid."""
+
+    def usual_rest(self, column: int) -> float:
+        """Share of the noise power above which a residual is more than noise, going by the noise."""
 
 
 class Stage(ABC):
@@ -89,7 +109,7 @@ class Stage(ABC):
     @cached_property
     def _bears(self) -> list[bool]:
         seen = np.array([np.abs(each).max(axis=0) for v in self.views for each in (v.load, v.lever)])
-        return [bool(felt) for felt in (seen > UNLOADED * seen.max()).any(axis=0)]
+        return [bool(felt) for felt in (seen > SAME * seen.max()).any(axis=0)]
 
     def own_steps(self, column: int) -> float:
         """Standard deviation of the steps of a joint's own encoder, or of a coarse sensor."""
@@ -102,22 +122,22 @@ class Stage(ABC):
         return float(step / np.sqrt(12.0) * abs(self.arm.ratio[column]))
 
     @abstractmethod
-    def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
+    def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
 
-    def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
+    def seen(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
         """What is seen with the angles and loads that a hypothesis predicts, where the stage has any; as it
         is where they are nearly the same.
         """
-        return context.views
+        return sight.views
 
     def noises(self, found: list[Noise]) -> list[Noise]:
         """Noise (joints,) as it is estimated, at least what is known of the sensors."""
         return [replace(n, std=max(n.std, self.own_steps(c))) for c, n in enumerate(found)]
 
-    def least_rest(self, context: Context, column: int) -> float:
+    def least_rest(self, sight: Sight, column: int) -> float:
         """Share of the noise power above which a residual is more than noise."""
-        return context.usual_rest(column)
+        return sight.usual_rest(column)
 
     def _view(self, span: Span) -> View:
         angles, speeds = self.arm.driven(span.gearbox), span.velocity * self.arm.ratio

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, wire_pass
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.stage import Sight, Stage
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
@@ -37,23 +37,23 @@ class WireStage(Stage):
         super()._load(spans)
         self._stands: dict[tuple[int, int], tuple[tuple[int, ...], float]] = {}
 
-    def predict(self, context: Context, index: int, hypothesis: Hypothesis, column: int) -> Array:
-        shown, _, now, blocks = self._passed(context, index, hypothesis, column)
-        span = context.views[index].span
+    def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        shown, _, now, blocks = self._passed(sight, index, hypothesis, column)
+        span = sight.views[index].span
         return _besides(span, column, now, blocks, shown[:, 0].take(span.rows))
 
     def _passed(
-        self, context: Context, index: int, hypothesis: Hypothesis, column: int
+        self, sight: Sight, index: int, hypothesis: Hypothesis, column: int
     ) -> tuple[Array, Array, Now, list[Effect]]:
         """The joint's reading and its own angle (m, 1), what its effects see, and these."""
-        span, payload = context.views[index].span, payload_of(hypothesis)
-        now = context.now(index, column, payload)
+        span, payload = sight.views[index].span, payload_of(hypothesis)
+        now = sight.now(index, column, payload)
         width = self.arm.dead_band[None, column : column + 1]
         blocks = hypothesis.bound(column)
         state = None
         if len(span.start[column]):
             rows, level = self._stand(span, column)
-            seen, one = (context.now(index, column, payload, some) for some in (rows, rows[:1]))
+            seen, one = (sight.now(index, column, payload, some) for some in (rows, rows[:1]))
             state = begun(seen, one, blocks, width, level)
         shown, true, _ = wire_pass(now.gearbox, now, blocks, Core(nominal_width=width, width=width), state)
         return shown, true, now, blocks
@@ -70,27 +70,27 @@ class WireStage(Stage):
             self._stands[key] = tuple(rows.tolist()), float(np.median(span.target[seen, column]))
         return self._stands[key]
 
-    def seen(self, context: Context, hypothesis: Hypothesis) -> tuple[View, ...]:
+    def seen(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
         columns = range(len(self.joints))
         if hypothesis.shakes:
-            chain = _chain(context, hypothesis)
-            paths = [_together(chain, view.span) for view in context.views]
-            context.work.done += TOGETHER * sum(path.size for path in paths)
+            chain = _chain(self.arm, hypothesis)
+            paths = [_together(chain, view.span) for view in sight.views]
+            sight.work.done += TOGETHER * sum(path.size for path in paths)
         else:
             paths = [
-                np.column_stack([self._passed(context, index, hypothesis, c)[1][:, 0] for c in columns])
-                for index in range(len(context.views))
+                np.column_stack([self._passed(sight, index, hypothesis, c)[1][:, 0] for c in columns])
+                for index in range(len(sight.views))
             ]
-        pairs = list(zip(context.views, paths, strict=True))
+        pairs = list(zip(sight.views, paths, strict=True))
         same = SAME * (SHAKEN if hypothesis.shakes else 1.0)
         if all(np.abs(view.angles - path).max() <= same * np.ptp(path) for view, path in pairs):
-            return context.views
+            return sight.views
         return tuple(replace(view, angles=path) for view, path in pairs)
 
 
-def _chain(context: Context, hypothesis: Hypothesis) -> Chain:
+def _chain(arm: Arm, hypothesis: Hypothesis) -> Chain:
     """All joints at once."""
-    return Chain(Model(context.arm, hypothesis.model_effects(len(context.joints))), "wire")
+    return Chain(Model(arm, hypothesis.model_effects(len(arm.joints))), "wire")
 
 
 def _together(chain: Chain, span: Span) -> Array:
@@ -105,7 +105,7 @@ def settled(state: Fit, seconds: float) -> Fit:
     context = state.context
     if seconds <= 0.0 or not any(view.span.before for view in context.views):
         return state
-    chain = _chain(context, state.hypothesis)
+    chain = _chain(context.arm, state.hypothesis)
     views = tuple(_with_a_start(chain, view, seconds) for view in context.views)
     looked = replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
     return refit(looked, state.hypothesis)

@@ -27,6 +27,8 @@ RANGE = (
     Parameter("low", "1", (-1e9, 1e9), "where the curve begins", typical=-1.0),
     Parameter("high", "1", (-1e9, 1e9), "where the curve ends", typical=1.0),
 )
+LOW, HIGH = (p.name for p in RANGE)
+ON = "on"  # the word that says what a curve is over
 VALUES = tuple(
     Parameter(f"value_{k:02d}", "rad", (-10.0, 10.0), "the curve at an evenly spaced knot", typical=1e-3)
     for k in range(KNOTS)
@@ -44,9 +46,13 @@ class Curve(Effect):
     named = False
     regime: ClassVar[Regime] = "posture"
     parameters = RANGE + VALUES
-    texts = ("on",)
+    texts = (ON,)
     follows_readings: ClassVar[bool] = False
     """Over time it adds to the angle whatever there is, as a reading that wanders does."""
+    linear: ClassVar[bool] = False
+    """It is added to the angle as it is."""
+    hides: ClassVar[bool] = False
+    """A small one shows nothing of a large one: a fit begins at the best constant."""
     of: ClassVar[str] = "the angle"
     """What the curve is added to."""
     also: ClassVar[tuple[str, ...]] = ()
@@ -90,6 +96,11 @@ class Curve(Effect):
         from scipy.interpolate import CubicSpline  # of few models: importing it takes a node 0.3 s
 
         return CubicSpline(knots, values, bc_type="natural")
+
+    @classmethod
+    def over(cls, variables: list[str], own: list[str]) -> list[str]:
+        """What it is tried over, of what there is: all ``variables``, and those that are the joint's own."""
+        return []
 
     @classmethod
     def leaves(cls, words: Mapping[str, str]) -> float:

@@ -4,79 +4,21 @@ from __future__ import annotations
 
 from abc import ABC
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from dataclasses import replace
+from functools import cache
 from typing import Any, ClassVar, Literal
 
-import numpy as np
-
-from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
+from trunk_ros.effects.now import Motion as Motion
+from trunk_ros.effects.now import Now as Now
+from trunk_ros.effects.now import View
+from trunk_ros.effects.now import borne as borne
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import FROM, GROWN, UNTIL, Parameter
 
 Stage = Literal["servo", "wire", "arm"]
 Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
-
-
-@dataclass
-class Now:
-    """What an effect may look at besides its input; time runs along axis 0, joints along axis 1.
-
-    ``angles`` holds all joints of the arm (columns named by ``joints``), the rest the joints being computed.
-    """
-
-    stamp: Array
-    """(n,) s since the first sample of the recording."""
-    dt: Array
-    """(n,) s since the sample before; 0 at the very first."""
-    gearbox: Array
-    """(n, columns) rad."""
-    speed: Array
-    """(n, columns) rad/s, on the joint side."""
-    load: Array
-    """(n, columns) N m, weight's moment, positive where it increases the angle."""
-    angles: Array
-    """(n, all joints) rad."""
-    wires: Array
-    """(n, all joints) rad, ratio times gearbox angle."""
-    joints: tuple[str, ...]
-    ratio: Array
-    """(columns,) joint angle per gearbox angle."""
-    held: bool = False
-    """Whether time stands at the end of the recording that the model was fitted on."""
-    speeds: Array = field(default_factory=lambda: np.empty((0, 0)))
-    """(n, all joints) rad/s, like ``speed``."""
-    columns: tuple[int, ...] = ()
-    """Places of the joints being computed among all ``joints``."""
-    arm: Arm | None = None
-    """With the payload that it carries; None where its links' masses are of no account."""
-
-    @cached_property
-    def masses(self) -> Array:
-        """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
-        assert self.arm is not None
-        return self.arm.mass_matrix(self.angles)
-
-
-def borne(load: Array) -> float:
-    """Size [N m] of what a joint bears (n,)."""
-    return float(np.sqrt(np.mean(load**2)))
-
-
-@dataclass(frozen=True)
-class Motion:
-    """What a joint's motion is like, for what can be told from it."""
-
-    wide_loop: bool = False
-    """Always alike, with a wide loop: it hides what else varies with speed or time."""
-    one_way: bool = False
-    """It never comes back."""
-    once: bool = False
-    """It shows a wide loop, and goes through none of it twice."""
-    masses: bool = True
-    """Those of the links are known, and their inertia is in no load yet."""
 
 
 UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that never comes back shows nothing
@@ -120,6 +62,14 @@ class Effect(ABC):
     """Each transmission has a value of it, which hides the others' that are so too."""
     everywhere: ClassVar[bool] = False
     """Physics acts on all joints alike, so that it is judged for the arm as a whole."""
+    in_plane: ClassVar[bool] = False
+    """It moves the tip of a chain in a plane within that plane, and nothing simpler does the same there."""
+    delays_readings: ClassVar[bool] = False
+    """Its first parameter [s] is the age of the joints' readings; the joints themselves are not late."""
+    shifts_readings: ClassVar[bool] = False
+    """Its first parameter is a constant in a joint's reading, as where its sensor's zero is off."""
+    changes: ClassVar[str] = ""
+    """The number of the arm that it says is another one, ``ratio``, ``kp`` or ``v_max``; see ``changed``."""
     begins: ClassVar[bool] = False
     """It may begin or end in the middle of a recording."""
     grows: ClassVar[bool] = False
@@ -128,6 +78,8 @@ class Effect(ABC):
     """The effect grows in proportion to its first parameter's distance from null, so that a linear look
     finds its size.
     """
+    view: ClassVar[View | None] = None
+    """What its signature is drawn over, where that is not what its regime says."""
     needs: ClassVar[tuple[str, ...]] = ()
     """``load``: it must be known, by masses or effort; ``weight``: by masses; ``dead_band``: nominal
     dead bands to compare; ``several``: more than one joint.
@@ -259,6 +211,18 @@ class Effect(ABC):
     def used(cls, form: str) -> tuple[Parameter, ...]:
         """Those of a form, and the moments."""
         return (*cls.own_parameters(form), *cls.moments())
+
+    @classmethod
+    def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
+        """The arm's number that it ``changes``, with a model's values of it."""
+        return number
+
+    @classmethod
+    def compensated(cls, values: dict[str, Any], gain: Array) -> dict[str, Any]:
+        """Of a model's values what a compensator may go by whose servo has a position loop of ``gain``
+        (joints,) 1/s: less where that would carry the joint past its reference.
+        """
+        return values
 
     @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:

@@ -3,39 +3,39 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Generic
 
 import numpy as np
 
+from trunk_ros.arm_model import AnyModel, ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect
-from trunk_ros.model import Model
 from trunk_ros.transmission import ratio_of
 
-RELATIVE = "relative"  # of a gain: two of them multiply
 PLAY = ("backlash", "tension_error")
 EXCESS = "{}: the simulator has more of it than the arm ({}), which nothing that is added takes away"
 CHANGED = "{}: the simulator has it with other values, and one cannot be had from the other"
 
 
 @dataclass(frozen=True)
-class Missing:
+class Missing(Generic[AnyModel]):
     """``model``: an arm with the simulator's ratios and no play of its own, with what is to be added;
     ``remarks``: what cannot be added, a sentence each.
     """
 
-    model: Model
+    model: AnyModel
     remarks: tuple[str, ...] = ()
 
 
-def missing(model: Model, simulation: Model | None = None) -> Missing:
+def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyModel]:
     """What a simulator lacks of the arm as it was at the end; by default it is ideal, with the nominal ratios
     and nothing else.
 
     Raises ModelError where the two models have different joints.
     """
     model, joints = model.at_end(), model.arm.joints
-    theirs = (Model(replace(model.arm, dead_band=0.0 * model.arm.dead_band)) if simulation is None
+    theirs = (ArmModel(replace(model.arm, dead_band=0.0 * model.arm.dead_band)) if simulation is None
               else simulation.for_joints(joints).only(joints))  # fmt: skip
     remarks: list[str] = []
     effects: dict[str, Values] = {}
@@ -55,18 +55,12 @@ def missing(model: Model, simulation: Model | None = None) -> Missing:
     for name in theirs.effects:
         if name not in model.effects and name not in (*PLAY, "ratio_error"):
             remarks.append(EXCESS.format(name, "the arm has none"))
-    faster = _relative(theirs.effects.get("servo_bandwidth", {}))
-    arm = replace(
-        model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=model.arm.kp * (1.0 + faster)
-    )
+    servo = float(replace(theirs, arm=model.arm).number("kp"))
+    arm = replace(model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=servo)
     return Missing(replace(model, arm=arm, effects=effects), tuple(remarks))
 
 
-def _relative(values: Values) -> float:
-    return float(values.get(RELATIVE, 0.0))
-
-
-def play_of(model: Model) -> Array:
+def play_of(model: ArmModel) -> Array:
     """(joints,) rad: half-width of the play, with what was found."""
     factor = model.effects.get("tension_error", {}).get("factor", 1.0)
     added = model.effects.get("backlash", {}).get("half_width", 0.0)
@@ -86,7 +80,7 @@ def _less(
     if lead.null != 0.0 or lead.scale == "log" or not kind.scalable or not kind.named:
         remarks.append(CHANGED.format(kind.id))
         return {}
-    left = (1.0 + mine) / (1.0 + own) - 1.0 if lead.name == RELATIVE else mine - own
+    left = (1.0 + mine) / (1.0 + own) - 1.0 if lead.relative else mine - own
     if lead.bounds[0] == 0.0 and np.any(left < 0.0):
         remarks.append(EXCESS.format(kind.id, listed(joints, -np.minimum(left, 0.0), lead.unit)))
         left = np.maximum(left, 0.0)

@@ -1,19 +1,29 @@
-"""Recordings from arrays and tables in memory."""
+"""The series of a recording from arrays and tables in memory."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.check import checked
 from trunk_ros.recording.importing.units import UNITS
-from trunk_ros.recording.recording import Floats, JointSeries, Recording
+from trunk_ros.recording.series import Floats, JointSeries
 
 Columns = str | Sequence[str] | Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Arrays:
+    """What arrays make of a recording: stamps (n,) s, its series, the units of joints that are not in rad."""
+
+    name: str
+    stamp: Floats
+    series: dict[str, JointSeries]
+    units: dict[str, str]
 
 
 def from_arrays(
@@ -26,8 +36,8 @@ def from_arrays(
     joints: Sequence[str] | None = None,
     unit: str = "rad",
     name: str = "arrays",
-) -> Recording:
-    """A recording of arrays with common stamps ``t`` (n,) s; see ``Recording.from_arrays``."""
+) -> Arrays:
+    """The series of arrays with common stamps ``t`` (n,) s; see ``Recording.from_arrays``."""
     stamp = _stamps(t)
     if unit not in UNITS or UNITS[unit][0] not in ("rad", "m", "1"):
         raise RecordingError(f"{name}: unit {unit!r} is none of a joint: rad, deg, m, mm or 1")
@@ -48,7 +58,7 @@ def from_arrays(
         for key, each in values.items()
     }
     units = {} if si == "rad" else dict.fromkeys(names, si)
-    return checked(Recording(name, 0, float(stamp[-1]), series, units=units))
+    return Arrays(name, stamp, series, units)
 
 
 def from_pandas(
@@ -61,8 +71,8 @@ def from_pandas(
     torque: Columns | None = None,
     unit: str = "rad",
     name: str = "table",
-) -> Recording:
-    """A recording of the columns of a table; see ``Recording.from_pandas``."""
+) -> Arrays:
+    """The series of the columns of a table; see ``Recording.from_pandas``."""
     stamp = table.index if time is None else table[time]
     chosen = {"motor": motor, "joint": joint, "setpoint": setpoint, "torque": torque}
     given = {key: _named(each) for key, each in chosen.items() if each is not None}
@@ -83,8 +93,8 @@ def from_xarray(
     time: str = "time",
     unit: str = "rad",
     **others: str,
-) -> Recording:
-    """A recording of the variables of a data set; see ``Recording.from_xarray``."""
+) -> Arrays:
+    """The series of the variables of a data set; see ``Recording.from_xarray``."""
     chosen = {"motor": motor, "joint": joint, **others}
     there = {key: data[each] for key, each in chosen.items() if each in data}
     arrays = {key: each.transpose(time, ...).to_numpy() for key, each in there.items()}

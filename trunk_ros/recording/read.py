@@ -7,7 +7,6 @@ from pathlib import Path
 from trunk_ros.errors import RecordingError, one_line
 from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.bag.bag import read_blocks
-from trunk_ros.recording.check import checked
 from trunk_ros.recording.child_process import HELD, brought_together
 from trunk_ros.recording.messages import holes
 from trunk_ros.recording.messages.assemble import all_times, first_stamp, joint_series, table_bytes, within
@@ -45,7 +44,7 @@ def read_recording(
     RecordingError, ArgumentError: one line on what is wrong.
     """
     whole = max(_read(Path(path), namespace, progress), key=_samples)
-    return checked(whole.part(*time_range(whole.duration, from_time, until)))
+    return whole.part(*time_range(whole.duration, from_time, until)).checked()
 
 
 def read_parts(
@@ -53,7 +52,7 @@ def read_parts(
 ) -> list[Recording]:
     """The same as all the recordings that it is, mostly one; times are those of each part."""
     wholes = _read(Path(path), namespace, None)
-    return [checked(each.part(*time_range(each.duration, from_time, until))) for each in wholes]
+    return [each.part(*time_range(each.duration, from_time, until)).checked() for each in wholes]
 
 
 def _samples(recording: Recording) -> int:

@@ -1,82 +1,19 @@
 """A recording in memory: one array per quantity, all stamps in seconds since the recording's first sample."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from trunk_ros.errors import RecordingError
+from trunk_ros.recording.arrays import Arrays, from_arrays, from_pandas, from_xarray
+from trunk_ros.recording.check import checked
 from trunk_ros.recording.observed import Observed
+from trunk_ros.recording.series import Counts as Counts
+from trunk_ros.recording.series import Floats as Floats
+from trunk_ros.recording.series import JointSeries as JointSeries
+from trunk_ros.recording.series import PoseSeries as PoseSeries
 from trunk_ros.recording.topics import TIP, TOPICS
-
-Floats: TypeAlias = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Counts:
-    """What a reader saw of one topic before it was sorted and cleaned."""
-
-    messages: int = 0
-    duplicates: int = 0
-    out_of_order: int = 0
-    not_finite: int = 0
-    unreadable: int = 0
-
-
-@dataclass(frozen=True)
-class JointSeries:
-    """One JointState topic.
-
-    stamp: (n,) s since `Recording.start_ns`, rising, unique. position, velocity, effort: (n, joints), in the
-    unit of the joint (rad unless the recording says otherwise), per s, and N m or N; NaN where not known.
-    """
-
-    stamp: Floats
-    joints: tuple[str, ...]
-    position: Floats
-    velocity: Floats | None = None
-    effort: Floats | None = None
-
-    def select(self, joints: tuple[str, ...]) -> "JointSeries":
-        """The same series with these joints in this order; RecordingError names a joint that is not there."""
-        missing = [joint for joint in joints if joint not in self.joints]
-        if missing:
-            raise RecordingError(f"no joint {', '.join(missing)}: there are {', '.join(self.joints)}")
-        columns = [self.joints.index(joint) for joint in joints]
-        position, velocity, effort = (
-            None if values is None else values[:, columns]
-            for values in (self.position, self.velocity, self.effort)
-        )
-        assert position is not None
-        return JointSeries(self.stamp, joints, position, velocity, effort)
-
-    def between(self, first: float, end: float) -> "JointSeries":
-        """The samples with first <= stamp < end, stamps unchanged."""
-        return self.rows((self.stamp >= first) & (self.stamp < end))
-
-    def rows(self, keep: npt.NDArray[np.bool_]) -> "JointSeries":
-        """The samples chosen by `keep` (n,), stamps unchanged."""
-        position, velocity, effort = (
-            None if values is None else values[keep] for values in (self.position, self.velocity, self.effort)
-        )
-        assert position is not None
-        return JointSeries(self.stamp[keep], self.joints, position, velocity, effort)
-
-
-@dataclass(frozen=True)
-class PoseSeries:
-    """Poses of the tip: stamp (n,) s, position (n, 3) m, orientation (n, 4) as x, y, z, w, in `frame`."""
-
-    stamp: Floats
-    position: Floats
-    orientation: Floats
-    frame: str = "base_link"
-
-    def between(self, first: float, end: float) -> "PoseSeries":
-        """The samples with first <= stamp < end, stamps unchanged."""
-        keep = (self.stamp >= first) & (self.stamp < end)
-        return PoseSeries(self.stamp[keep], self.position[keep], self.orientation[keep], self.frame)
 
 
 @dataclass(frozen=True)
@@ -132,9 +69,7 @@ class Recording:
         by default joint_1 and so on. unit: rad, deg, m, mm or 1. name: what to call it in messages.
         RecordingError where shapes do not fit.
         """
-        from trunk_ros.recording.arrays import from_arrays
-
-        return from_arrays(t, motor, joint, **others)
+        return Recording._of(from_arrays(t, motor, joint, **others))
 
     @staticmethod
     def from_pandas(table: Any, motor: Any = None, joint: Any = None, **others: Any) -> "Recording":
@@ -144,9 +79,7 @@ class Recording:
         `joint`. time: column of the stamps in s or as dates, by default the index. unit, name: as in
         `from_arrays`. RecordingError names a column that is not there.
         """
-        from trunk_ros.recording.arrays import from_pandas
-
-        return from_pandas(table, motor, joint, **others)
+        return Recording._of(from_pandas(table, motor, joint, **others))
 
     @staticmethod
     def from_xarray(data: Any, motor: str = "motor", joint: str = "joint", **others: Any) -> "Recording":
@@ -155,9 +88,18 @@ class Recording:
         motor, joint, setpoint, torque: names of variables; time: name of their dimension of time. Joints are
         named by the coordinate of the other dimension, if it has one.
         """
-        from trunk_ros.recording.arrays import from_xarray
+        return Recording._of(from_xarray(data, motor, joint, **others))
 
-        return from_xarray(data, motor, joint, **others)
+    @staticmethod
+    def _of(given: Arrays) -> "Recording":
+        duration = float(given.stamp[-1])
+        return Recording(given.name, 0, duration, given.series, units=given.units).checked()
+
+    def checked(self) -> "Recording":
+        """The recording without velocities and efforts that say nothing; RecordingError for a joint without
+        a single finite value.
+        """
+        return replace(self, series=checked(self.name, self.series, self.tip))
 
     def part(self, first: float, end: float) -> "Recording":
         """The samples with first <= stamp < end; stamps, start and duration stay those of the whole."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import comes_back, is_wide, turned
+from trunk_ros.diagnosis.data.motion_content import ENOUGH, comes_back, is_wide, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.errors import RecordingError
-from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
 from trunk_ros.recording.signal.fill import hold
@@ -37,7 +37,6 @@ BANDS = 4.0  # dead bands that a joint has to move until it is known where in it
 WITHOUT = 0.01  # share of the samples at both ends of a range that may be outliers
 STANDS = 1e-4  # rad, more than the encoder's steps
 FIRST = 1200  # samples that the angle at the start is the median of: of fewer the error shows in a long stand
-LONG = 100  # samples that a joint has to stand before it moves for them to tell anything
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ class Span:
         return np.asarray(self.grid[self.rows])
 
 
-def wire_span(recording: Recording, model: Model) -> Span:
+def wire_span(recording: Recording, model: ArmModel) -> Span:
     """Gearbox angles against joint angles. Raises RecordingError where a topic or all common joints are
     missing.
     """
@@ -147,7 +146,7 @@ def _goes_on(u: Array) -> np.ndarray:
     return np.array([not comes_back(column) and float(np.ptp(column)) > MOVED for column in u.T])
 
 
-def servo_span(recording: Recording, model: Model) -> Span:
+def servo_span(recording: Recording, model: ArmModel) -> Span:
     """Setpoints against gearbox angles."""
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = common_joints(recording, model, setpoints, gearbox)
@@ -166,7 +165,7 @@ def servo_span(recording: Recording, model: Model) -> Span:
     return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
 
-def common_joints(recording: Recording, model: Model, *series: JointSeries) -> tuple[str, ...]:
+def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -> tuple[str, ...]:
     """Joints that all the topics and the model have, in the model's order."""
     known = model.for_joints(series[0].joints).arm.joints if model.any_joints else model.arm.joints
     joints = tuple(j for j in known if all(j in s.joints for s in series))
@@ -249,4 +248,4 @@ def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tupl
     """The first rows of the target at which each joint stands, if it stands long before it moves."""
     still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
     seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(target.shape[1])]
-    return tuple(s[:FIRST] if len(s) >= LONG else s[:0] for s in seen)
+    return tuple(s[:FIRST] if len(s) >= ENOUGH else s[:0] for s in seen)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.motion_content import ENOUGH
 from trunk_ros.diagnosis.data.noise import LEAST, fourth_differences, trimmed
 
 GROUPS = 8  # of samples, by speed
-EACH = 100  # samples of a group, without which it tells nothing
 ALTERNATES = -0.3  # mean product of the signs of one fourth difference and the next: -0.6 of white noise
 CLEARLY = 1.5  # times the noise at rest, at the speeds that are fastest
 ROUNDS = 5
@@ -53,7 +53,7 @@ def growth(residuals: Sequence[Array], speeds: Sequence[Array], masks: Sequence[
     """
     found = [_differences(*each) for each in zip(residuals, speeds, masks, strict=True)]
     size, speed, turns = (np.concatenate([parts[k] for parts in found]) for k in range(3))
-    if len(size) < GROUPS * EACH:
+    if len(size) < GROUPS * ENOUGH:
         return 0.0
     group = np.argsort(np.argsort(speed, kind="stable"), kind="stable") * GROUPS // len(speed)
     each = np.array([trimmed(size[group == g]) for g in range(GROUPS)])

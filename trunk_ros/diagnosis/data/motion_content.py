@@ -6,7 +6,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 
-PLACES = 20
+ENOUGH = 100  # samples: of fewer nothing is told
+PLACES = 20  # cells of a range, with as many samples each
 WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
 VARIES = (
     0.2  # share of the speed's power beyond its means at each place and direction, from which on it tells

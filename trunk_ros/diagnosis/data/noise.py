@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import erf, exp, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.resample import SLOW
 
 BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-TRIMMED = 0.98658  # std of a normal variable within three of its std
+TRIMMED = round(sqrt(1.0 - 6.0 * exp(-4.5) / sqrt(2.0 * pi) / erf(3.0 / sqrt(2.0))), 5)
+"""Standard deviation of a normal variable within three of its standard deviations."""
 REMEMBERED = 0.16  # s that noise is compared over
 LEAST = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
@@ -20,7 +22,8 @@ MOST = 0.985  # correlation
 CORRELATIONS = np.linspace(0.0, MOST, 24)
 DIFFERENCED = np.array([2.0, -16.0, 56.0, -112.0, 70.0])
 """Variance of a fourth difference over that of a signal, as a polynomial of its correlation at one stride."""
-BEND = 8.0  # power of the stride with which the variance of a smooth signal's fourth difference grows
+BEND = 2.0 * (len(BINOMIAL) - 1)
+"""Power of the stride with which the variance of a smooth signal's fourth difference grows."""
 TELLING = 4  # strides that tell motion from noise
 FIRM = 1e-6  # keeps what no stride shows where it is
 ROUNDS = 20

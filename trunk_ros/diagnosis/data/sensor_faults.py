@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.data.repeated_readings import MANY, new_readings
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -21,7 +21,6 @@ HARDLY = 0.1  # of the samples, sticking aside
 LEAPS = 1.5  # times as far as a joint moves between two samples as a rule
 FAR = 12.0  # times the scatter about the readings beside it that a single reading is off
 WILD, MOST = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
-LEAST = 20  # readings of which some can be called wild
 MEASURED = ("gearbox_states", "joint_states")
 FEW = 0.06  # of the readings: more of them are the sensor's noise
 NEAR = 101  # readings whose scatter counts: a burst of noise is no row of single readings
@@ -57,7 +56,7 @@ def without_wild(recording: Recording) -> Recording:
     """A recording without single readings of joints and gearboxes that no arm can have shown, and notes."""
     series, notes = dict(recording.series), []
     for key in MEASURED:
-        if key not in series or len(series[key].stamp) < LEAST:
+        if key not in series or len(series[key].stamp) < MANY:
             continue
         kept: dict[str, Any] = {}
         for name in ("position", "velocity", "effort"):
@@ -78,7 +77,7 @@ def wild(readings: Array) -> np.ndarray:
     known = np.flatnonzero(np.isfinite(readings))
     out = np.zeros(len(readings), dtype=bool)
     step = np.abs(np.diff(readings[known]))
-    if len(known) < LEAST or not (step > 0.0).any():
+    if len(known) < MANY or not (step > 0.0).any():
         return out
     most = float(np.quantile(step[step > 0.0], MOST))
     if step.max() < WILD * most / 4:
@@ -144,12 +143,12 @@ def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Arr
         return None
     motor = gearbox.position[:, gearbox.joints.index(joint)]
     seen = np.isfinite(motor)
-    if seen.sum() < LEAST:
+    if seen.sum() < MANY:
         return None
     there = np.interp(stamp, gearbox.stamp[seen], motor[seen])
     there[in_gaps(gearbox.select((joint,)), stamp)[:, 0]] = np.nan
     known = np.isfinite(readings + there)
-    if known.sum() < LEAST or np.ptp(there[known]) == 0.0:
+    if known.sum() < MANY or np.ptp(there[known]) == 0.0:
         return None
     slope, _ = np.polyfit(there[known] - there[known].mean(), readings[known], 1)
     return np.asarray(readings - slope * there)

@@ -14,6 +14,7 @@ from scipy.linalg.lapack import dpotrf, dpotri
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.effects.bank import Bank
+from trunk_ros.guards import ROUNDED, TINY
 
 ENOUGH = 100_000  # rows
 CUTS = 40  # blocks of time, in FOLDS that are left out in turn
@@ -22,8 +23,6 @@ WORTHS = 4.0 ** np.arange(6)  # samples that may be worth one
 PAYS = 0.005  # of what is left of blocks not seen: what a further source must take off it
 ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
 PRECISIONS = (1e-3, 1e8)
-ROUNDED = 1e-12
-TINY = 1e-300
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,12 @@ from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
-from trunk_ros.diagnosis.search.score import CURVED, STRONG
+from trunk_ros.diagnosis.search.score import CURVED, SHARE, STRONG
 from trunk_ros.effects import effect
+from trunk_ros.effects.curve import HALF
 
-CLEAR = 0.05  # of what is left: what a bank must take off it on blocks not seen
 SPARES = 0.01  # likewise: an effect with a name stays beside banks that it does more for
 SURE = 2.0  # standard errors over the blocks
-HALF = 0.5  # of the misfit: a model that leaves more of it is of something else than what is at work
 
 
 def with_banks(state: Fit) -> Fit:
@@ -44,7 +43,7 @@ def _banked(state: Fit, column: int, misfit: float) -> Fit:
     best = _refitted(context, state.hypothesis, column, found)
     if _names(fewer, column) != _names(state.hypothesis, column):
         lean = _refitted(context, fewer, column, found)
-        best = lean if lean.unseen.mean() < (1.0 - CLEAR) * best.unseen.mean() else best
+        best = lean if lean.unseen.mean() < (1.0 - SHARE) * best.unseen.mean() else best
     before = unseen(context, state.hypothesis, column)
     if not _wins(before, best.unseen, misfit):
         return state
@@ -55,7 +54,7 @@ def _wins(before: Array, after: Array, misfit: float) -> bool:
     """Whether the power that is left in blocks that nothing was fitted to is clearly less than before, and
     little of the misfit.
     """
-    return clearly(before, after, CLEAR) and float(after.mean()) - 1.0 < HALF * misfit
+    return clearly(before, after, SHARE) and float(after.mean()) - 1.0 < HALF * misfit
 
 
 def clearly(before: Array, after: Array, share: float) -> bool:

@@ -15,18 +15,16 @@ from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
-from trunk_ros.effects import effect
-from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, abscissa
-from trunk_ros.effects.wire.unknown_jumps import MOMENTS
+from trunk_ros.effects import effect, registry
+from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, abscissa
+from trunk_ros.effects.wire.unknown import Unknown
+from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
+from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
+from trunk_ros.effects.wire.unknown_slips import UnknownSlips
 from trunk_ros.recording.signal.resample import SLOW
 
-UNKNOWN, FRICTION, GAIN = "unknown", "unknown_friction", "unknown_gain"
-CYCLE, JUMPS, SLIPS = "unknown_cycle", "unknown_jumps", "unknown_slips"
-SERVO, DEAD_ZONE = "unknown_servo", "unknown_dead_zone"
-LINEAR = (UNKNOWN, CYCLE, JUMPS)
-"""What is added to the angle as it is."""
 BUMP = 1e-4  # rad of a dead band, for derivatives
-TURNS = dict.fromkeys(LINEAR, 3)  # of curve and named values, each fitted while the other rests
+TURNS = 3  # of a linear curve and named values, each fitted while the other rests
 TURNS_OF_OTHERS = 6
 SMOOTH = np.logspace(-3.0, 4.0, 15)  # weights of a curve's bends, of a knot's own
 ZONES = np.geomspace(1e-4, 0.1, 30)  # rad, tried as constants: a small zone shows nothing of a large one
@@ -83,7 +81,7 @@ def promised(context: Context, bare: Hypothesis, column: int) -> float:
     rest = context.whitened(bare, column)
 
     def left(variable: str) -> float:
-        place = Place(UNKNOWN, variable, *ends(context, column, variable))
+        place = Place(Unknown.id, variable, *ends(context, column, variable))
         design = design_of(context, column, place)
         values, _ = smoothed(design, rest, place.curve.bend())
         return float(np.sum((rest - design @ values) ** 2))
@@ -120,7 +118,7 @@ def drawn_on(context: Context, hypothesis: Hypothesis, column: int) -> list[Term
 def _place(term: Term, column: int) -> Place:
     own = term.own[column]
     moments = tuple(own[p.name] for p in MOMENTS if p.name in own)
-    return Place(term.effect, term.words[column]["on"], own["low"], own["high"], moments)
+    return Place(term.effect, term.words[column][ON], own[LOW], own[HIGH], moments)
 
 
 def places(context: Context, bare: Hypothesis, column: int) -> list[list[Place]]:
@@ -128,11 +126,10 @@ def places(context: Context, bare: Hypothesis, column: int) -> list[list[Place]]
     over = variables(context, column)
     moving = [v for v in over if v.removeprefix(SPEED_OF) not in context.joints]
     own = [] if column in context.wide else moving
-    kinds = {
-        "wire": {UNKNOWN: over, FRICTION: own, GAIN: [v for v in own if v != "position"]},
-        "servo": {SERVO: over, DEAD_ZONE: [v for v in own if v == "position"]},
-    }.get(context.stage.name, {})
-    found = [[Place(kind, v, *ends(context, column, v)) for v in some] for kind, some in kinds.items()]
+    stage = [kind for kind in registry().values() if kind.stage == context.stage.name]
+    tried = [(kind, kind.over(over, own)) for kind in stage if issubclass(kind, Curve)]
+    tried.sort(key=lambda one: (not one[0].linear, -len(one[1])))
+    found = [[Place(kind.id, v, *ends(context, column, v)) for v in some] for kind, some in tried if some]
     timed = context.stage.name == "wire" and "time" in over
     return [*found, *(_in_time(context, bare, column) if timed else [])]
 
@@ -145,14 +142,14 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
     stamp, rest = span.stamp[valid], context.residual(index, bare, column)[valid]
     frequency, share = spectrum(stamp, rest)
     if share > CYCLIC:
-        yield [Place(CYCLE, "time", 0.0, 1.0 / frequency)]
+        yield [Place(UnknownCycle.id, "time", 0.0, 1.0 / frequency)]
     worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
     angles = context.views[index].angles[span.rows][valid]
     # a single jump has a name, and many imitate anything
     if 1 < len(moments) <= MOST_JUMPS and not moved_by(stamp, rest, moments, angles, column):
-        for kind in (JUMPS, SLIPS):
-            yield [Place(kind, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
+        for kind in (UnknownJumps, UnknownSlips):
+            yield [Place(kind.id, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
 
 
 def _best(context: Context, bare: Hypothesis, column: int, some: list[Place]) -> Drawn:
@@ -172,7 +169,7 @@ def _alternate(context: Context, bare: Hypothesis, column: int, place: Place) ->
     """Curve and named values in turn, as long as that helps."""
     values, bends = _begun(context, bare, column, place), 0.0
     done = fit(context, with_curve(bare, place, column, values), [column])
-    for _ in range(TURNS.get(place.kind, TURNS_OF_OTHERS)):
+    for _ in range(TURNS if place.curve.linear else TURNS_OF_OTHERS):
         design = _design(context, done.hypothesis, column, place, values)
         rest = context.whitened(done.hypothesis, column)
         moved, freedom = smoothed(design, rest + design @ values, place.curve.bend())
@@ -185,7 +182,7 @@ def _alternate(context: Context, bare: Hypothesis, column: int, place: Place) ->
 
 def _begun(context: Context, bare: Hypothesis, column: int, place: Place) -> Array:
     """(knots,) where a curve begins: at nothing, or at the best constant."""
-    if place.kind != DEAD_ZONE:
+    if not place.curve.hides:
         return np.zeros(KNOTS)
 
     def left(zone: float) -> float:
@@ -197,7 +194,7 @@ def _begun(context: Context, bare: Hypothesis, column: int, place: Place) -> Arr
 
 def _design(context: Context, now: Hypothesis, column: int, place: Place, values: Array) -> Array:
     """(rows, knots) change of the whitened prediction per curve value."""
-    if place.kind in LINEAR:
+    if place.curve.linear:
         return design_of(context, column, place)
 
     def predictions(at: Array) -> list[Array]:
@@ -215,8 +212,8 @@ def with_curve(bare: Hypothesis, place: Place, column: int, values: Array) -> Hy
     term = out.setdefault(kind, Term(kind, given=frozenset(p.name for p in effect(kind).parameters)))
     own = dict(zip((p.name for p in VALUES), values.tolist(), strict=True))
     moments = {p.name: at for p, at in zip(MOMENTS, place.moments, strict=False)}
-    term.own[column] = {"low": place.low, "high": place.high, **own, **moments}
-    term.words[column] = {"on": place.variable}
+    term.own[column] = {LOW: place.low, HIGH: place.high, **own, **moments}
+    term.words[column] = {ON: place.variable}
     return out
 
 

@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
 
-FINER = 4  # steps of the first look to each line's width
+FINER = 4  # steps of a first look to each line's width, by which two waves part by a period
 FASTEST = 0.45  # of the sampling rate
 TURNS = 2.0  # that a line must make in the recording
 SPARSE = 10.0  # times the usual step between samples

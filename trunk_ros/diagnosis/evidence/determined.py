@@ -14,12 +14,11 @@ from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
+from trunk_ros.guards import ROUNDED, SAME
 
 TIED = 0.9  # correlation from which on two values are told together better than each: said in the report
-BLIND = 1e-18  # curvature of a value, in squared unit-noise residuals: the data do not see it
-AT = 1e-6  # of the way between the bounds
+BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
 SHARE = (0.0, 1.0)  # bounds of what is a share: all of it is no more than is possible
-RIDGE = 1e-12  # on a normal matrix of unit diagonal
 
 
 @dataclass(frozen=True)
@@ -85,11 +84,11 @@ def correlation(normal: Array) -> Array:
     the data do not see.
     """
     size = np.sqrt(np.diag(normal))
-    seen = size > np.sqrt(BLIND)
+    seen = size > BLIND
     out = np.full(normal.shape, np.nan)
     scaled = normal[np.ix_(seen, seen)] / np.outer(size[seen], size[seen])
-    spread = np.linalg.inv(scaled + RIDGE * np.eye(len(scaled)))
-    std = np.sqrt(np.maximum(np.diag(spread), RIDGE))
+    spread = np.linalg.inv(scaled + ROUNDED * np.eye(len(scaled)))
+    std = np.sqrt(np.maximum(np.diag(spread), ROUNDED))
     out[np.ix_(seen, seen)] = np.clip(spread / np.outer(std, std), -1.0, 1.0)
     return out
 
@@ -111,7 +110,7 @@ def _at_bound(context: Context, free: list[Free], x: Array, slope: Array) -> lis
     low, high = bounds(free)
     out = []
     for k, f in enumerate(free):
-        near = AT * (high[k] - low[k])
+        near = SAME * (high[k] - low[k])
         share = f.parameter.unit == "1" and f.parameter.bounds == SHARE
         if issubclass(effect(f.effect), (Bank, Curve)) or share:
             continue

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from trunk_ros.diagnosis.evidence.determined import BLIND
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
@@ -17,11 +18,11 @@ from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
+from trunk_ros.guards import ROUNDED
 
 RIVALS = 3  # the most promising, besides what is known to look alike
 EQUIVALENTS = 5  # that are said
-BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
-REST = 1.5  # times the power of noise: what is left is more than that
+REST = 1.5  # times the power of noise: less is nothing that is left to explain
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 LONGEST = 5.0  # s
 WORSE = 4.0  # squared unit-noise residuals: two standard deviations
@@ -112,7 +113,7 @@ def _deviations(residuals: Residuals, jacobian: np.ndarray, hypothesis: Hypothes
     size = np.linalg.norm(jacobian, axis=0)
     told = size > BLIND
     scaled = jacobian[:, told] / size[told]
-    inverse = np.linalg.inv(scaled.T @ scaled + 1e-12 * np.eye(scaled.shape[1]))
+    inverse = np.linalg.inv(scaled.T @ scaled + ROUNDED * np.eye(scaled.shape[1]))
     std = np.full(len(size), np.inf)
     std[told] = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size[told]
     late = LATE * residuals.context.step

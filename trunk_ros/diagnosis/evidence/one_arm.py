@@ -9,6 +9,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
+from trunk_ros.diagnosis.evidence.evidence import REST
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
@@ -18,7 +19,6 @@ from trunk_ros.effects import effect
 
 TELLS = 4.0  # times the power of noise: less on a joint contradicts nothing
 EXPLAINED = 0.25  # of a residual's power may be left where an effect holds
-NOTHING = 1.5  # times the power of noise: there is nothing to explain
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def _told(base: Context, other: Context, found: Hypothesis, column: int) -> Cont
     first, second = (part.views[0].span for part in (base, other))
     nominal, left = _rms(other, other.known, column), _rms(other, found, column)
     names = tuple(term.effect for term in found.on(column))
-    is_nominal = all(_power(other, other.known, c) < NOTHING for c in other.columns)
+    is_nominal = all(_power(other, other.known, c) < REST for c in other.columns)
     return Contradiction(first.name, second.name, other.joints[column], names, nominal, left, is_nominal)
 
 

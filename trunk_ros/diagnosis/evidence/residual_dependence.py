@@ -6,16 +6,16 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.score import SHARE
 from trunk_ros.effects.curve import abscissa, words_of
 from trunk_ros.recording.signal.resample import SLOW
 
-CELLS = 20
 COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
 BY_CHANCE = 4.0  # standard deviations of that share, where the noise comes in bursts
-TELLS = 0.05  # share of the rest's power that a variable must account for
 PERIODIC = 0.2  # likewise, a period of time
 
 
@@ -54,7 +54,7 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
             for i, v in enumerate(context.views)
         ]
     )
-    if len(residual) < 20 * CELLS or not np.any(residual):
+    if len(residual) < 20 * PLACES or not np.any(residual):
         return []
     for name in ("direction", *variables(context, column)):
         parts = []
@@ -68,7 +68,7 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
     if share > PERIODIC:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)
-    told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > TELLS][:3]
+    told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > SHARE][:3]
     return list(dict.fromkeys(word for name in told for word in words_of(name)))
 
 
@@ -76,10 +76,10 @@ def accounted(x: Array, residual: Array, correlation: float = 0.0) -> float:
     """Share of a residual's power in its means over cells of ``x``, less what chance gives (Kelley 1935, PNAS
     21(9)); ``correlation``: of the noise, of which so much less is by chance alone.
     """
-    edges = np.quantile(x, np.linspace(0, 1, CELLS + 1)[1:-1])
+    edges = np.quantile(x, np.linspace(0, 1, PLACES + 1)[1:-1])
     cell = np.searchsorted(edges, x)
-    counts = np.bincount(cell, minlength=CELLS)
-    sums = np.bincount(cell, weights=residual, minlength=CELLS)
+    counts = np.bincount(cell, minlength=PLACES)
+    sums = np.bincount(cell, weights=residual, minlength=PLACES)
     between = float(np.sum(sums[counts > 0] ** 2 / counts[counts > 0]) - residual.sum() ** 2 / len(residual))
     total = float(np.sum((residual - residual.mean()) ** 2))
     if total == 0.0:

@@ -13,6 +13,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Sums
+from trunk_ros.diagnosis.discrepancy.banked import SURE
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend
@@ -25,7 +26,6 @@ from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
 TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
-SURE = 2.0  # standard errors over these parts
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
 SHARED, CHANCE = 0.07, 3.0  # of unit noise with itself so much later, and standard errors besides
 FURTHEST = 3.0  # times the noise without it: what goes further is no noise

@@ -11,6 +11,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.evidence.determined import BLIND
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
 from trunk_ros.diagnosis.search.fit import Residuals, groups, minimise
 from trunk_ros.diagnosis.search.score import need
@@ -20,7 +21,6 @@ from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.trajectory import Trajectory
 
 CONTROL = 0.01  # s between setpoints, as bringup gives them
-BLIND = 1e-9  # squared change of the unit-noise residual per value that neither motion shows
 ROUNDS = 6  # of the full refit
 HOPELESS = 0.1  # of what it takes to rule a rival out, in one stretch: four of them would not do
 

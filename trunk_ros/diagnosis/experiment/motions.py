@@ -20,11 +20,13 @@ SECONDS = 8.0  # of one stretch
 SAMPLES = 200  # of one stretch at least
 MOMENT = 1e-3  # s: too short for a piece of a motion
 TURNS = 60  # of a stretch at most
-BEND = 5.7735  # peak acceleration of a rest-to-rest quintic, times its time squared over its way
+BEND = round(10.0 / sqrt(3.0), 4)
+"""Peak acceleration of a rest-to-rest quintic, times its time squared over its way."""
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
 UNSEEN = 4.0  # noise over squared sample time: a line between samples is off by half the noise
 ROOM = 0.95  # of a limit
-APART, GOLDEN = 0.3, 0.618  # speeds differ by up to this share, so that no two joints move alike
+APART = 0.3  # speeds differ by up to this share, so that no two joints move alike
+GOLDEN = round((sqrt(5.0) - 1.0) / 2.0, 3)  # the section whose multiples lie apart most evenly
 CARRIED = 0.3  # of the top speed: a joint that takes its place
 LEAST = 0.03  # of a stretch's first turn: the smallest one
 REACHES = 0.999  # of the recorded accelerations: beyond are steps of the encoder

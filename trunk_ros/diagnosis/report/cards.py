@@ -13,8 +13,9 @@ from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import listed, powers, quantity, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import place
+from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
 
 ALL = "arm"  # owner of shared values
@@ -22,12 +23,12 @@ FEW = 6
 MOST_TIES = 8
 
 
-def cards(result: Diagnosis) -> list[dict[str, Any]]:
+def cards(result: Answer) -> list[dict[str, Any]]:
     """One dictionary per finding, for the template."""
     return [_card(result, finding) for finding in result.findings]
 
 
-def _card(result: Diagnosis, finding: Finding) -> dict[str, Any]:
+def _card(result: Answer, finding: Finding) -> dict[str, Any]:
     figure = figure_signature(result, finding)
     samples = samples_of(result, finding)
     gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
@@ -68,16 +69,21 @@ def table(finding: Finding) -> dict[str, Any]:
     """Values with spreads: a column per parameter, a row per joint, shared values in a row of their own."""
     names = list(dict.fromkeys(name for held in finding.parameters.values() for name in held))
     rows = [
-        ("shared" if owner == ALL else owner, [_value(name, held.get(name)) for name in names])
+        (
+            "shared" if owner == ALL else owner,
+            [_value(finding, name, held.get(name)) for name in names],
+        )
         for owner, held in sorted(finding.parameters.items(), key=lambda item: item[0] == ALL)
     ]
     return {"names": [(spoken(name), _meaning(finding.effect, name)) for name in names], "rows": rows}
 
 
-def _value(name: str, held: dict[str, Any] | None) -> str:
+def _value(finding: Finding, name: str, held: dict[str, Any] | None) -> str:
     if held is None:
         return ""
-    return quantity(held.get("value"), held.get("std"), held.get("unit") or "1", name == "relative")
+    kind, unit = registry().get(finding.effect), held.get("unit") or "1"
+    relative = kind is not None and any(p.relative for p in kind.parameters if p.name == name)
+    return quantity(held.get("value"), held.get("std"), unit, relative)
 
 
 def _meaning(name: str, parameter: str) -> str:
@@ -88,7 +94,7 @@ def _meaning(name: str, parameter: str) -> str:
 
 def sizes(finding: Finding) -> list[str]:
     """A value of each joint in a few words, for the list at the top, or what all share."""
-    told = {owner: _telling(held) for owner, held in finding.parameters.items()}
+    told = {owner: _telling(finding, held) for owner, held in finding.parameters.items()}
     of_joints = {owner: text for owner, text in told.items() if text and owner != ALL}
     kept = of_joints or {owner: text for owner, text in told.items() if text}
     if len(kept) == 1:
@@ -97,14 +103,14 @@ def sizes(finding: Finding) -> list[str]:
     return [f"{owner}: {text}" for owner, text in list(kept.items())[:FEW]] + more
 
 
-def _telling(held: dict[str, dict[str, Any]]) -> str:
+def _telling(finding: Finding, held: dict[str, dict[str, Any]]) -> str:
     """The first value with a spread, else the first that is a number; "" where none is."""
     numbers = [name for name, said in held.items() if not isinstance(said.get("value"), str)]
     name = next((n for n in numbers if held[n].get("std") is not None), next(iter(numbers), None))
-    return "" if name is None else f"{spoken(name)} {_value(name, held[name])}"
+    return "" if name is None else f"{spoken(name)} {_value(finding, name, held[name])}"
 
 
-def does(result: Diagnosis, finding: Finding) -> str:
+def does(result: Answer, finding: Finding) -> str:
     """What it does to its signals, rms of the largest, in a unit."""
     mine = contributions(result, finding)
     held = {s.name: s for s in signals(result) if s.name in mine and concerns(finding, s.stage, s.name)}
@@ -144,7 +150,7 @@ def _at(finding: Finding, place: dict[str, str]) -> str:
     return f"{other}{spoken(place['parameter'])} ({'shared' if place['joint'] == ALL else place['joint']})"
 
 
-def samples_of(result: Diagnosis, finding: Finding) -> int:
+def samples_of(result: Answer, finding: Finding) -> int:
     """Samples that a finding was judged on: those of the first recording, times how much there is of all."""
     first = sum(int(s.valid.sum()) for s in signals(result) if concerns(finding, s.stage, s.name))
     key = {"servo": "gearbox_states", "wire": "joint_states"}.get(finding.stage, "joint_states")

@@ -9,14 +9,14 @@ import numpy as np
 
 from trunk_ros.diagnosis.report.signals import Signal, entries, largest, signals
 from trunk_ros.diagnosis.report.units import quantity, significant
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis
+from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 
 SAME = "same"
 BLOCKS = 20  # of time, whose errors are taken as independent: what lasts is one error, not many
 LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag
 
 
-def recordings(result: Diagnosis) -> list[dict[str, Any]]:
+def recordings(result: Answer) -> list[dict[str, Any]]:
     """Duration, topics and notes of each recording."""
     return [
         {
@@ -47,7 +47,7 @@ def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def numbers(result: Diagnosis) -> list[dict[str, str]]:
+def numbers(result: Answer) -> list[dict[str, str]]:
     """Of each signal: errors on unseen data, noise floor, samples that count and apparent lag."""
     kept = {(s.stage, s.name): s for s in signals(result)}
     return [
@@ -98,7 +98,7 @@ def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
     return f"{round(1e3 * lag, 2) + 0.0:.2f} ± {2e3 * spread:.2f} ms".replace("-", "−")
 
 
-def provenance(result: Diagnosis) -> list[tuple[str, str]]:
+def provenance(result: Answer) -> list[tuple[str, str]]:
     """Command, versions and hashes as lines of text; the fitted model's hash among them."""
     lines = [(key.replace("_", " "), value) for key, value in _flat(result.provenance)]
     return [*lines, ("fitted model hash", result.model.hash())]

@@ -26,7 +26,7 @@ from trunk_ros.diagnosis.report.style import (
     styled,
 )
 from trunk_ros.diagnosis.report.units import multiple
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis
+from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 
 WIDTH = 9.4  # inches
 WELL_ABOVE = 3.0  # times the noise, over a window
@@ -50,7 +50,7 @@ class Ratio:
     after_std: float
 
 
-def ratios(result: Diagnosis) -> list[Ratio]:
+def ratios(result: Answer) -> list[Ratio]:
     """All signals that were judged, in the order of the signal path."""
     out = []
     for stage in STAGES:
@@ -64,7 +64,7 @@ def ratios(result: Diagnosis) -> list[Ratio]:
 
 
 @styled
-def figure_before_after(result: Diagnosis, width: float = 5.2) -> Figure:
+def figure_before_after(result: Answer, width: float = 5.2) -> Figure:
     """Error of each signal on samples that no fit saw, in units of its noise; ``width`` in inches."""
     rows = ratios(result)
     figure = Figure((width, 0.24 * len(rows) + 0.85), layout="constrained")
@@ -125,13 +125,13 @@ def loud(signal: Signal) -> float:
     return sum(end - start for start, end in culprit_spans(signal)) / length if length > 0.0 else 1.0
 
 
-def loudest(result: Diagnosis, few: list[Signal]) -> list[Signal]:
+def loudest(result: Answer, few: list[Signal]) -> list[Signal]:
     """The same signals, the largest error in times the noise first."""
     size = {(r.stage, r.name): r.before for r in ratios(result)}
     return sorted(few, key=lambda s: -size.get((s.stage, s.name), 0.0))
 
 
-def shown_over_time(result: Diagnosis) -> list[Signal]:
+def shown_over_time(result: Answer) -> list[Signal]:
     """The signals with something to see, the loudest if there are many; the wire's where there is nothing."""
     every = signals(result)
     size = {(r.stage, r.name): r.before for r in ratios(result)}

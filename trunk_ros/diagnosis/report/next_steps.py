@@ -10,13 +10,14 @@ from typing import Any
 
 from trunk_ros.diagnosis.report.errors import ratios
 from trunk_ros.diagnosis.report.units import listed, spoken
-from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.verdict.answer import Answer
+from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.effects import registry
 from trunk_ros.recording.topics import TOPICS
 
 NEEDS = {"servo": ("setpoints", "gearbox_states"), "wire": ("gearbox_states", "joint_states"),
          "arm": ("joint_states", "tip_pose")}  # fmt: skip
 BETWEEN = {"servo": "the servos", "wire": "the transmission", "arm": "the tip"}
-LATE = "sensor_delay"  # of a reading: the joint itself is not late, there is nothing to compensate
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Step:
     commands: tuple[str, ...] = ()
 
 
-def next_steps(result: Diagnosis) -> list[Step]:
+def next_steps(result: Answer) -> list[Step]:
     """Put the data right, use the model, record what decides, measure what is missing, look at the rest."""
     return [
         *_nothing(result),
@@ -41,27 +42,27 @@ def next_steps(result: Diagnosis) -> list[Step]:
     ]
 
 
-def _nothing(result: Diagnosis) -> Iterator[Step]:
+def _nothing(result: Answer) -> Iterator[Step]:
     if result.verdict == "no_mismatch" and ratios(result):
         yield Step(
             "Nothing to change.", "Check the simulation on another motion:", (_scored("trunk", result),)
         )
 
 
-def _mixed_up(result: Diagnosis) -> Iterator[Step]:
+def _mixed_up(result: Answer) -> Iterator[Step]:
     said = [one for held in result.quality.values() for one in held.get("mix_ups", ()) if one["certain"]]
     for statement in dict.fromkeys(str(one["statement"]).rstrip(".") for one in said):
         yield Step("Put the data right and diagnose again.", f"{statement}.")
 
 
-def _use(result: Diagnosis) -> Iterator[Step]:
+def _use(result: Answer) -> Iterator[Step]:
     if result.simulation and result.findings:
         yield Step(
             "Put what was found into your simulator.",
             "Formats: MJCF, URDF, SDF.",
             ("trunk_ros export model.yaml --to mjcf --into arm.xml -o arm_real.xml",),
         )
-    elif any(f.effect != LATE and f.stage != "arm" for f in result.findings):
+    elif any(_compensated(f) for f in result.findings):
         yield Step(
             "Compensate with this model",
             "(model.yaml, beside this page), and score it on a recording that the fit did not see:",
@@ -69,12 +70,18 @@ def _use(result: Diagnosis) -> Iterator[Step]:
         )
 
 
-def _scored(model: str, result: Diagnosis) -> str:
+def _compensated(finding: Finding) -> bool:
+    """Whether there is anything to compensate: where only a reading is late, the joint is not."""
+    kind = registry().get(finding.effect)
+    return finding.stage != "arm" and not (kind is not None and kind.delays_readings)
+
+
+def _scored(model: str, result: Answer) -> str:
     given = result.provenance.get("model", model) if model == "trunk" else model
     return f"trunk_ros evaluate another_run -m {quote(str(given))}"
 
 
-def _record(result: Diagnosis) -> Iterator[Step]:
+def _record(result: Answer) -> Iterator[Step]:
     pairs: dict[str, list[list[Any]]] = {}
     for one in result.experiments:
         if one.get("trajectory"):
@@ -92,7 +99,7 @@ def _words(name: str | list[str]) -> str:
     return spoken(name) if isinstance(name, str) else " with ".join(map(spoken, name))
 
 
-def _topics(result: Diagnosis) -> Iterator[Step]:
+def _topics(result: Answer) -> Iterator[Step]:
     seen = {key for held in result.quality.values() for key in held.get("topics", {})}
     lost: dict[str, list[str]] = {}
     for stage, keys in NEEDS.items():
@@ -103,7 +110,7 @@ def _topics(result: Diagnosis) -> Iterator[Step]:
         yield Step(f"Record {topics} too.", f"Without it {listed(what)} cannot be judged.")
 
 
-def _move(result: Diagnosis) -> Iterator[Step]:
+def _move(result: Answer) -> Iterator[Step]:
     for stage, said in result.stages.items():
         if said.get("compared") and said.get("silent"):
             still = said["silent"]
@@ -112,8 +119,8 @@ def _move(result: Diagnosis) -> Iterator[Step]:
             )
 
 
-def _rest(result: Diagnosis) -> Iterator[Step]:
-    nameless = any(f.effect == "unknown" for f in result.findings)
+def _rest(result: Answer) -> Iterator[Step]:
+    nameless = any(not f.named for f in result.findings)
     told = {one["statement"] for held in result.quality.values() for one in held.get("mix_ups", ())}
     joints = dict.fromkeys(
         joint for rest in result.unexplained if rest.statement not in told for joint in rest.joints

@@ -27,12 +27,12 @@ from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import listed, spoken
 from trunk_ros.diagnosis.report.verdict import gain, headline, verdict_word
 from trunk_ros.diagnosis.report.where import maps, not_compared
-from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.verdict.answer import Answer
 
 TEMPLATES = Path(__file__).parent
 
 
-def render(result: Diagnosis) -> str:
+def render(result: Answer) -> str:
     """The whole page as text."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -45,7 +45,7 @@ def render(result: Diagnosis) -> str:
     return environment.get_template("page.html.j2").render(**content(result))
 
 
-def content(result: Diagnosis) -> dict[str, Any]:
+def content(result: Answer) -> dict[str, Any]:
     """What the template fills in."""
     shown = shown_over_time(result)
     return {
@@ -72,7 +72,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
         "cards": cards(result),
         "events": result.events,
         "unexplained": result.unexplained,
-        "unnamed": any(f.effect == "unknown" for f in result.findings),
+        "unnamed": any(not f.named for f in result.findings),
         "experiments": result.experiments,
         "runs": runs(result),
         "recorded": " ".join(quote(str(bag)) for bag in result.provenance.get("bags", ["run1"])),
@@ -82,7 +82,7 @@ def content(result: Diagnosis) -> dict[str, Any]:
     }
 
 
-def contents(result: Diagnosis, over_time: bool) -> list[tuple[str, str]]:
+def contents(result: Answer, over_time: bool) -> list[tuple[str, str]]:
     """Anchors and titles of the parts that the page has."""
     return [
         ("where", "Where"),
@@ -95,7 +95,7 @@ def contents(result: Diagnosis, over_time: bool) -> list[tuple[str, str]]:
     ]
 
 
-def runs(result: Diagnosis) -> list[tuple[str, str]]:
+def runs(result: Answer) -> list[tuple[str, str]]:
     """File of each experiment's motion with what else the command needs, and for how many s to run it."""
     model = result.provenance.get("model", "trunk")
     more = "" if model == "trunk" else f" --model {quote(str(model))}"
@@ -106,7 +106,7 @@ def runs(result: Diagnosis) -> list[tuple[str, str]]:
     ]
 
 
-def quiet(result: Diagnosis, shown: list[Signal]) -> list[str]:
+def quiet(result: Answer, shown: list[Signal]) -> list[str]:
     """Signals that the figure over time leaves out."""
     seen = {(s.stage, s.name) for s in shown}
     return [f"{s.stage} · {s.name}" for s in signals(result) if (s.stage, s.name) not in seen]

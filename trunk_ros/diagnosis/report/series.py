@@ -14,14 +14,14 @@ from trunk_ros.diagnosis.report.regimes import MEANING, stretches
 from trunk_ros.diagnosis.report.signals import Signal, concerns, joint_angle, signals
 from trunk_ros.diagnosis.report.style import label
 from trunk_ros.diagnosis.report.units import multiple, spoken
-from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.verdict.answer import Answer
 
 CELLS = 300  # of time; in each the extremes of every curve are kept
 FIRST = 2  # signals that are open when the page is
 MOST = 24  # signals that the page holds; an arm of more joints has its loudest
 
 
-def series(result: Diagnosis) -> dict[str, Any]:
+def series(result: Answer) -> dict[str, Any]:
     """For the page's script, as JSON. Curves are float32, base64. Residuals, nominal first, stand in for the
     predictions: a difference of angles in float32 would show steps.
     """
@@ -32,7 +32,7 @@ def series(result: Diagnosis) -> dict[str, Any]:
     return {"signals": [_signal(result, s, (s.stage, s.name) in open_) for s in kept]}
 
 
-def _signal(result: Diagnosis, signal: Signal, is_open: bool) -> dict[str, Any]:
+def _signal(result: Answer, signal: Signal, is_open: bool) -> dict[str, Any]:
     rows = thinned(signal)
     angle = np.where(np.isfinite(signal.measured), signal.measured, np.nan)
     errors = [signal.error_before, *([signal.error_after] if signal.changed else [])]
@@ -54,7 +54,7 @@ def _signal(result: Diagnosis, signal: Signal, is_open: bool) -> dict[str, Any]:
     }
 
 
-def _regimes(result: Diagnosis, signal: Signal) -> list[dict[str, Any]]:
+def _regimes(result: Answer, signal: Signal) -> list[dict[str, Any]]:
     """Of the findings on a signal, by regime, with the stretches of time; culprits where none is bounded."""
     names: dict[str, list[str]] = {}
     for finding in result.findings:

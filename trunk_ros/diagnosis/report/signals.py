@@ -9,7 +9,8 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
 from trunk_ros.recording.signal.measured import Measured
@@ -46,7 +47,7 @@ class Signal(Measured):
         return np.where(self.valid, self.measured - self.after, np.nan)
 
 
-def signals(result: Diagnosis) -> list[Signal]:
+def signals(result: Answer) -> list[Signal]:
     """The signals of all stages in the order of the signal path."""
     plots = {} if result.plots is None else result.plots.signals
     out = []
@@ -60,13 +61,13 @@ def signals(result: Diagnosis) -> list[Signal]:
     return out
 
 
-def entries(result: Diagnosis, stage: str) -> dict[str, dict[str, Any]]:
+def entries(result: Answer, stage: str) -> dict[str, dict[str, Any]]:
     """Errors of a stage's signals, by joint or by the tip's coordinate."""
     said = result.stages.get(stage, {})
     return dict(said.get("tip" if stage == "arm" else "joints", {}))
 
 
-def largest(result: Diagnosis, stage: str, unit: str) -> float:
+def largest(result: Answer, stage: str, unit: str) -> float:
     """Error of the worst of a stage's signals of one unit: all of a column are told in its multiple."""
     every = entries(result, stage).values()
     return max((float(e["rmse_before"] or 0.0) for e in every if e.get("unit", "rad") == unit), default=0.0)
@@ -77,7 +78,7 @@ def concerns(finding: Finding, stage: str, name: str) -> bool:
     return finding.stage == stage and (stage == "arm" or not finding.joints or name in finding.joints)
 
 
-def contributions(result: Diagnosis, finding: Finding) -> dict[str, Array]:
+def contributions(result: Answer, finding: Finding) -> dict[str, Array]:
     """What a finding adds to the prediction of its signals, (n,) by name.
 
     Alone on a signal, it is all that changed; beside others in the wire, the model with it less the model
@@ -93,10 +94,10 @@ def contributions(result: Diagnosis, finding: Finding) -> dict[str, Array]:
 
 def _is(finding: Finding, name: str) -> bool:
     """Whether an effect of the model is what a finding is about; curves have several names."""
-    return name == finding.effect or (finding.effect == "unknown" and not effect(name).named)
+    return name == finding.effect or not (finding.named or effect(name).named)
 
 
-def _share_in_wire(result: Diagnosis, finding: Finding) -> dict[str, Array]:
+def _share_in_wire(result: Answer, finding: Finding) -> dict[str, Array]:
     """By joint; joints that were not judged are taken to stand at zero."""
     model = result.model
     known = {s.name: s for s in signals(result) if s.stage == "wire"}
@@ -113,14 +114,14 @@ def _share_in_wire(result: Diagnosis, finding: Finding) -> dict[str, Array]:
     return {joint: with_it[:, c] - without_it[:, c] for c, joint in enumerate(model.arm.joints)}
 
 
-def joint_angle(result: Diagnosis, signal: Signal) -> Array | None:
+def joint_angle(result: Answer, signal: Signal) -> Array | None:
     """(n,) rad, where the gearbox puts the joint: ratio times gearbox angle. None for the tip."""
     if signal.gearbox is None or signal.name not in result.model.arm.joints:
         return None
     return np.asarray(signal.gearbox * result.model.arm.ratio[result.model.arm.index(signal.name)])
 
 
-def load(result: Diagnosis, signal: Signal) -> Array | None:
+def load(result: Answer, signal: Signal) -> Array | None:
     """(n,) N m about a signal's joint, with the payload that was found. None where the arm has no masses."""
     arm = result.model.loaded_arm()
     if not arm.has_load or signal.name not in arm.joints:

@@ -12,7 +12,8 @@ from trunk_ros.diagnosis.report.errors import WIDTH
 from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
 from trunk_ros.diagnosis.report.style import ACCENT, GREY, LINE, MUTED, PLAIN, label, limits, styled
 from trunk_ros.diagnosis.report.view import Cloud, cloud, view_of
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.answer import Answer
+from trunk_ros.diagnosis.verdict.finding import Finding
 
 WIDE = 5  # panels in a row
 MOST = 10
@@ -20,7 +21,7 @@ FEW = 700  # points, which are drawn larger
 
 
 @styled
-def figure_signature(result: Diagnosis, finding: Finding) -> Figure | None:
+def figure_signature(result: Answer, finding: Finding) -> Figure | None:
     """One panel per signal of a finding; None where no signal was kept."""
     parts = contributions(result, finding)
     mine = [s for s in signals(result) if concerns(finding, s.stage, s.name) and s.valid.any()][:MOST]
@@ -73,7 +74,7 @@ def _panel(axis: Axes, held: Cloud) -> None:
         axis.locator_params(axis="x", nbins=4)
 
 
-def reading(result: Diagnosis, finding: Finding) -> str:
+def reading(result: Answer, finding: Finding) -> str:
     """How to read the plot."""
     over = {view_of(finding, s.name) for s in signals(result) if concerns(finding, s.stage, s.name)}
     text = "Grey dots: residual without this effect. Line: this effect's contribution."

@@ -5,15 +5,16 @@ from __future__ import annotations
 from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import entries
 from trunk_ros.diagnosis.report.units import fall, listed, rounded, spoken, times
+from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
-from trunk_ros.diagnosis.verdict.result import STAGES, Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
 
 FEW = 2  # findings that a sentence can hold
 LIKELY = 0.5  # confidence: below it a finding is a guess, and called one
 ABOVE = 1.15  # times the noise: what is more is said to be left
 
 
-def headline(result: Diagnosis) -> str:
+def headline(result: Answer) -> str:
     """What the busy reader needs to know; more than FEW findings are counted, for the list below to name."""
     if not ratios(result) and result.unexplained:
         return f"Nothing can be said before the data are put right: {result.unexplained[0].statement}"
@@ -29,7 +30,7 @@ def headline(result: Diagnosis) -> str:
     return f"Missing in the simulation: {listed(_missing(result))}."
 
 
-def _doubts(result: Diagnosis) -> str:
+def _doubts(result: Answer) -> str:
     """How many of what is counted could be something else, or nothing."""
     open_ = sum(bool(f.equivalents) for f in result.findings)
     guessed = sum(f.confidence < LIKELY for f in result.findings)
@@ -38,7 +39,7 @@ def _doubts(result: Diagnosis) -> str:
     return f"; {' and '.join(told)}" if told else ""
 
 
-def gain(result: Diagnosis) -> str:
+def gain(result: Answer) -> str:
     """By how much the findings lower the error on unseen data, in units first, and what is left."""
     rows = ratios(result)
     if not rows or not result.findings:
@@ -57,13 +58,13 @@ def _signal(row: Ratio) -> str:
     return f"{row.stage} {row.name}"
 
 
-def _fall(result: Diagnosis, row: Ratio) -> str:
+def _fall(result: Answer, row: Ratio) -> str:
     said = entries(result, row.stage)[row.name]
     sizes = fall(said["rmse_before"], said["rmse_after"], str(said.get("unit", "rad")))
     return f"{sizes} ({times(row.before)} → {times(row.after)} times the noise)"
 
 
-def _no_mismatch(result: Diagnosis) -> str:
+def _no_mismatch(result: Answer) -> str:
     """How closely the simulation follows, in a unit."""
     every = [said for stage in STAGES for said in entries(result, stage).values()]
     coarse = [bool(said.get("resolution", 0.0) > said["noise_floor"]) for said in every]
@@ -75,32 +76,32 @@ def _no_mismatch(result: Diagnosis) -> str:
     return f"No effect is missing: what remains ({left} rms at most) is no more than the sensors' {grain}."
 
 
-def _missing(result: Diagnosis) -> list[str]:
+def _missing(result: Answer) -> list[str]:
     """The likely ones first, in the order of the table."""
     ranked = sorted(result.findings, key=lambda f: f.confidence < LIKELY)
-    return [_unnamed(result, f) if f.effect == "unknown" else _named(result, f) for f in ranked]
+    return [_unnamed(result, f) if not f.named else _named(result, f) for f in ranked]
 
 
-def _named(result: Diagnosis, finding: Finding) -> str:
+def _named(result: Answer, finding: Finding) -> str:
     much = "perhaps " if finding.confidence < LIKELY else ""
     much += "less " if is_excess(finding) else ""
     names = much + listed([spoken(name) for name in finding.candidates], "or")
     return f"{names} ({_place(result, finding.stage, finding.joints)}, {finding.confidence:.0%})"
 
 
-def _unnamed(result: Diagnosis, finding: Finding) -> str:
+def _unnamed(result: Answer, finding: Finding) -> str:
     varies = f", which depends on {listed(finding.depends_on)}" if finding.depends_on else ""
     where = _place(result, finding.stage, finding.joints)
     return f"physics that is not in the effect library ({where}{varies})"
 
 
-def _place(result: Diagnosis, stage: str, joints: list[str]) -> str:
+def _place(result: Answer, stage: str, joints: list[str]) -> str:
     """The same, with the stage where it is not the wire."""
     where = place(result, stage, joints)
     return f"servo of {where}" if stage == "servo" and joints else where
 
 
-def place(result: Diagnosis, stage: str, joints: list[str]) -> str:
+def place(result: Answer, stage: str, joints: list[str]) -> str:
     """Joints in words; all of them in two."""
     every = entries(result, stage)
     if not joints:
@@ -118,6 +119,6 @@ WORDS = {
 }
 
 
-def verdict_word(result: Diagnosis) -> str:
+def verdict_word(result: Answer) -> str:
     """The verdict as words, or that there is none."""
     return WORDS[result.verdict] if ratios(result) else "nothing judged"

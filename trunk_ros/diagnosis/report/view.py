@@ -10,8 +10,11 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.report.signals import Signal, joint_angle, load, reversals, signals
 from trunk_ros.diagnosis.report.units import multiple
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.answer import Answer
+from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.effects import registry
 from trunk_ros.effects.curve import SPEED_OF
+from trunk_ros.effects.now import View
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 
 POINTS = 1500
@@ -21,37 +24,28 @@ PERIODS = 4.0  # of what comes back in time
 STANDS = 0.01  # of the largest speed
 SLID = 0.02  # of the joint's range after a reversal, from where the dead band is crossed
 
-
-@dataclass(frozen=True)
-class View:
-    """An abscissa; ``along``: errors count in the direction of motion; ``window`` s are shown (0: all)."""
-
-    over: str
-    along: bool = False
-    window: float = 0.0
-
-
 BY_REGIME = {
     "reversal": View("travel", along=True), "low_speed": View("speed", along=True),
     "hold": View("time", window=20.0), "high_speed": View("speed"), "posture": View("position"),
-}  # fmt: skip
-BY_EFFECT = {
-    "friction_wear": View("time", along=True), "link_resonance": View("time", window=3.0),
-    "velocity_saturation": View("time", window=6.0), "load_dependent_friction": View("load", along=True),
 }  # fmt: skip
 LABELS = {"time": "time / s", "load": "load moment / N·m", "speed": "speed / rad/s"}
 
 
 def view_of(finding: Finding, joint: str) -> View:
     """What shows a finding best on one of its joints."""
-    if finding.effect in BY_EFFECT:
-        return BY_EFFECT[finding.effect]
+    kind = registry().get(finding.effect)
+    if kind is not None and kind.view is not None:
+        return kind.view
     view = View("time") if finding.stage == "arm" else BY_REGIME.get(finding.regime, View("time"))
-    source = finding.parameters.get(joint, {}).get("source", {}).get("value") or finding.curve.get("on")
-    first = str(source or (finding.depends_on[0] if finding.depends_on else ""))
+    held = finding.parameters.get(joint, {})
+    words = [held.get(text, {}).get("value") for text in kind.texts] if kind is not None else []
+    first = str(
+        next(filter(None, words), finding.curve.get("on"))
+        or (finding.depends_on[0] if finding.depends_on else "")
+    )
     if finding.curve.get("of") == UnknownCycle.of:
         return View("time", window=PERIODS * float(np.ptp(finding.curve["joints"][joint]["x"])))
-    if view.over == "position" or finding.effect == "unknown":
+    if view.over == "position" or not finding.named:
         return View(first or view.over, along=finding.regime == "reversal")
     return view
 
@@ -69,7 +63,7 @@ class Cloud:
     log: bool
 
 
-def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
+def cloud(result: Answer, view: View, signal: Signal, part: Array) -> Cloud:
     """The signature of one finding on one signal; ``part`` (n,) is what it adds to the prediction.
 
     The points are the error that is left with everything but this finding in the model.
@@ -102,7 +96,7 @@ def cloud(result: Diagnosis, view: View, signal: Signal, part: Array) -> Cloud:
     )
 
 
-def abscissa(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
+def abscissa(result: Answer, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
     """(n,) what a view is over in SI units, time where it is not known; (n,) where it can be used."""
     keep = np.ones(len(signal.stamp), dtype=bool)
     angle = joint_angle(result, signal)
@@ -122,7 +116,7 @@ def abscissa(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.n
     return (np.abs(x) if view.along and view.over in ("load", "speed") else x), keep
 
 
-def _of_another(result: Diagnosis, signal: Signal, over: str) -> Array:
+def _of_another(result: Answer, signal: Signal, over: str) -> Array:
     """(n,) another joint's angle or speed, time where it is not known."""
     joint = over.removeprefix(SPEED_OF)
     others = [s for s in signals(result) if (s.stage, s.name) == (signal.stage, joint)]
@@ -134,7 +128,7 @@ def _of_another(result: Diagnosis, signal: Signal, over: str) -> Array:
     return np.asarray(others[0].velocity * result.model.arm.ratio[result.model.arm.index(joint)])
 
 
-def _motion(result: Diagnosis, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
+def _motion(result: Answer, view: View, signal: Signal) -> tuple[Array, np.ndarray]:
     """Sign of the motion (n,), ones where it does not matter, and where the dead band has been crossed."""
     angle = joint_angle(result, signal)
     if not view.along or angle is None:

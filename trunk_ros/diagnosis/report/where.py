@@ -8,7 +8,7 @@ from trunk_ros.diagnosis.report.errors import Ratio, ratios
 from trunk_ros.diagnosis.report.signals import concerns, entries, largest
 from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import ABOVE
-from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.verdict.answer import Answer
 
 HEAT = (1.15, 2.0, 4.0, 8.0, 16.0)  # times the noise, where the next shade begins
 SILENT = "hardly moves or is hardly measured: nothing can be said"
@@ -35,7 +35,7 @@ class Map:
     rows: list[tuple[str, list[Cell]]]
 
 
-def maps(result: Diagnosis) -> list[Map]:
+def maps(result: Answer) -> list[Map]:
     """One map of joints and, where the tip was compared, one of the tip."""
     compared = [s for s in MEANING if result.stages.get(s, {}).get("compared")]
     known = {(r.stage, r.name): r for r in ratios(result)}
@@ -49,12 +49,12 @@ def maps(result: Diagnosis) -> list[Map]:
     return out
 
 
-def not_compared(result: Diagnosis) -> list[str]:
+def not_compared(result: Answer) -> list[str]:
     """Stages without a comparison, with what they would be."""
     return [f"{s} ({what})" for s, what in MEANING.items() if not result.stages.get(s, {}).get("compared")]
 
 
-def _names(result: Diagnosis, stages: list[str]) -> list[str]:
+def _names(result: Answer, stages: list[str]) -> list[str]:
     names: dict[str, None] = {}
     if stages != ["arm"]:
         seen = {n for s in stages for n in [*entries(result, s), *result.stages[s].get("silent", [])]}
@@ -64,7 +64,7 @@ def _names(result: Diagnosis, stages: list[str]) -> list[str]:
     return list(names)
 
 
-def _cell(result: Diagnosis, stage: str, name: str, ratio: Ratio | None) -> Cell:
+def _cell(result: Answer, stage: str, name: str, ratio: Ratio | None) -> Cell:
     found = [
         spoken(f.effect) + ("?" if f.equivalents else "") for f in result.findings if concerns(f, stage, name)
     ]

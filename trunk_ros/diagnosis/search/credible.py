@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from functools import partial
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
+from trunk_ros.parameter import FROM, UNTIL
 
-ALONE, BESIDE = 2, 1
-"""A joint shows an effect by itself; or beside another joint that does."""
+
+class Shown(IntEnum):
+    """How a joint shows an effect: by itself, or beside another joint that does."""
+
+    NOT = 0
+    BESIDE = 1
+    ALONE = 2
 
 
 def unshown(context: Context, hypothesis: Hypothesis) -> int:
@@ -25,13 +32,13 @@ def unshown(context: Context, hypothesis: Hypothesis) -> int:
 def hidden(context: Context, term: Term) -> list[int]:
     """The joints of a term whose motion does not show it."""
     shown = {c: _shown(context, term, c) for c in term.columns if c in context.columns}
-    enough = {c: BESIDE if ALONE in (s for k, s in shown.items() if k != c) else ALONE for c in shown}
-    return [c for c, level in shown.items() if level < enough[c]]
+    alone = {c for c, level in shown.items() if level == Shown.ALONE}
+    return [c for c, level in shown.items() if level < (Shown.BESIDE if alone - {c} else Shown.ALONE)]
 
 
 def ends_within(block: Effect, now: Now) -> bool:
     """Whether what begins or ends does so while it is looked at."""
-    times = [t for name in ("from", "until") for t in block.values.get(name, ())]
+    times = [t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ())]
     return all(now.stamp[0] < t < now.stamp[-1] for t in times)
 
 
@@ -41,5 +48,5 @@ def _shown(context: Context, term: Term, column: int) -> int:
         block = bind_column(term, column)
         alone = context.shows(block.credible, column) and context.shows(partial(ends_within, block), column)
         near = alone or context.shows(partial(block.credible, beside=True), column)
-        context.shown_before[key] = ALONE if alone else BESIDE if near else 0
+        context.shown_before[key] = Shown.ALONE if alone else Shown.BESIDE if near else Shown.NOT
     return context.shown_before[key]

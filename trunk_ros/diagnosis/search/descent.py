@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
+from trunk_ros.guards import TINY
 
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain at first, then, and in the end
 TURNS = 4  # of fitting values and the drives' arrivals: a ratio of 1 % and these have parted by then
@@ -195,4 +196,4 @@ def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
 
 
 def _level(value: float) -> int:
-    return round(float(np.log(max(value, 1e-300))) / CLOSE)
+    return round(float(np.log(max(value, TINY))) / CLOSE)

@@ -15,11 +15,10 @@ from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, MOVES
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.moves.curve import CLEARER
+from trunk_ros.diagnosis.search.moves.restart import FIRSTS
 from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
-
-FIRSTS = 3  # first steps that are gone
 
 
 def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:

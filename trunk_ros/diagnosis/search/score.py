@@ -8,6 +8,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.stage import STANDING
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import OVER_TIME, Curve
 
@@ -15,12 +16,11 @@ SIGNIFICANT = 60.0
 """Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""
 RELEVANT = 0.02
 """Share of the noise power that an effect must remove from a joint, however long the recording is."""
-STEPS = 3.0
-"""Times the power of the gearbox encoder's steps that an effect must have: they stand with the joint."""
 OWN_STEPS = 0.1
 """Times that of the joint's own encoder, which the other noise shakes loose."""
 SHARE = 0.05
-"""Of what is left above the noise that an effect must explain, so that a misfit is not cut into slices."""
+"""Of what is left above the noise that an effect, a variable or a bank of memory must explain, so that a
+misfit is not cut into slices."""
 SLICE = 0.15
 """The same for each value of what will be said, beside a rest as strong as the noise."""
 SHARED_SLICE = 0.5
@@ -73,7 +73,7 @@ def need(context: Context, column: int, rest: float = 0.0) -> float:
     """
     stage, noise = context.stage, context.noise[column]
     steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
-    least = context.count(column) * max(RELEVANT, STEPS * steps**2, OWN_STEPS * own**2)
+    least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
     return max(SIGNIFICANT * chance(context, column), least, formulas, SHARE * rest)
 

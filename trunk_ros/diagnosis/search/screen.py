@@ -18,10 +18,12 @@ from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.size import different, gains, leading, merit, scaled, too_large
 from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
 from trunk_ros.effects import Effect, effect
+from trunk_ros.guards import ROUNDED
 
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
-FREED = 0.5  # of what an effect must gain on a joint: a linear look does not see all of it
+PROMISED = 0.5  # of what a fit gains: a linear look does not see all of it
+REFITTED = 2  # of the best by a linear look that are fitted in full
 BAGS = 2  # of an arm's recordings that give an effect its starts
 
 Products = dict[int, tuple[float, float]]
@@ -52,7 +54,7 @@ class Screen:
             return own
         looks = [self._look(self.change(there, c), c) for c in self.rest]
         rd, dd = np.sum(looks, axis=0)
-        return own + float(max(rd, 0.0) ** 2 / max(dd, 1e-12))
+        return own + float(max(rd, 0.0) ** 2 / max(dd, ROUNDED))
 
     def _basis(self, column: int) -> Array:
         residuals = Residuals(self.context, self.hypothesis, [column])
@@ -216,7 +218,7 @@ class Screen:
         """Every joint at its own optimum, where that is worth an effect."""
         found = {c: scaled(kind, replace(trial, start=trial.own[c]), *each[c]) for c in each}
         named = [c for c in found if c not in self.hypothesis.curved]
-        chosen = {c: f for c in named if (f := found[c]) and f.gain > FREED * need(self.context, c)}
+        chosen = {c: f for c in named if (f := found[c]) and f.gain > PROMISED * need(self.context, c)}
         if not chosen:
             return None
         own = {c: f.start for c, f in chosen.items()}

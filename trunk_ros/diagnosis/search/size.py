@@ -11,6 +11,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.effects import Effect
+from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
 
@@ -34,13 +35,13 @@ def merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
     """How well a start fits a joint, whatever its size where that can be scaled."""
     if not kind.scalable:
         return 2 * rd - dd
-    along = rd / np.sqrt(max(dd, 1e-12))
+    along = rd / np.sqrt(max(dd, ROUNDED))
     return float(along if kind.own_parameters(form)[0].shared else abs(along))
 
 
 def gains(kind: type[Effect], trial: Candidate, rd: Array, dd: Array) -> Array:
     """What a change of these products gains (k,), scaled to its optimum where that can be."""
-    dd = np.maximum(dd, 1e-12)
+    dd = np.maximum(dd, ROUNDED)
     lead = leading(kind, trial)
     if not kind.scalable:
         return np.asarray(2 * rd - dd)
@@ -55,7 +56,7 @@ def scaled(
     """The candidate with its leading parameter scaled to the optimum of a linear look; None where it
     cannot help.
     """
-    if dd <= 1e-12:
+    if dd <= ROUNDED:
         return None
     lead = next((p for p in kind.own_parameters(trial.form) if p.gone is not None), leading(kind, trial))
     off = lead.null if lead.gone is None else lead.gone

@@ -9,10 +9,10 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.score import priced, score
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.effects import Effect
 
-PROMISED = 0.5  # of what it takes to win: a linear look does not see all of it
+PROMISING = 4  # local candidates a joint that are refitted in full
 
 
 @dataclass(frozen=True)

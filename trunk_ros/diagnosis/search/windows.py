@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.parameter import FROM, GROWN, UNTIL
 
 EDGES = 100  # moments that are looked at
 INSIDE = 0.03  # of a recording: nothing is said of a beginning nearer to its ends
@@ -99,9 +100,9 @@ def best_window(
     inside = np.isfinite(edges)
     later = np.arange(len(edges))[:, None] < np.arange(len(edges))[None, :]
     count = inside[:, None].astype(float) + inside[None, :]
-    shapes = [("until", Sums.between, later)]
+    shapes = [(UNTIL.name, Sums.between, later)]
     if grows:
-        shapes.append(("grown", Sums.growing, later & inside[None, :]))
+        shapes.append((GROWN.name, Sums.growing, later & inside[None, :]))
     found = [_best(sums, edges, name, shape, gain, price * count, may) for name, shape, may in shapes]
     best, worth = max(found, key=lambda one: one[1])
     return best if best.moments and worth > 0.0 else None
@@ -115,6 +116,6 @@ def _best(
     rd, dd = (np.sum([part[k] for part in parts], axis=0) for k in (0, 1))
     worth = np.where(may, gain(rd, dd) - prices, -np.inf)
     i, j = np.unravel_index(int(np.argmax(worth)), worth.shape)
-    ends = {"from": float(edges[i]), end: float(edges[j])}
+    ends = {FROM.name: float(edges[i]), end: float(edges[j])}
     moments = {name: t for name, t in ends.items() if np.isfinite(t)}
     return Window(moments, float(rd[i, j]), float(dd[i, j]), float(prices[i, j])), float(worth[i, j])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from trunk_ros.chain import Chain
@@ -22,9 +20,8 @@ def angles_between(recording: Recording, model: Model, stamp: Array) -> Array | 
     if gearbox is None or not set(model.arm.joints) <= set(gearbox.joints):
         return None
     gearbox = gearbox.select(model.arm.joints)
-    there = replace(model, effects={n: v for n, v in model.effects.items() if n != "sensor_delay"})
     grid, rows, _ = joint_grid(gearbox.stamp, stamp, beyond=True)
     phi, velocity = resample(gearbox, grid)
     known = resistance(model.arm, gearbox, grid, phi)
-    theta, _ = Chain(there, "wire").run(phi, grid, velocity=velocity, resistance=known)
+    theta, _ = Chain(model.prompt(), "wire").run(phi, grid, velocity=velocity, resistance=known)
     return np.asarray(theta[rows])

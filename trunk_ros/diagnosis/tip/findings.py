@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.evidence.evidence import likely
+from trunk_ros.diagnosis.evidence.evidence import UNNAMED, likely
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted
 from trunk_ros.diagnosis.tip.data import UNITS
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
-from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, owner, parameter_of
-from trunk_ros.diagnosis.verdict.findings import ARM, SURE, UNNAMED_SURE, statement_of, unchanged, value_of
-from trunk_ros.diagnosis.verdict.result import Finding
+from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, of_sensors, owner, parameter_of
+from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
+from trunk_ros.diagnosis.verdict.findings import ARM, SURE, statement_of, unchanged, value_of
 from trunk_ros.effects import effect
+from trunk_ros.guards import TINY
 
-UNKNOWN = "unknown"
 FRAMES = "a camera's frame, a marker's place or a joint sensor's zero makes one"
 Losses = dict[str, float]
 
@@ -48,18 +48,18 @@ def _named(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
     said += [
         f"The model has {problem.known[k]:.4g} {parameter_of(k).unit}." for k in mine if k in problem.known
     ]
-    near = _near(problem, rivals)
+    near, zeros = _near(problem, rivals), of_sensors()
     if UNKNOWN in near:
         said.append(f"A constant error of the readings would look the same: {FRAMES}.")
     same = [joint for joint, loss in elsewhere.items() if loss < problem.need]
     said += [f"On {' or '.join(same)} it would look the same."] if same else []
     if shown := [joints[c] for _, c in mine if c >= 0 and problem.zeros[c] and kind.moves_joints]:
-        near.insert(0, "zero_offset")
+        near = [*zeros, *near]
         said.append(
             f"{', '.join(shown)}: also off against the gearbox, so the sensor's zero may be what is off."
         )
     if kind.everywhere and problem.zeros[0]:
-        near.append("zero_offset")
+        near += zeros
         said.append(f"A zero error of {joints[0]}'s sensor would look the same.")
     return Finding(
         kind.id, "arm", named, kind.regime,
@@ -83,7 +83,7 @@ def _nameless(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
     zeros = [problem.arm.joints[c] for name, c in mine if name == ZERO]
     return Finding(
         UNKNOWN, "arm", zeros, "always", _confidence(problem, done, mine, list(rivals.values())),
-        _near(problem, rivals) + (["zero_offset"] if zeros else []), values, [],
+        _near(problem, rivals) + (of_sensors() if zeros else []), values, [],
         f"Readings are off by a constant, {', '.join(said)}: {FRAMES}. No model holds that.",
         _evidence(problem, done, mine, rivals, "The tip is off by the same constants in every posture."),
     )  # fmt: skip
@@ -140,7 +140,7 @@ def _elsewhere(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
 def _confidence(problem: ArmProblem, done: ArmFit, mine: list[Key], losses: list[float]) -> float:
     """As in the wires; less where no value is well above its spread."""
     sure = likely(problem.need * len(mine), sum(done.gain[k] for k in mine), losses)
-    sizes = [abs(done.values[k] - problem.known.get(k, 0.0)) / max(done.std[k], 1e-300) for k in mine]
+    sizes = [abs(done.values[k] - problem.known.get(k, 0.0)) / max(done.std[k], TINY) for k in mine]
     return round(min(sure, 1.0 if max(sizes) > SURE else 0.5), 3)
 
 
@@ -177,7 +177,7 @@ def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
         stage="arm",
         joints=[bent],
         regime="posture",
-        confidence=UNNAMED_SURE,
+        confidence=UNNAMED,
         equivalents=[],
         parameters={},
         depends_on=["position", *varies],

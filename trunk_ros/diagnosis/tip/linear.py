@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.guards import TINY
 
 BLIND = 1e-10  # of the largest curvature: the data do not see it
 
@@ -41,5 +42,5 @@ class Normal:
     def seen(self) -> tuple[int, Array]:
         """How many combinations of the values the data see, and (blind, values) those that they do not."""
         size, ways = np.linalg.eigh(self.curvature)
-        blind = size <= BLIND * max(float(size[-1]), 1e-300)
+        blind = size <= BLIND * max(float(size[-1]), TINY)
         return int((~blind).sum()), ways[:, blind].T

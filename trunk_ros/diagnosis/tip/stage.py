@@ -14,6 +14,7 @@ from trunk_ros.arm.geometry import changed
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
 from trunk_ros.diagnosis.data.sensor_faults import FEW
+from trunk_ros.diagnosis.evidence.cross_validation import fold_of
 from trunk_ros.diagnosis.evidence.evidence import ROUGH, SCATTER
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, NAME, RELEVANT, SIGNIFICANT
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
@@ -33,14 +34,13 @@ from trunk_ros.diagnosis.tip.values import (
     point_of,
     told_otherwise,
 )
-from trunk_ros.effect_values import Values
+from trunk_ros.effect_values import Values, zeros_in
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
 from trunk_ros.stage import core_of
 
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
 LINK = 1.001  # of the price of a frame
-BLOCKS = 10
 TURNS = 4
 SETTLED = 0.1  # squared unit-noise residual: what a further turn would remove less than is left
 FAR = 8.0  # times the noise that a single pose is off those beside it
@@ -69,7 +69,7 @@ class ArmProblem:
         self.signals = signals_of(data)
         self.rows = [SIGNALS.index(signal) for signal in self.signals]
         self.known = point_of(effects or {}, len(self.arm.joints))
-        self.zeros = (effects or {}).get("zero_offset", {}).get("offset", np.zeros(len(self.arm.joints)))
+        self.zeros = np.zeros(len(self.arm.joints)) + zeros_in(effects or {})
         """(joints,) rad by which the readings of joints and gearbox disagree."""
         self.candidates = candidates(self.arm, len(self.signals))
         self.told_otherwise = told_otherwise(self.arm)
@@ -293,8 +293,6 @@ class ArmProblem:
         """(n, signals) residuals of all recordings, each half of the blocks predicted by a fit to the other
         half.
         """
-        folds = np.concatenate(
-            [np.arange(len(d.stamp)) * BLOCKS // max(len(d.stamp), 1) % 2 for d in self.data]
-        )
+        folds = np.concatenate([fold_of(len(d.stamp)) for d in self.data])
         parts = [np.concatenate(self.residual(self.solve(keys, folds != half)[0])) for half in (0, 1)]
         return np.where((folds == 0)[:, None], *parts)

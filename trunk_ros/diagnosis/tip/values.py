@@ -15,8 +15,6 @@ from trunk_ros.parameter import Parameter
 SHIFT = "shift"  # of a signal by a constant: no effect of the arm, but other frames make one
 ZERO = "zero"  # of a joint's reading, off by a constant; that of the first joint is a tilt
 NAMELESS = (SHIFT, ZERO)
-OF_THE_PLANE = ("link_length_error", "base_tilt")
-"""What a chain in a plane can have; all else moves it out of the plane, or is as good as one of these."""
 
 Key = tuple[str, int]
 """A value and the joint's column, -1 for the whole arm. The value is an effect's first parameter, by the
@@ -44,13 +42,18 @@ def candidates(arm: Arm, signals: int) -> list[Key]:
     """What an arm can have: of a chain in a plane what moves its tip there, and what of that has no name."""
     joints, named = range(len(arm.joints)), list[Key]()
     for kind in registry().values():
-        tried = kind.stage == "arm" and kind.tried and (not arm.is_planar or kind.id in OF_THE_PLANE)
+        tried = kind.stage == "arm" and kind.tried and (not arm.is_planar or kind.in_plane)
         if tried and ("weight" not in kind.needs or arm.has_load):
             for p in kind.parameters[: 1 if arm.is_planar else None]:
                 named += [(value_name(kind, p), c) for c in ([-1] if p.shared else joints)]
     if not arm.is_planar:
         return named
     return [*named, *((SHIFT, k) for k in range(signals)), *((ZERO, c) for c in joints[1:])]
+
+
+def of_sensors() -> list[str]:
+    """Effects of other stages by which a joint's reading is off by a constant."""
+    return [kind.id for kind in registry().values() if kind.shifts_readings]
 
 
 def told_otherwise(arm: Arm) -> set[Key]:

@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import effect
-from trunk_ros.effects.curve import KNOTS, SPEED_OF, VALUES, Curve, words_of
+from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, words_of
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
 
@@ -44,7 +44,7 @@ def kind_of(term: Term) -> type[Curve]:
 
 def variable_of(term: Term, column: int) -> str:
     """What a column's curve is drawn over."""
-    return term.words[column]["on"]
+    return term.words[column][ON]
 
 
 def regime_of(kind: type[Curve], variable: str) -> str:
@@ -58,7 +58,7 @@ def statement(term: Term, where: str) -> str:
     """One sentence."""
     kind = kind_of(term)
     if kind is UnknownCycle:
-        rates = {f"{1.0 / term.own[c]['high']:.3g} Hz" for c in term.columns}
+        rates = {f"{1.0 / term.own[c][HIGH]:.3g} Hz" for c in term.columns}
         return (
             f"{where}: the angle swings with {' and '.join(sorted(rates))}, whether the joint moves or not, "
             "in a way that no name fits; a smooth curve over one period stands in for it."
@@ -88,7 +88,7 @@ def told(context: Context, term: Term) -> dict[str, Any]:
 
 
 def _points(kind: type[Curve], values: dict[str, float]) -> dict[str, Any]:
-    low, high = values["low"], values["high"]
+    low, high = values[LOW], values[HIGH]
     if issubclass(kind, UnknownJumps):
         at = [low, *(values[p.name] for p in MOMENTS if p.name in values)]
         return {"x": np.array(at), "y": np.array([values[p.name] for p in VALUES[: len(at)]])}

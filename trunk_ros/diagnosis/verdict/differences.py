@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.evidence.evidence import SUREST
+from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, title, unchanged
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect
@@ -17,7 +19,6 @@ from trunk_ros.model import Model
 from trunk_ros.parameter import Parameter
 
 SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}
-SURE = 0.95  # confidence in an effect of the simulator that the recording does not have
 
 
 def told_as_differences(result: Diagnosis, simulator: Model, of_simulator: Diagnosis) -> Diagnosis:
@@ -68,7 +69,7 @@ def _difference(result: Diagnosis, simulator: Model, name: str, known: Values) -
         found.joints if found else list(model.arm.joints)
     )
     statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(said)}."
-    base = found or _unseen(kind, SURE)
+    base = found or _unseen(kind, SUREST)
     yield replace(base, joints=joints, parameters=parameters, statement=statement)
 
 

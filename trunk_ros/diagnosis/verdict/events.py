@@ -8,13 +8,14 @@ from typing import Any
 
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
+from trunk_ros.parameter import FROM, GROWN, UNTIL
 
 TOGETHER = 0.5  # s, or SPREADS: joints on which the same begins so near to each other
 SPREADS = 3.0
 ARM = "arm"
-WORDS = {"from": "begins at", "until": "ends at", "grown": "has its full size at"}
-CARRIED = {"from": "is taken up at", "until": "is put down at"}
-BEGINS, ENDS, GROWS = "from", "until", "grown"
+BEGINS, ENDS, GROWS = FROM.name, UNTIL.name, GROWN.name
+WORDS = {BEGINS: "begins at", ENDS: "ends at", GROWS: "has its full size at"}
+CARRIED = {BEGINS: "is taken up at", ENDS: "is put down at"}
 
 Times = dict[str, tuple[float, float | None]]
 """By moment: when [s], and its standard deviation."""
@@ -34,7 +35,7 @@ class Event:
 
     def to_json(self) -> dict[str, Any]:
         """As in ``diagnosis.json``."""
-        own = {"from": self.begin, "until": self.until, "grown": self.grown}
+        own = {BEGINS: self.begin, ENDS: self.until, GROWS: self.grown}
         return {
             "effect": self.effect, "joints": self.joints, **own, "std": self.std, "statement": self.statement
         }  # fmt: skip

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from trunk_ros.diagnosis.verdict.result import Diagnosis
+    from trunk_ros.diagnosis.verdict.answer import Answer
 
 
 class Figures:
     """Each call makes a matplotlib figure."""
 
-    def __init__(self, result: Diagnosis) -> None:
+    def __init__(self, result: Answer) -> None:
         self._result = result
 
     def before_after(self) -> Figure:

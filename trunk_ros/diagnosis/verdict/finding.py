@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from trunk_ros.effects.wire.unknown import Unknown
+
+UNKNOWN = Unknown.id  # what a finding is called that no name fits, in any stage
+
 
 @dataclass
 class Finding:
@@ -21,6 +25,11 @@ class Finding:
     statement: str
     evidence: dict[str, Any]
     curve: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def named(self) -> bool:
+        """Whether it is an effect that has a name."""
+        return self.effect != UNKNOWN
 
     @property
     def candidates(self) -> list[str]:

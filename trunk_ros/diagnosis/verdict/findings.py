@@ -10,15 +10,17 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.determined import Determined
-from trunk_ros.diagnosis.evidence.evidence import Evidence
+from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
-from trunk_ros.diagnosis.verdict.result import Finding, Unexplained
+from trunk_ros.diagnosis.verdict.answer import Unexplained
+from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
+from trunk_ros.guards import TINY
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
@@ -33,7 +35,6 @@ ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
 SURE = 4.0  # spreads that the size of an effect must have on one joint
 MOSTLY = 0.5  # share of the misfit
-UNNAMED_SURE = 0.7  # confidence in what has no name and no curve
 NO_CURVE = "No effect and no curve explains it."
 LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
 
@@ -69,7 +70,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         varies, regime = _varies_with(kind, term), kind.regime
         statement, curve = statement_of(kind, where, parameters), {}
     return Finding(
-        effect=term.effect if kind.named else "unknown",
+        effect=term.effect if kind.named else UNKNOWN,
         stage=kind.stage,
         joints=joints,
         regime=regime,
@@ -102,7 +103,7 @@ def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
     lead = kind.own_parameters(term.form)[0]
     null = lead.null if lead.scale == "linear" else 0.0  # where none is endless, a value is no surer for that
     sizes = [
-        abs(values[lead.name] - null) / max(std.get((term.effect, lead.name, c), 0.0), 1e-300)
+        abs(values[lead.name] - null) / max(std.get((term.effect, lead.name, c), 0.0), TINY)
         for c, values in term.own.items()
         if lead.name in values and not term.given
     ]
@@ -221,7 +222,7 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
     statement = f"{', '.join(joints)}: physics that no name and no smooth curve fits"
     statement += f"; it varies with {' and '.join(varies)}." if varies else "."
     for number, finding in enumerate(known):
-        if finding.effect == "unknown":
+        if not finding.named:
             both = sorted({*finding.joints, *joints})
             on = list(dict.fromkeys([*finding.depends_on, *varies]))
             said = f"{finding.statement} {statement}"
@@ -229,5 +230,5 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
             return [*known[:number], joined, *known[number + 1 :]]
     evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": "", "signature": NO_CURVE}
     stage, regime = rests[0].stage, rests[0].regime
-    told = Finding("unknown", stage, joints, regime, UNNAMED_SURE, [], {}, varies, statement, evidence)
+    told = Finding(UNKNOWN, stage, joints, regime, UNNAMED, [], {}, varies, statement, evidence)
     return [*known, told]

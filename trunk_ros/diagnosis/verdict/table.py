@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from trunk_ros.diagnosis.verdict.result import Diagnosis
+    from trunk_ros.diagnosis.verdict.answer import Answer
 
 ROW = ("stage", "effect", "joint", "parameter", "value", "std", "unit", "confidence", "equivalents")
 NO_VALUE: dict[str, Any] = {"value": None, "std": None, "unit": ""}
 
 
-def rows_of(result: Diagnosis) -> list[dict[str, Any]]:
+def rows_of(result: Answer) -> list[dict[str, Any]]:
     """A row for each joint and parameter of a finding; shared parameters have the joint "arm"."""
     rows = []
     for finding in result.findings:
@@ -25,7 +25,7 @@ def rows_of(result: Diagnosis) -> list[dict[str, Any]]:
     return [{key: row[key] for key in ROW} for row in rows]
 
 
-def table_of(result: Diagnosis) -> str:
+def table_of(result: Answer) -> str:
     """The verdict, what was found with its spread, and what is not explained."""
     lines = [f"verdict: {result.verdict.replace('_', ' ')}"]
     rows = [(*(r[key] for key in ROW[:4]), _number(r), *_doubt(r)) for r in rows_of(result)]

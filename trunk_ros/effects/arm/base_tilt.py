@@ -26,6 +26,7 @@ class BaseTilt(FrameError):
         for name, axis in zip(ABOUT, "XYZ", strict=True)
     )
     rows: ClassVar = ABOUT
+    in_plane = True
 
     def frame(self, core: Core) -> Array:
         return core.geometry.base

@@ -10,7 +10,7 @@ class LinkLengthError(Effect):
 
     id = "link_length_error"
     stage, place, regime = "arm", 100, "always"
-    shifts_links = True
+    shifts_links = in_plane = True
     signature = "The tip is off along one link's direction, in every posture."
     source = "Mooring, Roth & Driels, Fundamentals of Manipulator Calibration (1991), ch. 3."
     parameters = (Parameter("length_error", "m", (-0.05, 0.05), "length less nominal length", typical=5e-4),)

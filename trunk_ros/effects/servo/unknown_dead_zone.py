@@ -22,9 +22,14 @@ class UnknownDeadZone(Curve):
     signature = "The gearbox stops short of its setpoint, on the side that it comes from."
     regime = "reversal"
     compensable = False
+    hides = True
     parameters = (*RANGE, *(replace(p, typical=TYPICAL) for p in VALUES))
     of = "the error that the servo does not answer to"
     confused_with = (("cogging", "approach one setpoint from both sides: a dead zone changes its sign"),)
+
+    @classmethod
+    def over(cls, variables: list[str], own: list[str]) -> list[str]:
+        return [variable for variable in own if variable == "position"]
 
     def adjust(self, core: Core, now: Now) -> None:
         core.dead_zone = np.maximum(core.dead_zone + self._curve(now), 0.0)

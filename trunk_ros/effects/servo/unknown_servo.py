@@ -17,5 +17,9 @@ class UnknownServo(Curve):
     of = "what the servo makes of its setpoint"
     confused_with = (("cogging", "move over a wider range: a cogging goes on with its period"),)
 
+    @classmethod
+    def over(cls, variables: list[str], own: list[str]) -> list[str]:
+        return variables
+
     def adjust(self, core: Core, now: Now) -> None:
         core.pull = core.pull + self._curve(now)

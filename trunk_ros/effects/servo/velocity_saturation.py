@@ -1,10 +1,14 @@
 """The servo reaches a lower top speed."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.now import View
 from trunk_ros.parameter import Parameter
 
 UNLIMITED = 1e3  # rad/s
@@ -34,6 +38,8 @@ class VelocitySaturation(Effect):
         ),
     )
     everywhere = True
+    changes = "v_max"
+    view = View("time", window=6.0)
     compensable = False
     confused_with = (
         (
@@ -41,6 +47,10 @@ class VelocitySaturation(Effect):
             "make the same move at a third of the speed: a slow loop lags there as well",
         ),
     )
+
+    @classmethod
+    def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
+        return np.minimum(number, np.asarray(values.get("v_max", UNLIMITED), dtype=float))
 
     def adjust(self, core: Core, now: Now) -> None:
         core.v_max = np.minimum(core.v_max, self["v_max"])

@@ -5,6 +5,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.now import View
 from trunk_ros.parameter import Parameter
 
 
@@ -22,6 +23,7 @@ class FrictionWear(Effect):
     )
     forms = ("straight", "running_in", "travel")
     refined = ("running_in", "travel")
+    view = View("time", along=True)
     parameters = (
         Parameter("rate", "rad/s", (0.0, 0.01), "growth of the half-width at the start", typical=1e-5),
         Parameter(

@@ -11,6 +11,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.filters import oscillator, rate
+from trunk_ros.effects.now import View
 from trunk_ros.effects.periods import periods
 from trunk_ros.effects.wire.held_link import HeldLink
 from trunk_ros.effects.wire.swing import free_swings, stops
@@ -36,6 +37,7 @@ class LinkResonance(Effect):
     id = "link_resonance"
     stage, place, regime = "wire", 500, "high_speed"
     scalable = False
+    view = View("time", window=3.0)
     signature = "After fast moves and stops the residual rings at a frequency of its own."
     source = (
         "Spong (1987), J. Dyn. Syst. 109(4): flexible joint, link inertia on the transmission's stiffness; "

@@ -4,6 +4,7 @@ import numpy as np
 
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.now import View
 from trunk_ros.parameter import Parameter
 
 
@@ -13,6 +14,7 @@ class LoadDependentFriction(Effect):
     id = "load_dependent_friction"
     stage, place, regime = "wire", 100, "reversal"
     begins = True
+    view = View("load", along=True)
     signature = "Backlash that is wide where the arm reaches out and narrow where it hangs straight."
     source = (
         "Euler-Eytelwein, T' = T'' exp(mu alpha) (Ciofu & Stan, eq. (1)): "

@@ -1,5 +1,6 @@
 """The ratio of the radii is not the nominal one."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,19 @@ class RatioError(Effect):
     id = "ratio_error"
     stage, place, regime = "wire", 10, "posture"
     begins = of_every_joint = True
+    changes = "ratio"
     signature = "The residual grows in proportion to the joint angle."
     source = "Ciofu & Stan, sect. 2: transmission ratio R_s/R_c; wear and tolerance of the grooved wheels."
-    parameters = (Parameter("relative", "1", (-100.0, 100.0), "relative error of the ratio", typical=0.005),)
+    parameters = (
+        Parameter(
+            "relative", "1", (-100.0, 100.0), "relative error of the ratio", typical=0.005, relative=True
+        ),
+    )
     confused_with = (("load_elasticity", "move the other joints while this one stands: only a load changes"),)
+
+    @classmethod
+    def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
+        return number * (1.0 + values.get("relative", 0.0))
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x * (1.0 + self["relative"]), None

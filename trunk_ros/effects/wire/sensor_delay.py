@@ -29,6 +29,7 @@ class SensorDelay(Effect):
         ),
     )
     compensable = False
+    delays_readings = True
     everywhere = True
     confused_with = (("viscous_lag", "stop abruptly: a delay keeps the shape, a lag rounds it"),)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
@@ -45,6 +47,14 @@ class StribeckFriction(Effect):
         ),
     )
     confused_with = (("backlash", "reverse slowly and fast: a backlash stays the same"),)
+
+    @classmethod
+    def compensated(cls, values: dict[str, Any], gain: Array) -> dict[str, Any]:
+        """The loop goes through a dead band w at about gain w; where friction has faded at that speed it
+        carries the joint along.
+        """
+        most = np.asarray(values["velocity"]) / gain
+        return {**values, "amplitude": np.minimum(values["amplitude"], most)}
 
     @property
     def acts_at(self) -> int:

@@ -10,9 +10,14 @@ class Unknown(Curve):
 
     id = "unknown"
     follows_readings = True
+    linear = True
     stage = "wire"
     place = 250
     confused_with = (
         ("transmission_ripple", "move over a wider range: a ripple goes on with its period"),
         ("wire_stiffening", "carry a payload: what depends on the load goes on where the bare arm ended"),
     )
+
+    @classmethod
+    def over(cls, variables: list[str], own: list[str]) -> list[str]:
+        return variables

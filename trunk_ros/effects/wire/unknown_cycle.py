@@ -19,6 +19,7 @@ class UnknownCycle(Curve):
     id = "unknown_cycle"
     stage = "wire"
     place = 255
+    linear = True
     signature = "The residual swings in time with one period, whether the joint moves or not."
     of = "the angle, again and again,"
     # A live run does not begin at the phase of the recording: with another phase it would get worse.

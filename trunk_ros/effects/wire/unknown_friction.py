@@ -30,6 +30,10 @@ class UnknownFriction(Curve):
         ("unknown", "pass one place in both directions: friction changes its sign"),
     )
 
+    @classmethod
+    def over(cls, variables: list[str], own: list[str]) -> list[str]:
+        return own
+
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x, None
 

@@ -21,6 +21,10 @@ class UnknownGain(Curve):
     of, also = "the share of the motion that arrives", ("position",)
     confused_with = (("unknown", "be at one posture at different times, speeds and loads"),)
 
+    @classmethod
+    def over(cls, variables: list[str], own: list[str]) -> list[str]:
+        return [variable for variable in own if variable not in cls.also]
+
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + now.gearbox * now.ratio * self._curve(now), None
 

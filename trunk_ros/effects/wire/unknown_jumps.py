@@ -30,6 +30,7 @@ class UnknownJumps(Curve):
 
     id = "unknown_jumps"
     follows_readings = True
+    linear = True
     stage = "wire"
     place = 255
     signature = "The residual's mean jumps between levels at moments that nothing in the motion predicts."

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.export.reality.servo import Servo
 from trunk_ros.export.reality.wire import Wire
-from trunk_ros.model import Model
 
 FINE = 2e-3  # s: step of the nominal servo's integration
 
@@ -31,7 +31,7 @@ class Plant:
     _theta: Array
     _anew: np.ndarray
 
-    def __init__(self, model: Model, environments: int = 1):
+    def __init__(self, model: ArmModel, environments: int = 1):
         """Raises ModelError where the model names no joints, has motors that move several joints, or an
         effect that cannot act on many environments.
         """

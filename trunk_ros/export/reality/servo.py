@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.filters import lag_step
@@ -11,7 +12,6 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.export.reality.blocks import Block, core_of
 from trunk_ros.export.reality.past import Past
 from trunk_ros.export.reality.scene import Scene
-from trunk_ros.model import Model
 from trunk_ros.sine import sines
 
 
@@ -21,7 +21,7 @@ class Servo:
     The simulator's own position loop stays in its place: only what it lacks is put before it.
     """
 
-    def __init__(self, model: Model, environments: int):
+    def __init__(self, model: ArmModel, environments: int):
         arm, effects = model.arm, model.bound("servo")
         self.blocks = [Block(e, arm, environments) for e in effects if e.acts_at == Effect.CORE]
         self.behind = [Block(e, arm, environments) for e in effects if e.acts_at > Effect.CORE]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect
@@ -11,7 +12,6 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.export.reality.blocks import Block, core_of, mixed
 from trunk_ros.export.reality.past import Past
 from trunk_ros.export.reality.scene import Scene
-from trunk_ros.model import Model
 from trunk_ros.stage import Memory, Order
 
 DELAYS = {("sensor_delay", ""): "delay", ("viscous_lag", "shift"): "time_constant"}
@@ -34,7 +34,7 @@ class Late:
 class Wire:
     """The effects of a model's wire on (environments, joints), split at the joint: ``drive`` and ``show``."""
 
-    def __init__(self, model: Model, environments: int):
+    def __init__(self, model: ArmModel, environments: int):
         order = Order.of(model.bound("wire"))
         self.path, self.core, self.after, self.sensor = (
             [block_of(e, model, environments) for e in some]
@@ -86,7 +86,7 @@ class Wire:
         return np.asarray(out.reshape(u.shape))
 
 
-def block_of(effect: Effect, model: Model, environments: int) -> Block | Late:
+def block_of(effect: Effect, model: ArmModel, environments: int) -> Block | Late:
     """An effect as a block over many environments."""
     name = DELAYS.get((effect.id, effect.form))
     return Late(effect[name], environments) if name else Block(effect, model.arm, environments)

@@ -12,7 +12,8 @@ import numpy as np
 
 from trunk_ros import __version__
 from trunk_ros.diagnosis.diagnose import diagnose
-from trunk_ros.diagnosis.verdict.result import Diagnosis, Finding
+from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.errors import TrunkError, one_line
 from trunk_ros.fleet.inputs.files import here
 from trunk_ros.fleet.run.outcome import Row, unread

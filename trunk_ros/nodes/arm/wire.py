@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.chain import Chain, State
+from trunk_ros.effect_values import zeros_in
 from trunk_ros.model import Model
 from trunk_ros.nodes.graph.elapsed import SECOND, Elapsed
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
@@ -53,7 +54,7 @@ class Wire:
     def _use(self, model: Model) -> None:
         self.model = model
         self._wire, self._tip = (Chain(model, stage, hold_time=True) for stage in ("wire", "arm"))
-        self._zero = model.effects.get("zero_offset", {}).get("offset", 0.0)
+        self._zero = zeros_in(model.effects)
 
     def swap(self, model: Model) -> None:
         """Act by another model of the same arm, from where the joints are."""

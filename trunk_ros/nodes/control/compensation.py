@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.chain import Chain, State
+from trunk_ros.effects import effect
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.nodes.bus import between, gearbox_limits, within
@@ -104,26 +105,17 @@ class Compensation:
 
 
 def tamed(model: Model) -> Model:
-    """The model with no more friction at low speed than the servo crosses slowly.
-
-    It goes through a dead band w at about Kp w; where friction has faded at that speed it carries the joint
-    along, past its reference.
-    """
-    found = model.effects.get("stribeck_friction")
-    if found is None:
-        return model
-    most = np.asarray(found["velocity"]) / position_gain(model)
-    crossed = {**found, "amplitude": np.minimum(found["amplitude"], most)}
-    return replace(model, effects={**model.effects, "stribeck_friction": crossed})
+    """The model with no more of its effects than the servo can compensate without overshoot."""
+    gain = position_gain(model)
+    effects = {name: effect(name).compensated(values, gain) for name, values in model.effects.items()}
+    return replace(model, effects=effects)
 
 
 def position_gain(model: Model) -> Array:
     """Gain of the position loop [1/s] per joint, with what was found."""
-    found = np.asarray(model.effects.get("servo_bandwidth", {}).get("relative", 0.0), dtype=float)
-    return model.arm.kp * (1 + found) * np.ones(len(model.arm.joints))
+    return np.asarray(model.number("kp") * np.ones(len(model.arm.joints)))
 
 
 def slowest(model: Model) -> float:
     """Top speed of the servo [rad/s at the shaft], as nominal or as found, whichever is less."""
-    found = model.effects.get("velocity_saturation", {}).get("v_max", model.arm.v_max)
-    return float(np.min(np.append(np.asarray(found, dtype=float), model.arm.v_max)))
+    return float(np.min(model.number("v_max")))

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.effect_values import lateness
 from trunk_ros.model import Model
 from trunk_ros.nodes.control.goal import State
 from trunk_ros.nodes.control.measured import Measured
@@ -28,7 +29,7 @@ class Observation:
     def use(self, model: Model) -> None:
         """Another model: what was learnt about the last one is forgotten."""
         self.measured.use(model)
-        self.delay = float(np.max(model.effects.get("sensor_delay", {}).get("delay", 0.0)))
+        self.delay = lateness(model.effects)
         self.feedback = SlowFeedback(len(model.arm.joints))
         self.past = Past()
 

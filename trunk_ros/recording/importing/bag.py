@@ -7,7 +7,6 @@ import numpy as np
 
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.bag.columns import Columns, read_columns
-from trunk_ros.recording.check import checked
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.importing.units import UNITS
 from trunk_ros.recording.messages.assemble import first_stamp, joint_series, sample_times
@@ -46,7 +45,7 @@ def read_bag(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     duration = max(float(each.stamp[-1]) for each in series.values())
     notes = tuple(remarks + series_remarks(series, counts))
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
-    return checked(Recording(str(path), start_ns, duration, series, None, notes, units, counts=counts))
+    return Recording(str(path), start_ns, duration, series, None, notes, units, counts=counts).checked()
 
 
 def _unstamped(columns: Columns) -> str:

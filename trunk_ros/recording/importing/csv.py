@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.check import checked, is_reading
+from trunk_ros.recording.check import is_reading
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.importing.table import read_table
 from trunk_ros.recording.importing.units import UNITS
@@ -37,7 +37,7 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     notes = tuple(remarks + timing + series_remarks(series, full))
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
     whole = Recording(str(path), start_ns, float(stamp[-1]), series, None, notes, units, counts=full)
-    return checked(whole)
+    return whole.checked()
 
 
 def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whole, Whole, list[str]]:

@@ -14,16 +14,14 @@ from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, scaled
+from trunk_ros.diagnosis.data.sensing.physics import CHANCE, FEWEST, basis, motion_of, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
-FEWEST = 200  # samples
 JOINTS = 3  # of which one size says something
 SURE = 6.0  # standard deviations that a tone stands out of what is beside it
 EACH = 3.0  # the same of the tone of each joint
-ALIKE = 0.99  # by chance so many sizes of one tone differ less
 SHARP = 0.2  # of the size: its std, so that being alike says something
 IN_STEP = 0.9  # of phases: how nearly they are one, from 0 to 1
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
@@ -91,7 +89,7 @@ def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | No
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if mean < SURE * known or float(np.median(std)) > SHARP * mean:
         return None
-    if unlike > chi2.ppf(ALIKE, len(sizes) - 1) or _driven(frequency, stamp, waves, asked):
+    if unlike > chi2.ppf(CHANCE, len(sizes) - 1) or _driven(frequency, stamp, waves, asked):
         return None
     return Hum(frequency, mean, known, waves)
 

@@ -17,6 +17,8 @@ CREEPS = (2.0, 8.0)  # s
 PLAY = 1e-3  # rad, where the model has none
 SLOWLY = 0.05  # rad/s, at which friction may have fallen
 MOVES = 0.02  # rad
+FEWEST = 200  # samples
+CHANCE = 0.99  # of what differs by chance, so much differs less
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import Motion, basis, motion_of, scaled
+from trunk_ros.diagnosis.data.sensing.physics import CHANCE, FEWEST, Motion, basis, motion_of, scaled
+from trunk_ros.guards import ROUNDED
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
@@ -23,10 +24,8 @@ TELLS = 0.25  # of the skew: the std of a joint that says something
 AGREES = 4.0  # standard deviations from what all joints say, or as much of the skew as below
 ALIKE, ALIKER = 0.25, 0.1
 DIFFER = 1.3  # times the speed of the slowest: joints of one speed are late alike for other reasons
-FEWEST = 200  # samples
 ROWS = 6000  # samples that are enough
 IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
-CHANCE = 0.99  # of lags on a line, so many lie nearer by chance
 BLOCK = 50  # of them may depend on each other
 WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
 
@@ -172,4 +171,4 @@ def _fitted(features: Array, off: Array) -> tuple[Array, Array]:
     left = features * (off - features @ values)[:, None]
     blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)
     spread = np.sqrt(np.diag(inverse @ (blocks.T @ blocks) @ inverse))
-    return values / size, np.maximum(spread / size, 1e-12)
+    return values / size, np.maximum(spread / size, ROUNDED)

@@ -9,25 +9,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import scaled
+from trunk_ros.diagnosis.data.sensing.physics import MOVES, scaled
+from trunk_ros.diagnosis.data.sensing.thinned import SETTLED
+from trunk_ros.diagnosis.discrepancy.spectrum import FINER
+from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.servo_course import servo_course
 
 FEWEST = 500  # samples
-SETTLED = 0.5  # s
 BEGINS = 60.0  # s in which a saw is searched for
 ROWS = 20_000  # samples that are enough
 LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
-FINER = 4  # steps of the search in which two of its waves part by one period over the recording
 PHASES = 16
 SURE = 0.6  # of the power of all that makes joints late or early, but for constant lags and servos
 SIZE = (0.6, 1.4)  # of the setpoints' period
 LEAVES = 0.6  # of that power, when setpoints are moved to when they acted
-NOTHING = 1e-12  # rad²/s²
-MOVES = 0.02  # rad
 
 
 @dataclass(frozen=True)
@@ -159,7 +158,7 @@ def _finer(stamp: Array, moment: Array, weight: Array, start: Sliding, period: f
 
 def _able(moment: Array, weight: Array) -> float:
     """Power that lags of any kind could explain."""
-    return float(np.sum(moment**2 / np.maximum(weight, NOTHING)))
+    return float(np.sum(moment**2 / np.maximum(weight, ROUNDED)))
 
 
 def _power(stamp: Array, moment: Array, weight: Array, takes: float, phase: float) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import uniform_filter1d
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.motion_content import ENOUGH
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
@@ -18,8 +19,7 @@ TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
 EVEN = 0.2  # of the usual time between setpoints
 STEPS = 3.0  # times as much of the stairs that the kept ones alone would make
 BETTER = 1.5  # times as near: from here on one number of setpoints is better than another
-FEWEST = 100
-SETTLED = 0.5  # s
+SETTLED = 0.5  # s in which a servo forgets how it began
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def thinned(
     The series have the same joints. guide: the reference, on the gearbox's side, shows what lies between.
     """
     period = _period(setpoints.stamp)
-    if period == 0.0 or len(gearbox.stamp) < FEWEST or 2.0 * _usual(gearbox.stamp) > period:
+    if period == 0.0 or len(gearbox.stamp) < ENOUGH or 2.0 * _usual(gearbox.stamp) > period:
         return None
     kept = _stairs(setpoints, gearbox, model, period)
     tried = [
@@ -60,7 +60,7 @@ def _usual(stamp: Array) -> float:
 
 def _period(stamp: Array) -> float:
     """Time between setpoints [s], 0 where they come unevenly or are few."""
-    if len(stamp) < FEWEST:
+    if len(stamp) < ENOUGH:
         return 0.0
     usual = _usual(stamp)
     return usual if float(np.mean(np.abs(np.diff(stamp) - usual) < EVEN * usual)) > 1.0 - EVEN else 0.0
@@ -69,7 +69,7 @@ def _period(stamp: Array) -> float:
 def _fuller(setpoints: JointSeries, guide: JointSeries | None) -> list[tuple[int, JointSeries]]:
     """The setpoints with more and more between them; where a guide tells how many there were, with those."""
     counts: tuple[int, ...] = TIMES
-    if guide is not None and len(guide.stamp) >= FEWEST:
+    if guide is not None and len(guide.stamp) >= ENOUGH:
         there = round(_usual(setpoints.stamp) / _usual(guide.stamp))
         counts = (there,) if there > 1 else TIMES
     return [(times, _filled(setpoints, times, guide)) for times in counts]

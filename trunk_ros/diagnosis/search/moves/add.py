@@ -25,10 +25,9 @@ from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.diagnosis.search.trial import column_trials
+from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
 
-PROMISING = 4  # local candidates a joint that are refitted in full
-PROMISING_EVERYWHERE = 2
+PROMISING_EVERYWHERE = 2  # likewise, on all joints at once
 NEAR_BEST = 0.6  # an effect takes a joint along if it explains this share of what the best one does there
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 MAJORITY = 0.6  # of the joints

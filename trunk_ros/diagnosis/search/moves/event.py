@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import effect
+from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
 
@@ -74,12 +75,12 @@ def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
 
 def _gained(mass: Parameter, rd: Array, dd: Array) -> Array:
     """By the mass that gains most."""
-    factor = np.clip(rd / np.maximum(dd, 1e-12), 0.0, mass.bounds[1] / mass.typical)
+    factor = np.clip(rd / np.maximum(dd, ROUNDED), 0.0, mass.bounds[1] / mass.typical)
     return np.asarray(factor * (2 * rd - factor * dd))
 
 
 def _mass(mass: Parameter, rd: float, dd: float) -> float:
-    return float(np.clip(mass.typical * rd / max(dd, 1e-12), *mass.bounds))
+    return float(np.clip(mass.typical * rd / max(dd, ROUNDED), *mass.bounds))
 
 
 EVENT = Move("event", groups)

@@ -10,13 +10,11 @@ from trunk_ros.diagnosis.search.candidates import extended, given
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import score
-from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.diagnosis.search.trial import PROMISED
+from trunk_ros.diagnosis.search.screen import PROMISED, REFITTED, Screen
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 
 SIZES = (0.4, 1.6)  # of the usual value
-REFITTED = 2  # starts that are fitted in full
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

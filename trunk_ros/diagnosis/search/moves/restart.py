@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.moves.add import trials
 from trunk_ros.diagnosis.search.score import beats, score
 
-FIRST = 3  # effects that are begun with
+FIRSTS = 3  # first steps that are gone
 MOST = 3  # effects that are then chosen
 
 
@@ -25,7 +25,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def _anew(best: Fit, desk: Desk, column: int, own: list[str]) -> Iterator[Fit]:
     bare = refit_column(best, best.hypothesis.less(own, column), column)
-    for first in _further(bare, desk, column)[:FIRST]:
+    for first in _further(bare, desk, column)[:FIRSTS]:
         yield _grown(first, desk, column)
 
 

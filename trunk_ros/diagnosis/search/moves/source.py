@@ -9,10 +9,8 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.screen import REFITTED, Screen
 from trunk_ros.effects import effect
-
-REFITTED = 2  # other effects that are tried in the place of a source
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

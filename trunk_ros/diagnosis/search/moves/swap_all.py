@@ -16,15 +16,13 @@ from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.swap_many import on_most
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
-from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.diagnosis.search.trial import column_trials
+from trunk_ros.diagnosis.search.screen import PROMISED, Screen
+from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
 from trunk_ros.effects import Effect, effect
 
 REFITTED = 3  # starts of an effect of the same kind that are fitted in full
-FURTHER_ONES = 4  # on a joint, that are refitted
 ALONE = 2  # joints that what acts on all must explain by itself
-PROMISED = 0.5  # of what the one in its place explains
-SEEN = 0.2  # of that: a linear look sees less of what bends
+SEEN = 0.2  # of what the one in its place explains: a linear look sees less of what bends
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -85,7 +83,7 @@ def with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
     for column in worse if 2 * len(worse) < len(trial.cost) else ():
         kinds = open_kinds(context, trial.hypothesis, column)
         trial = min(
-            column_trials(trial, trial.hypothesis, column, kinds, FURTHER_ONES), key=score, default=trial
+            column_trials(trial, trial.hypothesis, column, kinds, PROMISING), key=score, default=trial
         )
     return trial
 

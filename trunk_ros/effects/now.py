@@ -1,0 +1,81 @@
+"""What an effect may see of the arm, what a motion is like, and how what an effect does is shown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+
+
+@dataclass
+class Now:
+    """What an effect may look at besides its input; time runs along axis 0, joints along axis 1.
+
+    ``angles`` holds all joints of the arm (columns named by ``joints``), the rest the joints being computed.
+    """
+
+    stamp: Array
+    """(n,) s since the first sample of the recording."""
+    dt: Array
+    """(n,) s since the sample before; 0 at the very first."""
+    gearbox: Array
+    """(n, columns) rad."""
+    speed: Array
+    """(n, columns) rad/s, on the joint side."""
+    load: Array
+    """(n, columns) N m, weight's moment, positive where it increases the angle."""
+    angles: Array
+    """(n, all joints) rad."""
+    wires: Array
+    """(n, all joints) rad, ratio times gearbox angle."""
+    joints: tuple[str, ...]
+    ratio: Array
+    """(columns,) joint angle per gearbox angle."""
+    held: bool = False
+    """Whether time stands at the end of the recording that the model was fitted on."""
+    speeds: Array = field(default_factory=lambda: np.empty((0, 0)))
+    """(n, all joints) rad/s, like ``speed``."""
+    columns: tuple[int, ...] = ()
+    """Places of the joints being computed among all ``joints``."""
+    arm: Arm | None = None
+    """With the payload that it carries; None where its links' masses are of no account."""
+
+    @cached_property
+    def masses(self) -> Array:
+        """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
+        assert self.arm is not None
+        return self.arm.mass_matrix(self.angles)
+
+
+def borne(load: Array) -> float:
+    """Size [N m] of what a joint bears (n,)."""
+    return float(np.sqrt(np.mean(load**2)))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a joint's motion is like, for what can be told from it."""
+
+    wide_loop: bool = False
+    """Always alike, with a wide loop: it hides what else varies with speed or time."""
+    one_way: bool = False
+    """It never comes back."""
+    once: bool = False
+    """It shows a wide loop, and goes through none of it twice."""
+    masses: bool = True
+    """Those of the links are known, and their inertia is in no load yet."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Over what a residual is drawn; ``along``: errors count in the direction of motion; ``window`` s are
+    shown (0: all).
+    """
+
+    over: str
+    along: bool = False
+    window: float = 0.0

@@ -1,0 +1,5 @@
+"""Guards of arithmetic: they keep divisions and inverses from failing, and no result hangs on them."""
+
+TINY = 1e-300  # divides in the place of nothing
+ROUNDED = 1e-12  # of a size: what rounding leaves of it
+SAME = 1e-6  # of a size: two computed numbers that are nearer to each other are one
