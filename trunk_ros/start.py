@@ -91,8 +91,7 @@ def moved_zero(off: Array) -> tuple[Array, Array]:
 
 
 def history(chain: Chain, driven: Driven) -> Array:
-    """(TURNS, joints) rad, joint side: how far from where they were first seen the motors had been before.
-    """
+    """(TURNS, joints) rad, joint side: how far from where they were first seen the motors had been before."""
     return _likeliest(chain, driven)[0]
 
 
@@ -100,9 +99,8 @@ def _likeliest(chain: Chain, driven: Driven, moved: bool = False) -> tuple[Array
     """The ``history``, and the model's usual errors (joints,); ``moved``: zeros may have moved as well.
 
     The likeliest, joint by joint: where angles predicted at the first measured rows are off by no more than
-    the
-    model's usual error, and the motors came from no further than they usually are. A model's error lasts for
-    seconds, so that all of a joint's first rows count as one.
+    the model's usual error, and the motors came from no further than they usually are. A model's error lasts
+    for seconds, so that all of a joint's first rows count as one.
     """
     places = np.zeros((TURNS, len(chain.arm.joints)))
     size = _usual_error(chain, _off(chain, driven, places))
