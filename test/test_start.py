@@ -91,6 +91,15 @@ def test_a_zero_has_moved_where_no_memory_explains_the_first_angles() -> None:
     assert shifted(0.004)[1] == pytest.approx(0.004 + shifted(0.0)[1], abs=0.002)  # no more than chance
 
 
+def test_what_varies_while_it_is_looked_at_is_no_zero_but_a_model_that_is_wrong() -> None:
+    recording, true = recorded()
+    shown = recording.series["joint_states"]
+    off = np.where(np.arange(len(T)) % 2, 0.4, 0.0)[:, None] * [0.0, 1.0]
+    series = recording.series | {"joint_states": JointSeries(T, shown.joints, true + off)}
+    wrong = simulate(Recording("run", 0, recording.duration, series), model()).series["joint_states"].position
+    assert abs(float((wrong - true)[T >= 5.0].mean(axis=0)[1])) < 0.1
+
+
 def test_zeros_that_hardly_moved_stay_and_those_that_did_may_go_far() -> None:
     zero, gain = moved_zero(np.array([0.0, 2.0, 5.0, -100.0]))
     assert zero[:2].tolist() == gain[:2].tolist() == [0.0, 0.0]

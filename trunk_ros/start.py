@@ -72,7 +72,16 @@ def _zero(chain: Chain, driven: Driven, places: Array, size: Array) -> Array:
     """(joints,) rad by which zeros have moved; none where no model says what is too far off."""
     if not len(chain.model.error):
         return np.zeros(len(size))
-    return size * moved_zero(_mean(_off(chain, driven, places)) / size)[0]
+    off = _off(chain, driven, places) / size
+    unsure = _unsure(off)
+    return size * unsure * moved_zero(_mean(off) / unsure)[0]
+
+
+def _unsure(off: Array) -> Array:
+    """(joints,) how many times its usual error a model errs where first readings are ``off`` (k, joints) in
+    such errors: what varies meanwhile is no zero, and the model is wrong there by as much.
+    """
+    return np.asarray(np.sqrt(1.0 + np.maximum(_mean(off**2) - _mean(off) ** 2, 0.0)))
 
 
 def moved_zero(off: Array) -> tuple[Array, Array]:
@@ -165,7 +174,7 @@ def _power(chain: Chain, driven: Driven, places: Array, size: Array, moved: bool
     reach = chain.model.reach if len(chain.model.reach) else np.full(places.shape[1], USUAL)
     far = places / np.maximum(reach, NEAR)
     off = _off(chain, driven, places) / size
-    gain = moved_zero(_mean(off))[1].sum() if moved else 0.0
+    gain = moved_zero(_mean(off) / _unsure(off))[1].sum() if moved else 0.0
     return float(_mean(off**2).sum() - gain + (far**2).sum())
 
 
