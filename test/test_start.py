@@ -10,7 +10,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
-from trunk_ros.start import first_rows
+from trunk_ros.start import first_rows, moved_zero
 
 T = np.arange(0.0, 40.0, 0.5)
 CAME_FROM = np.array([0.3, -0.2])  # rad, joint side
@@ -71,3 +71,47 @@ def test_later_joint_angles_are_never_read() -> None:
 @pytest.mark.parametrize(("settle", "rows"), [(0.0, 0), (5.0, 10), (0.1, 1)])
 def test_first_rows_are_those_within_the_time_and_one_at_least(settle: float, rows: int) -> None:
     assert first_rows(T, settle) == rows
+
+
+def shifted(by: float) -> np.ndarray:
+    """(joints,) mean of measured less predicted after the first five seconds, where the second joint's zero
+    has moved ``by`` rad.
+    """
+    recording, true = recorded()
+    shown = recording.series["joint_states"]
+    moved = true + np.array([0.0, by])
+    series = recording.series | {"joint_states": JointSeries(T, shown.joints, moved)}
+    other = Recording("run", 0, recording.duration, series)
+    predicted = simulate(other, model()).series["joint_states"].position
+    return np.asarray((moved - predicted)[T >= 5.0].mean(axis=0))
+
+
+def test_a_zero_has_moved_where_no_memory_explains_the_first_angles() -> None:
+    assert np.abs(shifted(0.4)).max() < 0.02  # no play is as wide
+    assert shifted(0.004)[1] == pytest.approx(0.004 + shifted(0.0)[1], abs=0.002)  # no more than chance
+
+
+def test_what_varies_while_it_is_looked_at_is_no_zero_but_a_model_that_is_wrong() -> None:
+    recording, true = recorded()
+    shown = recording.series["joint_states"]
+    off = np.where(np.arange(len(T)) % 2, 0.4, 0.0)[:, None] * [0.0, 1.0]
+    series = recording.series | {"joint_states": JointSeries(T, shown.joints, true + off)}
+    wrong = simulate(Recording("run", 0, recording.duration, series), model()).series["joint_states"].position
+    assert abs(float((wrong - true)[T >= 5.0].mean(axis=0)[1])) < 0.1
+
+
+def test_zeros_that_hardly_moved_stay_and_those_that_did_may_go_far() -> None:
+    zero, gain = moved_zero(np.array([0.0, 2.0, 5.0, -100.0]))
+    assert zero[:2].tolist() == gain[:2].tolist() == [0.0, 0.0]
+    assert 4.0 < zero[2] < 5.0
+    assert zero[3] == pytest.approx(-100.0, rel=0.001)
+
+
+def test_a_model_that_does_not_know_its_error_has_no_zero_that_moved() -> None:
+    recording, true = recorded()
+    bare = Model(arm_of(2), {"backlash": {"half_width": np.array([0.001, 0.001])}})
+    one = simulate(recording, bare).series["joint_states"].position
+    shown = recording.series["joint_states"]
+    series = recording.series | {"joint_states": JointSeries(T, shown.joints, true + 3.0)}
+    two = simulate(Recording("run", 0, recording.duration, series), bare).series["joint_states"].position
+    assert np.abs(one - two).max() < 0.01

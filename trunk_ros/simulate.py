@@ -64,13 +64,13 @@ def simulate(
             phi = as_the_servo_went(recording, given, steps, grid, phi, model)
     model = model.only(joints)
     known = resistance(model.arm, driven, grid, phi)
-    chain, state = Chain(model, "wire"), None
+    chain, state, zero = Chain(model, "wire"), None, np.zeros(len(joints))
     if measured is not None and set(joints) & set(measured.joints):
         seen = first_rows(measured.stamp[kept], settle)
         first = Driven(phi, grid, rows[:seen], _readings(measured, joints)[kept][:seen], velocity, known)
-        state = begun(chain, first)
+        state, zero = begun(chain, first)
     theta, _ = chain.run(phi, grid, state, velocity, known)
-    series["joint_states"] = JointSeries(shown_at[kept], joints, theta[rows])
+    series["joint_states"] = JointSeries(shown_at[kept], joints, theta[rows] + zero)
     return Recording(recording.name, recording.start_ns, recording.duration, series, units=recording.units)
 
 

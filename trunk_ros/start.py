@@ -24,6 +24,8 @@ NEAR, FAR, STEPS = 1e-3, 2.0, 7  # rad, either side: distances that are tried fi
 SETTLED = 0.02  # of the squared errors: a round that takes no more off them is the last
 CLOSE = 0.02  # of a distance: as exactly as that it is looked for
 SMALL = 1e-5  # rad: errors below it are none
+STAYS = 6.0  # of squared errors: one zero in twenty moves between two recordings
+ZERO_ROUNDS = 8
 USUAL = 0.5  # rad: how far motors go where a model does not say
 
 
@@ -52,32 +54,74 @@ def first_rows(stamp: Array, settle: float) -> int:
     return max(int(np.searchsorted(stamp, stamp[0] + settle)), 1)
 
 
-def begun(chain: Chain, driven: Driven) -> State | None:
-    """The state of a chain at the first of a motion's samples; None where nothing was measured."""
+def begun(chain: Chain, driven: Driven) -> tuple[State | None, Array]:
+    """The state of a chain at the first of a motion's samples, None where nothing was measured; and (joints,)
+    rad by which the joints' zeros have moved since the model was fitted.
+    """
     if not len(driven.rows) or not np.isfinite(driven.measured).any():
-        return None
-    return _state(chain, driven, history(chain, driven))
+        return None, np.zeros(len(chain.arm.joints))
+    places, size = _likeliest(chain, driven)
+    state, zero = _state(chain, driven, places), _zero(chain, driven, places, size)
+    if zero.any():  # what memory cannot explain is no reason to bend it
+        places, size = _likeliest(chain, driven, moved=True)
+        state, zero = _state(chain, driven, places), _zero(chain, driven, places, size)
+    return state, zero
+
+
+def _zero(chain: Chain, driven: Driven, places: Array, size: Array) -> Array:
+    """(joints,) rad by which zeros have moved; none where no model says what is too far off."""
+    if not len(chain.model.error):
+        return np.zeros(len(size))
+    off = _off(chain, driven, places) / size
+    unsure = _unsure(off)
+    return size * unsure * moved_zero(_mean(off) / unsure)[0]
+
+
+def _unsure(off: Array) -> Array:
+    """(joints,) how many times its usual error a model errs where first readings are ``off`` (k, joints) in
+    such errors: what varies meanwhile is no zero, and the model is wrong there by as much.
+    """
+    return np.asarray(np.sqrt(1.0 + np.maximum(_mean(off**2) - _mean(off) ** 2, 0.0)))
+
+
+def moved_zero(off: Array) -> tuple[Array, Array]:
+    """(joints,) by how much zeros have moved where first readings are ``off`` in the mean, and what that
+    takes off their squares, all in a model's usual errors: an encoder is homed anew, a camera stands
+    elsewhere.
+
+    Most zeros stay, at a price (``STAYS``); those that move may go far: they have a Cauchy distribution. The
+    error lasts for seconds, so that all first readings count as one.
+    """
+    zero = off.copy()
+    for _ in range(ZERO_ROUNDS):  # it is likeliest where its derivative is none
+        zero = off / (1.0 + 2.0 / (1.0 + zero**2))
+    gain = off**2 - (off - zero) ** 2 - 2.0 * np.log1p(zero**2) - STAYS
+    return np.where(gain > 0.0, zero, 0.0), np.maximum(gain, 0.0)
 
 
 def history(chain: Chain, driven: Driven) -> Array:
-    """(TURNS, joints) rad, joint side: how far from where they were first seen the motors had been before.
+    """(TURNS, joints) rad, joint side: how far from where they were first seen the motors had been before."""
+    return _likeliest(chain, driven)[0]
+
+
+def _likeliest(chain: Chain, driven: Driven, moved: bool = False) -> tuple[Array, Array]:
+    """The ``history``, and the model's usual errors (joints,); ``moved``: zeros may have moved as well.
 
     The likeliest, joint by joint: where angles predicted at the first measured rows are off by no more than
-    the
-    model's usual error, and the motors came from no further than they usually are. A model's error lasts for
-    seconds, so that all of a joint's first rows count as one.
+    the model's usual error, and the motors came from no further than they usually are. A model's error lasts
+    for seconds, so that all of a joint's first rows count as one.
     """
     places = np.zeros((TURNS, len(chain.arm.joints)))
     size = _usual_error(chain, _off(chain, driven, places))
-    best = _power(chain, driven, places, size)
+    best = _power(chain, driven, places, size, moved)
     for _ in range(ROUNDS):
         before = best
         for turn, joint in np.ndindex(places.shape):
             if np.isfinite(driven.measured[:, joint]).any():
-                places, best = _moved(chain, driven, places, (turn, joint), size, best)
+                places, best = _moved(chain, driven, places, (turn, joint), size, moved, best)
         if best > (1.0 - SETTLED) * before:
             break
-    return places
+    return places, size
 
 
 def _usual_error(chain: Chain, off: Array) -> Array:
@@ -94,7 +138,7 @@ def _mean(values: Array) -> Array:
 
 
 def _moved(
-    chain: Chain, driven: Driven, places: Array, at: tuple[int, ...], size: Array, best: float
+    chain: Chain, driven: Driven, places: Array, at: tuple[int, ...], size: Array, moved: bool, best: float
 ) -> tuple[Array, float]:
     """One place moved to where it is likest."""
 
@@ -104,7 +148,7 @@ def _moved(
         return out
 
     def power(distance: float) -> float:
-        return _power(chain, driven, with_(distance), size)
+        return _power(chain, driven, with_(distance), size, moved)
 
     far = _farthest(power)
     return (with_(far[0]), far[1]) if far[1] < best else (places, best)
@@ -123,13 +167,15 @@ def _farthest(power: Callable[[float], float]) -> tuple[float, float]:
     return (float(finer.x), float(finer.fun)) if finer.fun < tried[k] else (float(grid[k]), tried[k])
 
 
-def _power(chain: Chain, driven: Driven, places: Array, size: Array) -> float:
+def _power(chain: Chain, driven: Driven, places: Array, size: Array, moved: bool) -> float:
     """Mean squares of the errors at the first measured rows, each joint's in its own ``size``, and of the
-    places in what is usual.
+    places in what is usual; ``moved``: with the likeliest zeros.
     """
     reach = chain.model.reach if len(chain.model.reach) else np.full(places.shape[1], USUAL)
     far = places / np.maximum(reach, NEAR)
-    return float(_mean((_off(chain, driven, places) / size) ** 2).sum() + (far**2).sum())
+    off = _off(chain, driven, places) / size
+    gain = moved_zero(_mean(off) / _unsure(off))[1].sum() if moved else 0.0
+    return float(_mean(off**2).sum() - gain + (far**2).sum())
 
 
 def _off(chain: Chain, driven: Driven, places: Array) -> Array:

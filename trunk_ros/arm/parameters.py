@@ -118,7 +118,7 @@ def declared_arm() -> list[Declaration]:
             "length of the recording that effects of time were fitted on",
         ),
         _per_joint(
-            "recording.error", "rad", large, "what the model left of samples that its fit did not see, rms"
+            "recording.error", "rad", large, "what the model usually left of what its fit did not see, rms"
         ),
         _per_joint(
             "recording.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"

@@ -79,7 +79,7 @@ class Diagnoser:
         self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
         self.error: dict[str, float] = {}
-        """Joint error [rad] that the fit left of samples that it did not see."""
+        """Joint error [rad] that the fit usually left of samples that it did not see."""
         self.lasting: dict[str, float] = {}
         """Joint noise [rad] that lasts from sample to sample."""
 
@@ -165,7 +165,7 @@ class Diagnoser:
         effects = state.hypothesis.model_effects(len(stage.joints))
         self.effects |= on_the_arm(effects, stage.joints, self.model.arm.joints)
         if stage.name == "wire":
-            self.error = {stage.joints[c]: e.after for c, e in errors.items()}
+            self.error = {stage.joints[c]: e.usual for c, e in errors.items()}
         self.result.stages[stage.name] = {
             "compared": True,
             "joints": {

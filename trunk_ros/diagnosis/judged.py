@@ -48,5 +48,5 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
     state, part, found = believed(state, part)
     state = with_banks(settled(state, settle))
-    found = found | banks_evidence(state)
+    found = found | banks_evidence(state, found)
     return Judged(state, part, found, spreads(state), held_out(state), done.early)

@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, Cuts, Source
+from trunk_ros.diagnosis.discrepancy.curves import curves_beside, redrawn
 from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources, without_banks
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -30,8 +31,24 @@ def with_banks(state: Fit) -> Fit:
     for column in [c for c, power in left.items() if power > STRONG]:
         misfit = context.formed_misfit[column] / context.count(column)
         if left[column] > CURVED * misfit:
-            state = _banked(state, column, misfit)
+            state = _banked(_curved(state, column, misfit), column, misfit)
     return state
+
+
+def _curved(state: Fit, column: int, misfit: float) -> Fit:
+    """With a curve beside the names of a joint that never comes back: it shows nothing of memory, and what
+    bends over its way or its load is all that can be told of the rest.
+    """
+    context, hypothesis = state.context, state.hypothesis
+    if column not in context.stage.one_way or column in hypothesis.curved:
+        return state
+    tried = [
+        Judged(trial, unseen(context, trial, column)) for trial in curves_beside(context, hypothesis, column)
+    ]
+    best = min(tried, key=lambda trial: float(trial.unseen.mean()))
+    if not _wins(unseen(context, hypothesis, column), best.unseen, misfit):
+        return state
+    return costed_on(state, best.hypothesis, column)
 
 
 def _banked(state: Fit, column: int, misfit: float) -> Fit:
@@ -107,6 +124,8 @@ def unseen(context: Context, hypothesis: Hypothesis, column: int) -> Array:
         judged = cuts.fold == fold
         seen = context.only([~judged[number] for number in _everywhere(context, column, cuts)])
         fitted = fit(seen, without_banks(hypothesis, column), [column]).hypothesis
+        if column in context.stage.one_way:
+            fitted = redrawn(seen, fitted, column)
         fitted = redrawn_banks(seen, fitted, column, hypothesis)
         out[judged] = _by_blocks(context.whitened(fitted, column) ** 2, cuts)[judged]
     return out

@@ -74,6 +74,12 @@ def curve_fit(context: Context, bare: Hypothesis, column: int) -> Fit | None:
     return min(drawn, key=lambda d: d.worth).fit if drawn else None
 
 
+def curves_beside(context: Context, hypothesis: Hypothesis, column: int) -> list[Hypothesis]:
+    """The hypothesis with a curve of the angle beside its names, over one thing or another."""
+    found = [Place(Unknown.id, v, *ends(context, column, v)) for v in variables(context, column)]
+    return [_alternate(context, hypothesis, column, place).fit.hypothesis for place in found]
+
+
 def promised(context: Context, bare: Hypothesis, column: int) -> float:
     """Squared unit-noise residual above the noise that a curve added to the angle would leave of a column by
     a linear look: a fit leaves no more.

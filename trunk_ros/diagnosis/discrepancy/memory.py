@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.motion_content import comes_back
 from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.bank_weights import Cuts, Source, Sums, chosen_of, thinned
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -57,7 +58,8 @@ def _used(like: Hypothesis, column: int) -> Iterator[tuple[type[Bank], str]]:
 def _source(context: Context, column: int, kind: type[Bank], word: str) -> Source | None:
     signals = [motion(word, context.now(i, column)) for i in range(len(context.views))]
     together = np.concatenate(signals)
-    if np.ptp(together) < STANDS:
+    turns = any(comes_back(s) for s in signals)
+    if np.ptp(together) < STANDS or (kind.remembers and not turns):
         return None
     low, high = kind.range_of(together)
     each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)

@@ -27,6 +27,10 @@ class Error:
     after: float
     after_std: float
     noise_floor: float
+    usual: float
+    """The median over the blocks afterwards: a block beyond what the others show is off by more than a model
+    that has seen it.
+    """
 
 
 def held_out(state: Fit) -> dict[int, Error]:
@@ -38,7 +42,10 @@ def held_out(state: Fit) -> dict[int, Error]:
             after[c] += _blocks(context, errors, c, (fold,))
     nominal = context.seen_with(context.known)
     before = {c: _blocks(context, _errors(nominal, context.known, c), c, (0, 1)) for c in context.columns}
-    return {c: Error(*_rms(before[c]), *_rms(after[c]), context.noise[c].std) for c in context.columns}
+    return {
+        c: Error(*_rms(before[c]), *_rms(after[c]), context.noise[c].std, _usual(after[c]))
+        for c in context.columns
+    }
 
 
 def _unseen(state: Fit, fold: int) -> dict[int, list[Array]]:
@@ -88,6 +95,10 @@ def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int
         chosen = [(number == block) & valid for block in range(BLOCKS) if block % 2 in folds]
         out += [error[rows] for rows in chosen if rows.any()]
     return out
+
+
+def _usual(blocks: list[Array]) -> float:
+    return float(np.sqrt(np.median([np.mean(b**2) for b in blocks]))) if blocks else float("nan")
 
 
 def _rms(blocks: list[Array]) -> tuple[float, float]:

@@ -4,7 +4,7 @@ well.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
+from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import ROUNDED
 
 RIVALS = 3  # the most promising, besides what is known to look alike
@@ -141,14 +142,17 @@ def evidence(state: Fit, whole: Fit | None = None) -> dict[str, Evidence]:
     return {name: one_evidence(_showing(state, whole, name), name) for name in state.hypothesis}
 
 
-def banks_evidence(state: Fit) -> dict[str, Evidence]:
-    """Evidence for the banks of a hypothesis: they have no rivals, and not more confidence than what has no
-    name.
+def banks_evidence(state: Fit, found: Mapping[str, Evidence]) -> dict[str, Evidence]:
+    """Evidence for the banks of a hypothesis, and for curves on joints where what was ``found`` had none:
+    they have no rivals, and not more confidence than what has no name.
     """
     out = {}
-    for name in [n for n in state.hypothesis if issubclass(effect(n), Bank)]:
+    for name, term in state.hypothesis.items():
+        told = name in found and found[name].gain.keys() >= set(term.columns)
+        if told or not issubclass(effect(name), (Bank, Curve)):
+            continue
         less = {c: state.context.whitened(state.hypothesis.without(name), c) for c in state.cost}
-        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in state.hypothesis[name].columns}
+        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in term.columns}
         limit = doubt(state, gain)
         sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
         out[name] = Evidence(gain, needed(state, gain), strength(state, name), confidence=sure)

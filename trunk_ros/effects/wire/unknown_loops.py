@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.polynomial import Legendre, Polynomial
+from numpy.polynomial.legendre import legder, legval, legvander
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import Bank, parameters_of
+from trunk_ros.effects.curve import KNOTS
 from trunk_ros.effects.drags import NARROWEST, WIDEST, drag
 from trunk_ros.effects.effect import Regime
 
-REACHES, SHAPES = 12, 8
+REACHES, SHAPES = 12, KNOTS  # over the posture as finely as any other curve: what catches, catches in places
+COARSE = 8  # of these, which have a size of their own: not every wire catches
 LEAST = 1e-9  # rad
-FINE = 40  # postures at which a slope is looked at
+FINE = 200  # postures at which a slope is looked at
 
 
 class UnknownLoops(Bank):
     """theta += c_0(s) + sum of c_i(s) (s - play(s, reach_i)) / reach_i, s = r phi of the joint itself.
 
-    Each c is a sum of the first eight Legendre polynomials from low to high, constant beyond, but for the
+    Each c is a sum of the first 24 Legendre polynomials from low to high, constant beyond, but for the
     line in c_0; reaches in even ratios from 0.015 to 0.4 of that range. A wire in a bent guide is pressed
     onto it by the bend: what its contacts hold back goes by the posture, which plays of constant weight
     cannot show.
@@ -42,8 +43,8 @@ class UnknownLoops(Bank):
     )
     named = False
     sources, own, by_posture = 1, True, True
-    # Constants; how they change with the posture; the curve.
-    groups = (REACHES, REACHES * (SHAPES - 1), SHAPES)
+    # Constants; how they change with the posture, coarsely and finely; the curve.
+    groups = (REACHES, REACHES * (COARSE - 1), REACHES * (SHAPES - COARSE), SHAPES)
     weights = sum(groups)
     parameters = parameters_of(
         sources,
@@ -69,11 +70,10 @@ class UnknownLoops(Bank):
 
     @classmethod
     def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, float, Array, Array]:
-        same, changing, alone = np.split(weights, [REACHES, REACHES * SHAPES])
-        shapes = np.vstack([alone, np.column_stack([same, changing.reshape(REACHES, SHAPES - 1)])])
+        *held, alone = np.split(weights, np.cumsum(cls.groups)[:-1])
+        shapes = np.vstack([alone, np.column_stack([part.reshape(REACHES, -1) for part in held])])
         high = max(high, low + LEAST)
-        line = float(alone[1] * _powers()[1, 1])
-        return low, high, line, _reaches(low, high), np.ascontiguousarray(shapes @ _powers())
+        return low, high, float(alone[1]), _reaches(low, high), np.ascontiguousarray(shapes)
 
     @classmethod
     def add(cls, s: Array, ready: tuple[float, float, float, Array, Array], state: Any, out: Array) -> Array:
@@ -84,15 +84,16 @@ class UnknownLoops(Bank):
     @classmethod
     def columns(cls, s: Array, low: float, high: float) -> Iterator[Array]:
         high = max(high, low + LEAST)
-        way = (s - low) / (high - low)
-        curves = np.vander(np.clip(way, 0.0, 1.0), SHAPES, increasing=True) @ _powers().T
+        way = 2.0 * (s - low) / (high - low) - 1.0
+        curves = legvander(np.clip(way, -1.0, 1.0), SHAPES - 1)
         held = np.zeros((REACHES, len(s)))
         for reach, out in zip(_reaches(low, high), held, strict=True):
             drag(s, np.array([reach]), np.array([1.0 / reach]), s[:1].copy(), out)
         yield from held
-        yield from (one * curve for one in held for curve in curves.T[1:])
+        for some in (slice(1, COARSE), slice(COARSE, None)):
+            yield from (one * curve for one in held for curve in curves.T[some])
         for k, curve in enumerate(curves.T):
-            yield curve + (way - np.clip(way, 0.0, 1.0)) * _powers()[1, 1] if k == 1 else curve
+            yield curve + way - np.clip(way, -1.0, 1.0) if k == 1 else curve
 
     @classmethod
     def range_of(cls, s: Array) -> tuple[float, float]:
@@ -101,10 +102,10 @@ class UnknownLoops(Bank):
     @classmethod
     def steepness(cls, low: float, high: float, weights: Array) -> float:
         """The steepest of all loops: where the widest contacts still stick, and of the curves themselves."""
-        low, high, _, reach, powers = cls.ready(low, high, weights)
-        at = np.linspace(0.0, 1.0, FINE)
-        value = np.array([np.polyval(c[::-1], at) for c in powers])
-        bend = np.array([np.polyval(np.polyder(c[::-1]), at) for c in powers]) / (high - low)
+        low, high, _, reach, shapes = cls.ready(low, high, weights)
+        at = np.linspace(-1.0, 1.0, FINE)
+        value = legval(at, shapes.T)
+        bend = legval(at, legder(shapes.T)) * 2.0 / (high - low)
         sticks = np.cumsum((value[1:] / reach[:, None])[::-1], axis=0)
         return float(np.max(np.abs(sticks).max(axis=0) + np.abs(bend).sum(axis=0)))
 
@@ -113,31 +114,27 @@ def _reaches(low: float, high: float) -> Array:
     return (high - low) * np.geomspace(NARROWEST, WIDEST, REACHES)
 
 
-@cache
-def _powers() -> Array:
-    """(SHAPES, SHAPES) powers, from the lowest, of Legendre polynomials between 0 and 1."""
-    out = np.zeros((SHAPES, SHAPES))
-    for k, row in enumerate(out):
-        row[: k + 1] = Legendre.basis(k, domain=(0.0, 1.0)).convert(kind=Polynomial).coef
-    return out
-
-
 @compiled
 def loop(
-    s: Array, low: float, high: float, line: float, reach: Array, powers: Array, stuck: Array, out: Array
+    s: Array, low: float, high: float, line: float, reach: Array, shapes: Array, stuck: Array, out: Array
 ) -> None:
-    """Add to ``out`` (n,) what plays of half-widths ``reach`` (k,) hold back of ``s`` (n,), each by its
-    polynomial over the posture, ``powers`` (1 + k, m) from the lowest, the first one alone, beyond both ends
-    by its ``line``; ``stuck`` (k,) changes in place.
+    """Add to ``out`` (n,) what plays of half-widths ``reach`` (k,) hold back of ``s`` (n,), each by its sum
+    of Legendre polynomials over the posture, ``shapes`` (1 + k, m), the first one alone, beyond both ends by
+    its ``line``; ``stuck`` (k,) changes in place.
     """
+    order = shapes.shape[1]
+    basis = np.ones(order)
     for i in range(len(s)):
-        way = (s[i] - low) / (high - low)
-        u = min(max(way, 0.0), 1.0)
+        way = 2.0 * (s[i] - low) / (high - low) - 1.0
+        u = min(max(way, -1.0), 1.0)
+        basis[1] = u
+        for m in range(2, order):
+            basis[m] = ((2 * m - 1) * u * basis[m - 1] - (m - 1) * basis[m - 2]) / m
         total = (way - u) * line
-        for k in range(len(powers)):
+        for k in range(len(shapes)):
             value = 0.0
-            for c in powers[k][::-1]:
-                value = value * u + c
+            for m in range(order):
+                value += shapes[k, m] * basis[m]
             if k == 0:
                 total += value
             else:

@@ -1,0 +1,73 @@
+"""A joint that never comes back shows nothing of memory: what no name explains there is a curve."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.discrepancy.banked import with_banks
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.simulate import simulate
+
+STANDS, ROWS, NOISE = 20, 400, 5e-4
+MOVED = 0.03  # rad
+
+
+def pushed(zero: float = 0.0, seed: int = 0, back: bool = False) -> tuple[Recording, np.ndarray]:
+    """A joint pushed, and let ``back``, which gives way to the load along a bent line, read once a second;
+    what it truly does.
+    """
+    rng, stamp = np.random.default_rng(seed), np.arange(float(ROWS))
+    asked = np.repeat(np.linspace(0.0, 1.0, ROWS // STANDS), STANDS)
+    asked = 1.0 - np.abs(2.0 * asked - 1.0) if back else asked
+    load = -8.0 * np.maximum(asked - 0.3, 0.0) ** 1.5
+    bent = 0.006 * np.exp(-(((asked - 0.25) / 0.1) ** 2)) - 0.004 * np.tanh((asked - 0.7) / 0.05)
+    true = zero + asked - 0.05 * load + bent
+    series = {
+        "gearbox_states": JointSeries(stamp, ("slide",), asked[:, None], effort=load[:, None]),
+        "joint_states": JointSeries(stamp, ("slide",), (true + NOISE * rng.normal(size=ROWS))[:, None]),
+    }
+    return Recording("push", 0, float(stamp[-1]), series), true
+
+
+def with_what_no_name_explains(back: bool) -> Hypothesis:
+    """Beside a wire that stretches."""
+    model = load_model("direct")
+    context = begun(Context.of(WireStage([wire_span(pushed(back=back)[0], model)], model))).context
+    soft = Hypothesis(load_elasticity=Term("load_elasticity", "weight", own={0: {"compliance": 0.05}}))
+    return with_banks(refit(context, soft)).hypothesis
+
+
+def test_a_joint_that_never_comes_back_has_a_curve_beside_its_names_and_no_memory() -> None:
+    one_way = with_what_no_name_explains(back=False)
+    assert set(one_way) == {"load_elasticity", "unknown"}
+    assert one_way["unknown"].words[0]["on"] == "position"
+    assert "unknown" not in with_what_no_name_explains(back=True)
+
+
+@cache
+def found() -> Diagnosis:
+    return diagnose([pushed()[0]], model="direct")
+
+
+def test_another_run_may_have_another_zero() -> None:
+    recording, true = pushed(MOVED, seed=1)
+    predicted = simulate(recording, found().model).series["joint_states"].position[:, 0]
+    off = np.asarray(true - predicted)[recording.series["joint_states"].stamp >= 5.0]
+    assert float(np.sqrt(np.mean(off**2))) < 0.1 * MOVED
+
+
+def test_the_usual_error_is_that_of_most_of_the_recording() -> None:
+    """At its ends a fit that has not seen them goes astray."""
+    model = found().model
+    assert model.error[0] < found().stages["wire"]["joints"]["slide"]["rmse_after"]
+    assert model.error[0] > NOISE
