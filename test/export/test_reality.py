@@ -164,6 +164,14 @@ def test_a_wrong_shape_is_refused_in_one_line() -> None:
         RealityLayer("direct")
 
 
+def test_what_is_no_number_is_refused_with_its_place() -> None:
+    layer = RealityLayer(load_model("trunk"), environments=3)
+    state = np.zeros((3, 5))
+    state[1, 2] = np.nan
+    with pytest.raises(ModelError, match="state of joint_3 in environment 1 is no number"):
+        layer.step(np.zeros((3, 5)), state, 0.01)
+
+
 def test_all_effects_of_the_wire_but_the_one_by_hand_are_covered() -> None:
     assert {name for name, _ in HELD} | {"distributed_wire"} == {name for name, _ in WIRE}
     assert not effect("distributed_wire").tried

@@ -81,7 +81,8 @@ class RealityLayer:
         """What to command the simulator for the next ``dt`` s, and what the joints' sensors show now.
 
         ``command``: setpoints [rad, motor side]; ``state``: the simulator's joint angles now [rad]. Both
-        (environments, joints), or (joints,) for one. Raises ModelError for other shapes.
+        (environments, joints), or (joints,) for one. Raises ModelError for other shapes, and for what is no
+        number.
         """
         asked, true = self._given(command, "command"), self._given(state, "state")
         anew, self._anew = self._anew, None
@@ -125,7 +126,11 @@ class RealityLayer:
         if array.size != self._shape[0] * self._shape[1] or array.shape[-1:] != self._shape[1:]:
             wanted = f"{self._shape[0]} environments of {', '.join(self.joints)}"
             raise ModelError(f"{name} has the shape {array.shape}: it must be for {wanted}")
-        return np.ascontiguousarray(array.reshape(self._shape))
+        array = np.ascontiguousarray(array.reshape(self._shape))
+        if not np.isfinite(array).all():
+            place, joint = np.argwhere(~np.isfinite(array))[0]
+            raise ModelError(f"{name} of {self.joints[joint]} in environment {place} is no number")
+        return array
 
 
 def _model(given: Model | str | Path) -> Model:
