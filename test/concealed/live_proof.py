@@ -25,7 +25,7 @@ from test.concealed.demo_runs import Arm, DemoError, drive, followed, other_moti
 from test.concealed.hide import hide
 from test.concealed.marks import matched
 from test.concealed.nominal import Array, tip
-from test.concealed.seeds import LIVE
+from test.concealed.seeds import LIVE, LIVE_MANY
 from test.concealed.whole import write_whole
 
 KINDS = (
@@ -33,7 +33,8 @@ KINDS = (
     ("ratio_error", "joint_coupling", "load_elasticity", "transmission_ripple"),
     ("viscous_lag", "zero_offset", "viscoelastic_creep", "sensor_delay"),
 )
-SECONDS = 25.0
+SECONDS, SECONDS_OF_MANY = 25.0, 60.0
+MANY = (5, 8)  # effects of an arm
 
 
 @cache
@@ -45,9 +46,12 @@ def live_code() -> str:
 
 
 def drawn_effects(seed: int) -> list[str]:
-    """One effect of each of three kinds."""
+    """One effect of each of three kinds, or several."""
     rng = np.random.default_rng([seed, 4])
-    return [str(rng.choice(kind)) for kind in KINDS]
+    if seed not in LIVE_MANY:
+        return [str(rng.choice(kind)) for kind in KINDS]
+    every = [name for kind in KINDS for name in kind]
+    return [str(name) for name in rng.choice(every, int(rng.integers(MANY[0], MANY[1] + 1)), replace=False)]
 
 
 def off(wanted: Array, true: Array) -> dict[str, float]:
@@ -100,10 +104,10 @@ def tried(seed: int, output: Path, seconds: float = SECONDS) -> dict[str, Any]:
     return whole
 
 
-def try_all(arms: int, output: Path, seconds: float, console: Console) -> list[dict[str, Any]]:
-    """Results of the first arms, with a line each; all of them in ``live.json``."""
+def try_all(seeds: range, output: Path, seconds: float, console: Console, name: str) -> list[dict[str, Any]]:
+    """Results of arms, with a line each; all of them in the file of that ``name``."""
     out = []
-    for seed in LIVE[:arms]:
+    for seed in seeds:
         began = time.monotonic()
         one = tried(seed, output, seconds)
         out.append(one)
@@ -112,19 +116,23 @@ def try_all(arms: int, output: Path, seconds: float, console: Console) -> list[d
             f"{1e3 * one['before']['tip']:.2f} -> {1e3 * one['after']['tip']:.3f} mm"
         )
         console.print(f"arm {seed} ({', '.join(one['effects'])}): {words} ({time.monotonic() - began:.0f} s)")
-        write_whole(output / "live.json", out)
+        write_whole(output / name, out)
     return out
 
 
 def main(argv: list[str] | None = None) -> int:
     """Command line; 1 where an arm failed."""
     parser = argparse.ArgumentParser(prog="python -m test.concealed.live_proof", description=__doc__)
-    parser.add_argument("--arms", type=int, default=len(LIVE))
-    parser.add_argument("--seconds", type=float, default=SECONDS, help="length of each run")
+    parser.add_argument("--arms", type=int, help="only the first ones")
+    parser.add_argument("--many", action="store_true", help="arms with five to eight effects at once")
+    parser.add_argument("--seconds", type=float, help="length of each run")
     parser.add_argument("--output", type=Path, default=ROOT / "proof")
     asked = parser.parse_args(argv)
     asked.output.mkdir(parents=True, exist_ok=True)
-    found = try_all(asked.arms, asked.output, asked.seconds, Console(highlight=False, soft_wrap=True))
+    few, many = (LIVE, SECONDS, "live.json"), (LIVE_MANY, SECONDS_OF_MANY, "live_many.json")
+    seeds, usual, name = many if asked.many else few
+    console = Console(highlight=False, soft_wrap=True)
+    found = try_all(seeds[: asked.arms], asked.output, asked.seconds or usual, console, name)
     return int(any("failed" in one for one in found))
 
 

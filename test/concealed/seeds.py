@@ -33,6 +33,7 @@ CLEAN = {
     "clean_awkward": range(66_000, 66_096),
 }
 LIVE = range(70_000, 70_012)  # arms on the live graph, each with three effects
+LIVE_MANY = range(71_000, 71_008)  # each with five to eight
 KNOBS: dict[str, dict[str, Any]] = {
     "singles": {"count": 1, "level": (0.5, 10.0)}, "pairs": {"count": 2}, "triples": {"count": 3},
     "unknown": {"unknown": True}, "hard": {"count": None, "hard": True},

@@ -13,7 +13,7 @@ from test.concealed import live_proof
 from test.concealed.demo_runs import DemoError
 from test.concealed.hide import hide
 from test.concealed.live_proof import drawn_effects, off, tried
-from test.concealed.seeds import CLEAN, CONCEALED, LIVE
+from test.concealed.seeds import CLEAN, CONCEALED, LIVE, LIVE_MANY
 
 
 def test_at_least_ten_arms_hide_three_effects_each_that_a_live_arm_can_have() -> None:
@@ -22,6 +22,14 @@ def test_at_least_ten_arms_hide_three_effects_each_that_a_live_arm_can_have() ->
     names = [drawn_effects(seed) for seed in LIVE]
     assert len({name for some in names for name in some}) > 6
     assert len(hide(41_003, drawn_effects(41_003))) == 3
+
+
+def test_others_hide_five_to_eight_that_go_together() -> None:
+    assert not set(LIVE_MANY) & set(LIVE)
+    counts = [len(hide(seed, drawn_effects(seed))) for seed in LIVE_MANY]
+    assert min(counts) >= 5
+    assert max(counts) <= 8
+    assert len(set(counts)) > 1
 
 
 def test_the_tip_is_off_by_the_way_between_where_it_is_and_where_it_should_be() -> None:
