@@ -172,8 +172,8 @@ class Pacer(Node):
             missing = ", ".join(name.lstrip("/") for name in self.ledger.missing())
             self.fault = f"not there after {START:.0f} s: {missing}"
             return
-        if self.settled < SETTLED:
-            what = self.unheard() or self.unrecorded() or self.loose()
+        what = self.unheard() or self.unrecorded() or self.loose()
+        if self.settled < SETTLED and what:  # by now they may have found each other
             self.say(f"beginning although {what} has not found all its partners")
         self.ledger.nodes += [topic for topic in self.watched if self.count_publishers(topic)]
         self.enter("announce")
