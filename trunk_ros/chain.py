@@ -229,8 +229,8 @@ class Chain:
         for e in self.order.core + self.order.path:
             lasting.adjust(e, core, now)
         u = back(y, inner, now, old, new)
-        moved: tuple[Array, Any] = (core.rounding or SharpPlay()).invert(u, core.width, begun)
-        return moved
+        out, memory = (core.rounding or SharpPlay()).invert(u, core.width, begun)
+        return out - core.middle, memory
 
     def _deflection(self, stamp: Array, state: State | None) -> Array | float:
         """A first guess of how far the joints are from where the gearbox alone would have them."""

@@ -101,7 +101,7 @@ def friction(
         lasting.adjust(e, core, now)
     if core.rounding is None and not order.path:
         return SharpPlay().run(x, core.width, state, now.ratio)
-    u = through(x * now.ratio, order.path, now, old, new)
+    u = through(x * now.ratio, order.path, now, old, new) + core.middle
     moved: tuple[Array, Any] = (core.rounding or SharpPlay()).run(u, core.width, state)
     return moved
 

@@ -7,7 +7,9 @@ import pytest
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
+from trunk_ros.effects.wire.sagging import Sagging
 from trunk_ros.effects.wire.wire_slack import WireSlack
 from trunk_ros.effects.wire.wire_stiffening import WireStiffening
 from trunk_ros.model import Model, load_model
@@ -37,17 +39,39 @@ def test_a_load_that_changes_within_the_dead_band_shows_only_what_lies_behind_th
     assert before == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_wire_that_hardens_narrows_the_dead_band_and_a_slack_one_widens_it() -> None:
-    def width(kind: type[WireStiffening | WireSlack], bend: str, form: str, moment: float) -> float:
-        block = kind({bend: np.array([0.1]), "compliance": np.array([0.03])}, {}, form)
-        return float(block.softening(loaded(moment))[0, 0])
+BENT = [
+    (WireStiffening, "moment", "tangent"),
+    (WireStiffening, "moment", "secant"),
+    (WireStiffening, "moment", "smooth"),
+    (WireSlack, "threshold", "sharp"),
+]
 
-    for form in WireStiffening.forms:
-        assert width(WireStiffening, "moment", form, 0.0) == 1.0
-        assert width(WireStiffening, "moment", form, 0.1) == pytest.approx(0.5, abs=0.01)
-        step = 1e-6  # the softening is the slope of the sag
-        block = WireStiffening({"moment": np.array([0.1]), "compliance": np.array([0.03])}, {}, form)
-        slope = (block.sag(loaded(0.07 + step)) - block.sag(loaded(0.07))) / step / 0.03
-        assert width(WireStiffening, "moment", form, 0.07) == pytest.approx(float(slope[0, 0]), rel=1e-3)
-    assert width(WireSlack, "threshold", "sharp", 0.0) == pytest.approx(1.0, abs=1e-6)
-    assert width(WireSlack, "threshold", "sharp", 0.2) == pytest.approx(2.0, abs=1e-6)
+
+def bent(kind: type[Sagging], bend: str, form: str) -> Sagging:
+    """A wire of 0.03 rad/(N m) that bends at 0.1 N m."""
+    return kind({bend: np.array([0.1]), "compliance": np.array([0.03])}, {}, form)
+
+
+@pytest.mark.parametrize(("kind", "bend", "form"), BENT)
+def test_a_joint_that_sticks_rests_wherever_friction_and_load_balance_the_wire(
+    kind: type[Sagging], bend: str, form: str
+) -> None:
+    friction, moment, block = 0.04, 0.07, bent(kind, bend, form)
+    core = Core(width=np.array([[0.03 * friction]]))
+    block.adjust(core, loaded(moment))
+    least, most = (float(block.sag(np.array([[moment + f]]))[0, 0]) for f in (-friction, friction))
+    behind = float(block.sag(np.array([[moment]]))[0, 0] + np.asarray(core.middle)[0, 0])
+    half = float(core.width[0, 0])
+    assert (behind - half, behind + half) == pytest.approx((least, most))
+
+
+@pytest.mark.parametrize(("kind", "bend", "form"), BENT)
+def test_a_small_dead_band_follows_the_stiffness(kind: type[Sagging], bend: str, form: str) -> None:
+    small, step = np.array([[1e-7]]), 1e-6
+    for moment in (0.0, 0.07, 0.2):
+        block, core = bent(kind, bend, form), Core(width=small)
+        block.adjust(core, loaded(moment))
+        ends = (block.sag(np.array([[moment + off]])) for off in (step, -step))
+        slope = float(np.subtract(*ends)[0, 0]) / (2.0 * step) / 0.03
+        assert float(core.width[0, 0] / small[0, 0]) == pytest.approx(slope, rel=1e-3)
+        assert abs(float(np.asarray(core.middle)[0, 0])) < 1e-9

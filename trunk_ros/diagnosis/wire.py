@@ -147,5 +147,6 @@ def begun(seen: Now, one: Now, blocks: list[Effect], width: Array, level: float)
     off = level - np.median(shown[1:])
     element = core.rounding or SharpPlay()
     u = through(one.gearbox * one.ratio, Order.of(blocks).path, one, {}, {})
+    u = u + np.broadcast_to(core.middle, shown.shape)[:1]
     _, memory = element.run(np.vstack([u + off, u]), core.width[:1], None)
     return State(float(one.stamp[0]), one.gearbox[0], true[0], {}, memory)

@@ -22,6 +22,8 @@ class Core:
     nominal_width: Array = field(default_factory=lambda: np.empty(0))
     width: Array = field(default_factory=lambda: np.empty(0))
     """(1 or n, columns) rad, half-width of the play."""
+    middle: Array | float = 0.0
+    """(1 or n, columns) rad by which a joint in the middle of its play is ahead of the wire."""
     rounding: Any = None
     """A friction element in the place of the sharp play: an object with ``run`` and ``invert``."""
     wire: Wire | None = None

@@ -85,8 +85,10 @@ def invert(e: Effect, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
 
 
 def adjust(e: Effect, core: Core, now: Now) -> None:
-    """``Effect.adjust`` while it acts: of a friction element its width may change in mid-run."""
-    before = core.width
+    """``Effect.adjust`` while it acts: of a friction element its width and middle may change in mid-run."""
+    width, middle = core.width, core.middle
     e.adjust(core, now)
     if not lasts(e):
-        core.width = before + acting(e, now) * (core.width - before)
+        acts = acting(e, now)
+        core.width = width + acts * (core.width - width)
+        core.middle = middle + acts * (core.middle - middle)

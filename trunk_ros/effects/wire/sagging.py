@@ -9,6 +9,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.on_both_sides import OnBothSides
+from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
 
@@ -26,22 +27,24 @@ class Sagging(OnBothSides):
     """Quantiles of the load that a fit starts the bend at."""
 
     @abstractmethod
-    def sag(self, now: Now) -> Array:
-        """(n, columns) rad that the load adds."""
-
-    @abstractmethod
-    def softening(self, now: Now) -> Array:
-        """(n, columns) compliance under the load over that without any."""
+    def sag(self, load: Array) -> Array:
+        """(n, columns) rad that a ``load`` (n, columns) N m adds."""
 
     def adjust(self, core: Core, now: Now) -> None:
-        """Of what lies before the friction: a dead band is the force of friction over the stiffness."""
-        core.width = core.width * np.where(self["compliance"] > 0.0, self.softening(now), 1.0)
+        """Of what lies before the friction: a joint that sticks holds back from none to all of the friction's
+        moment F, width over compliance, so that the wire bears tau - F to tau + F.
+        """
+        soft = self["compliance"]
+        friction = core.width * np.where(soft > 0.0, 1.0 / np.maximum(soft, TINY), 0.0)
+        most, least = self.sag(now.load + friction), self.sag(now.load - friction)
+        core.width = np.where(soft > 0.0, (most - least) / 2.0, core.width)
+        core.middle = core.middle + (most + least) / 2.0 - self.sag(now.load)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return x + self.sag(now), None
+        return x + self.sag(now.load), None
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y - self.sag(now), None
+        return y - self.sag(now.load), None
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None

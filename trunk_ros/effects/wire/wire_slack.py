@@ -1,16 +1,13 @@
 """Past some load one wire of the pair is slack."""
 
 import numpy as np
-from scipy.special import expit
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, PAYLOAD
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM
 from trunk_ros.effects.wire.sagging import Sagging, bend
 from trunk_ros.parameter import Parameter
 
-KNEE = 0.03  # of the threshold: within that a sharp one goes slack, for the dead band
 SOFT = Parameter(
     "softness", "N*m", (1e-4, 1e3), "moment within which it goes slack", typical=5e-3, null=5e-3, scale="log",
     scan=(2e-3, 8e-3),
@@ -46,20 +43,16 @@ class WireSlack(Sagging):
         ("load_elasticity", "load beyond the threshold"),
     )
 
-    def softening(self, now: Now) -> Array:
-        within = self["softness"] if self.form == "smooth" else KNEE * self["threshold"]
-        return np.asarray(1.0 + expit((np.abs(now.load) - self["threshold"]) / within))
-
-    def sag(self, now: Now) -> Array:
-        load, threshold = np.abs(now.load), self["threshold"]
+    def sag(self, load: Array) -> Array:
+        size, threshold = np.abs(load), self["threshold"]
         if self.form == "smooth":
             soft = self["softness"]
             excess = soft * (
-                np.logaddexp(0.0, (load - threshold) / soft) - np.logaddexp(0.0, -threshold / soft)
+                np.logaddexp(0.0, (size - threshold) / soft) - np.logaddexp(0.0, -threshold / soft)
             )
         else:
-            excess = np.maximum(load - threshold, 0.0)
-        return np.asarray(self["compliance"] * (now.load + np.sign(now.load) * excess))
+            excess = np.maximum(size - threshold, 0.0)
+        return np.asarray(self["compliance"] * (load + np.sign(load) * excess))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, PAYLOAD
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM
 from trunk_ros.effects.wire.sagging import Sagging, bend
@@ -33,15 +32,7 @@ class WireStiffening(Sagging):
         ("load_elasticity", "load further: only this one bends over"),
     )
 
-    def softening(self, now: Now) -> Array:
-        x = np.abs(now.load) / self["moment"]
-        return {
-            "tangent": 1.0 / (1.0 + x),
-            "secant": (1.0 + HALVED * x) ** -2.0,
-            "smooth": 1.0 / (1.0 + x**2),
-        }[self.form]
-
-    def sag(self, now: Now) -> Array:
-        x = np.abs(now.load) / self["moment"]
+    def sag(self, load: Array) -> Array:
+        x = np.abs(load) / self["moment"]
         bent = {"tangent": np.log1p(x), "secant": x / (1.0 + HALVED * x), "smooth": np.arctan(x)}[self.form]
-        return np.asarray(self["compliance"] * self["moment"] * np.sign(now.load) * bent)
+        return np.asarray(self["compliance"] * self["moment"] * np.sign(load) * bent)

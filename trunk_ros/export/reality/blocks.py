@@ -13,7 +13,7 @@ from trunk_ros.effects.effect import Effect
 from trunk_ros.errors import ModelError
 from trunk_ros.export.reality.scene import Scene, View
 
-SETTINGS = ("width", "nominal_width", "pull", "dead_zone")
+SETTINGS = ("width", "middle", "nominal_width", "pull", "dead_zone")
 
 
 class Block:
@@ -82,8 +82,8 @@ def core_of(like: Array) -> Core:
     """A core without play, dead zone, pull or cogging, shaped like (environments, joints)."""
     zero, one = np.zeros_like(like), np.ones(1)
     return Core(
-        nominal_width=zero, width=zero, pull=zero, rub=0.0 * one, dead_zone=zero, kp=one, tau_v=one,
-        v_max=one * np.inf, delay=one * 0.0, cogging=np.zeros((3, 1)),
+        nominal_width=zero, width=zero, middle=zero, pull=zero, rub=0.0 * one, dead_zone=zero, kp=one,
+        tau_v=one, v_max=one * np.inf, delay=one * 0.0, cogging=np.zeros((3, 1)),
     )  # fmt: skip
 
 

@@ -74,9 +74,11 @@ class Wire:
         if anew is not None and self.memory:
             first, which = self._adjusted(u, scene, {}), np.repeat(anew, u.shape[1])
             core.width = np.where(anew[:, None], first.width, core.width)
+            core.middle = np.where(anew[:, None], first.middle, core.middle)
             core.new = {name: mixed(kept, first.new[name], which) for name, kept in core.new.items()}
         self.memory = core.new
-        element, flat, width = core.rounding or SharpPlay(), u.reshape(1, -1), core.width.reshape(1, -1)
+        element, width = core.rounding or SharpPlay(), core.width.reshape(1, -1)
+        flat = (u + core.middle).reshape(1, -1)
         before = self.stuck
         out, self.stuck = element.run(flat, width, before)
         if anew is not None and before is not None:

@@ -87,7 +87,8 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     """With a shared option if it was without, and the other way round.
 
     A value of a joint that has made up for a missing payload does not find back: so where it is something to
-    be carried, the joints start anew as well, in each form, with little and with much of it.
+    be carried, the joints start anew as well, in each form, with little and with much of it, beside the other
+    options that there are.
     """
     trial = now.hypothesis.copy()
     if trial[name].shared.pop(parameter.name, None) is not None:
@@ -96,12 +97,14 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     yield refit(now.context, _with(now, name, parameter))
     if not parameter.carried:
         return
-    bare, free = now.hypothesis.without(name), not now.hypothesis[name].given
+    bare, free, shared = now.hypothesis.without(name), not now.hypothesis[name].given, trial[name].shared
     screen = Screen(now.context, bare)
     begun = []
     for form in effect(name).forms:
+        others = {p.name: shared[p.name] for p in options_of(name, form) if p.name in shared}
         for size in SIZES:
-            found = screen.all_everywhere(effect(name), form, {parameter.name: size * parameter.typical})
+            values = others | {parameter.name: size * parameter.typical}
+            found = screen.all_everywhere(effect(name), form, values)
             begun += ([c for c in found if c.free == free] or found)[:1]
     for candidate in sorted(begun, key=lambda c: -c.gain)[:REFITTED]:
         yield refit(now.context, extended(now.context, bare, candidate))
