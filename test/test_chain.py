@@ -17,6 +17,7 @@ from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model
+from trunk_ros.stage import Order
 
 NOISE_FLOOR = 1e-5  # rad
 AGREED = 4e-6  # rad: what blocks and ticks may differ by, where joints see each other through three couplings
@@ -187,7 +188,11 @@ def test_the_chain_and_one_pass_over_its_columns_agree() -> None:
         ]
         width = model.arm.dead_band[None, cut]
         got, _, _ = wire_pass(
-            np.ascontiguousarray(x[:, cut]), now, effects, Core(nominal_width=width, width=width), None
+            np.ascontiguousarray(x[:, cut]),
+            now,
+            Order.of(effects),
+            Core(nominal_width=width, width=width),
+            None,
         )
         assert got[:, 0] == pytest.approx(shown[:, column], abs=AGREED)
 

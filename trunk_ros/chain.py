@@ -14,7 +14,6 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
-from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.wire.play import SharpPlay
@@ -26,6 +25,7 @@ from trunk_ros.stage import (
     Memory,
     Order,
     State,
+    adjusted,
     back,
     drift,
     friction,
@@ -225,9 +225,7 @@ class Chain:
     ) -> tuple[Array, Any]:
         """What the wire takes in for ``y`` to come out of ``inner``, and the friction element's memory."""
         core = self._core()
-        core.old, core.new = old, new
-        for e in self.order.core + self.order.path:
-            lasting.adjust(e, core, now)
+        adjusted(core, self.order, now, old, new)
         u = back(y, inner, now, old, new)
         out, memory = (core.rounding or SharpPlay()).invert(u, core.width, begun)
         return out - core.middle, memory

@@ -74,16 +74,20 @@ class Order:
                 *(part for e in effects if (part := e.upstream()) is not None),
             ],
             [e for e in effects if e.acts_at == Effect.CORE],
-            [e.downstream() for e in effects if Effect.CORE < e.acts_at < SENSOR],
+            [
+                part
+                for e in effects
+                if Effect.CORE < e.acts_at < SENSOR and (part := e.downstream()) is not None
+            ],
             [e for e in effects if e.acts_at >= SENSOR],
         )
 
 
 def wire_pass(
-    x: Array, now: Now, effects: Sequence[Effect], core: Core, state: State | None
+    x: Array, now: Now, order: Order, core: Core, state: State | None
 ) -> tuple[Array, Array, State]:
     """Gearbox angle (n, columns) to joint reading, and to the joint's own angle before the sensor."""
-    order, old, new = Order.of(effects), state.blocks if state else {}, Memory()
+    old, new = state.blocks if state else {}, Memory()
     u, memory = friction(x, now, order, core, state.core if state else None, old, new)
     true = through(u, order.after, now, old, new)
     shown = through(true, order.sensor, now, old, new)
@@ -96,14 +100,19 @@ def friction(
     """What the wire hands on to the joint, (n, columns) rad, and the friction element's memory; ``x``:
     gearbox angles, likewise.
     """
-    core.old, core.new = old, new
-    for e in order.core + order.path:
-        lasting.adjust(e, core, now)
+    adjusted(core, order, now, old, new)
     if core.rounding is None and not order.path:
         return SharpPlay().run(x, core.width, state, now.ratio)
     u = through(x * now.ratio, order.path, now, old, new) + core.middle
     moved: tuple[Array, Any] = (core.rounding or SharpPlay()).run(u, core.width, state)
     return moved
+
+
+def adjusted(core: Core, order: Order, now: Now, old: Memory, new: Memory) -> None:
+    """Sets the friction element."""
+    core.old, core.new = old, new
+    for e in order.core + order.path:
+        lasting.adjust(e, core, now)
 
 
 def through(x: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.chain import Chain, wire_pass
+from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View
@@ -19,7 +19,7 @@ from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
-from trunk_ros.stage import Order, State, through
+from trunk_ros.stage import Memory, Order, State, adjusted, through, wire_pass
 from trunk_ros.start import Driven, first_rows, history
 
 SAME = 1e-3  # of the motion: angles that are nearer change no load by more than fits tell
@@ -50,12 +50,11 @@ class WireStage(Stage):
         now = sight.now(index, column, payload)
         width = self.arm.dead_band[None, column : column + 1]
         blocks = hypothesis.bound(column)
-        state = None
+        order, state = Order.of(blocks), None
         if len(span.start[column]):
             rows, level = self._stand(span, column)
-            seen, one = (sight.now(index, column, payload, some) for some in (rows, rows[:1]))
-            state = begun(seen, one, blocks, width, level)
-        shown, true, _ = wire_pass(now.gearbox, now, blocks, Core(nominal_width=width, width=width), state)
+            state = begun(sight.now(index, column, payload, rows), order, width, level)
+        shown, true, _ = wire_pass(now.gearbox, now, order, Core(nominal_width=width, width=width), state)
         return shown, true, now, blocks
 
     def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], float]:
@@ -138,15 +137,23 @@ def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Arr
     return shown
 
 
-def begun(seen: Now, one: Now, blocks: list[Effect], width: Array, level: float) -> State:
+def begun(seen: Now, order: Order, width: Array, level: float) -> State:
     """The state in which the friction element shows the ``level`` that was measured while the joint stood, as
-    far as its play lets it. ``seen``: the surroundings until then, ``one``: at the first step.
+    far as its play lets it. ``seen``: the surroundings until then.
     """
-    core = Core(nominal_width=width, width=width)
-    shown, true, _ = wire_pass(seen.gearbox, seen, blocks, core, None)
-    off = level - np.median(shown[1:])
+    core, memory = Core(nominal_width=width, width=width), Memory()
+    adjusted(core, order, seen, {}, memory)
+    u = through(seen.gearbox * seen.ratio, order.path, seen, {}, memory) + core.middle
     element = core.rounding or SharpPlay()
-    u = through(one.gearbox * one.ratio, Order.of(blocks).path, one, {}, {})
-    u = u + np.broadcast_to(core.middle, shown.shape)[:1]
-    _, memory = element.run(np.vstack([u + off, u]), core.width[:1], None)
-    return State(float(one.stamp[0]), one.gearbox[0], true[0], {}, memory)
+    moved, _ = element.run(u, core.width, None)
+    true = through(moved, order.after, seen, {}, memory)
+    shown = through(true, order.sensor, seen, {}, memory)
+    start = u[:1]
+    _, stuck = element.run(np.vstack([start + level - middle(shown[1:, 0]), start]), core.width[:1], None)
+    return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
+
+
+def middle(values: Array) -> float:
+    """The median of (n,): of a few values ``np.median`` takes ten times as long."""
+    ordered, half = np.sort(values), len(values) // 2
+    return float(ordered[half]) if len(values) % 2 else float(ordered[half - 1] + ordered[half]) / 2.0

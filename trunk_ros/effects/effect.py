@@ -132,8 +132,8 @@ class Effect(ABC):
         """The part of an effect behind the stage's core that lies before it, if any."""
         return None
 
-    def downstream(self) -> Effect:
-        """The part of an effect behind the stage's core that does lie behind it."""
+    def downstream(self) -> Effect | None:
+        """The part of an effect behind the stage's core that does lie behind it, if any."""
         return self
 
     def check(self, joints: tuple[str, ...]) -> None:

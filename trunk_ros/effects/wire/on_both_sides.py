@@ -24,8 +24,11 @@ class OnBothSides(Effect):
     def upstream(self) -> Effect | None:
         return self._share(self["upstream"]) if np.any(self["upstream"] > 0.0) else None
 
-    def downstream(self) -> Effect:
-        return self._share(1.0 - self["upstream"]) if np.any(self["upstream"] > 0.0) else self
+    def downstream(self) -> Effect | None:
+        before = self["upstream"]
+        if np.all(before == 1.0):
+            return None
+        return self._share(1.0 - before) if np.any(before > 0.0) else self
 
     def _share(self, share: Array) -> Self:
         return type(self)({**self.values, "compliance": share * self["compliance"]}, self.words, self.form)

@@ -1,5 +1,7 @@
 """The wire gets stiffer under load."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from trunk_ros.compiled import Array
@@ -8,6 +10,11 @@ from trunk_ros.effects.wire.on_both_sides import UPSTREAM
 from trunk_ros.effects.wire.sagging import Sagging, bend
 
 HALVED = 2**0.5 - 1.0  # puts the halved compliance of x/(1 + c x) at x = 1
+BENT: dict[str, Callable[[Array], Array]] = {
+    "tangent": np.log1p,
+    "secant": lambda x: x / (1.0 + HALVED * x),
+    "smooth": np.arctan,
+}
 
 
 class WireStiffening(Sagging):
@@ -33,6 +40,5 @@ class WireStiffening(Sagging):
     )
 
     def sag(self, load: Array) -> Array:
-        x = np.abs(load) / self["moment"]
-        bent = {"tangent": np.log1p(x), "secant": x / (1.0 + HALVED * x), "smooth": np.arctan(x)}[self.form]
-        return np.asarray(self["compliance"] * self["moment"] * np.sign(load) * bent)
+        bent = BENT[self.form](np.abs(load) / self["moment"])
+        return np.asarray(self["compliance"] * self["moment"] * np.copysign(bent, load))
