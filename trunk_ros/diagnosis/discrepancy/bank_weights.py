@@ -68,12 +68,17 @@ class Cuts:
 
 @dataclass(frozen=True)
 class Tried:
-    """Mean over the blocks of the mean square that is left by weights from other blocks, and those of each
-    fold.
-    """
+    """What is left of blocks by weights from other blocks."""
 
-    unseen: float
-    fits: tuple[Weighed, ...]
+    left: Array
+    """(folds,) sums of the blocks' mean squares."""
+    fits: tuple[Weighed, ...] = ()
+    """Of the other blocks, for each fold."""
+
+    @property
+    def unseen(self) -> float:
+        """Mean over the blocks."""
+        return float(self.left.sum()) / CUTS
 
 
 @dataclass(frozen=True)
@@ -116,13 +121,13 @@ class Sums:
     def tried(self, chosen: Sequence[int], worth: float, begun: Sequence[Weighed] | None = None) -> Tried:
         """Sources weighed in all folds, from fits that have ``begun``."""
         if not chosen:
-            return Tried(sum(judged.power for _, judged in self._folds) / CUTS, ())
+            return Tried(np.array([judged.power for _, judged in self._folds]))
         at, sizes = self._places(chosen), self._sizes(chosen)
         fits = tuple(
             weighed(others.of(at, worth), sizes, None if begun is None else begun[fold])
             for fold, (others, _) in enumerate(self._folds)
         )
-        return Tried(self._unseen(at, fits), fits)
+        return Tried(self._left(at, fits), fits)
 
     def looked(self, chosen: Sequence[int], worth: float, now: Tried) -> dict[int, float]:
         """What is left by each of the other sources beside what is chosen, of which the precisions
@@ -139,7 +144,7 @@ class Sums:
         for k, first, last in zip(rest, ends[:-1], ends[1:], strict=True):
             places = len(there) + np.arange(first, last)
             fits = [fold.weighed(places, self.groups[k]) for fold in folds]
-            out[k] = self._unseen(self._places([*chosen, k]), fits)
+            out[k] = float(self._left(self._places([*chosen, k]), fits).sum())
         return out
 
     def worth(self, chosen: Sequence[int]) -> float:
@@ -152,10 +157,10 @@ class Sums:
             best, worth = trial, more
         return float(worth)
 
-    def _unseen(self, at: np.ndarray, fits: Sequence[Weighed]) -> float:
-        """Mean over the blocks of what is left by fits of columns at some places to other blocks."""
+    def _left(self, at: np.ndarray, fits: Sequence[Weighed]) -> Array:
+        """(folds,) what is left by fits of columns at some places to other blocks."""
         judged = [own for _, own in self._folds]
-        return sum(own.left(at, fit.weights) for own, fit in zip(judged, fits, strict=True)) / CUTS
+        return np.array([own.left(at, fit.weights) for own, fit in zip(judged, fits, strict=True)])
 
     def _over(self, share: Array) -> Total:
         """Sums over the blocks, of each so large a share (CUTS,)."""
