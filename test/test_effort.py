@@ -203,6 +203,17 @@ def test_with_effort_the_stretch_is_named_on_an_arm_whose_masses_nobody_knows() 
     assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
 
 
+@pytest.mark.timeout(240)
+def test_with_effort_a_compliance_that_changes_with_the_angle_is_told() -> None:
+    made = recorded(
+        {"load_elasticity": {**SAG["load_elasticity"], "form": "lever", "slope": np.full(5, 0.8)}}
+    )
+    (found,) = diagnose([with_torque(made, weight(made))], taken_from("effort")).findings
+    assert (found.effect, found.evidence["form"]) == ("load_elasticity", "lever")
+    assert found.parameters["joint_1"]["slope"]["value"] == pytest.approx(0.8, rel=0.15)
+    assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
+
+
 def swung_arm() -> Recording:
     """A run of an arm that stretches under weight and inertia."""
     made = recorded()

@@ -39,14 +39,14 @@ def test_what_a_curve_and_a_drag_made_is_found_in_them() -> None:
     rest = rest + RNG.normal(size=len(rest))
     chosen = chosen_of(Sums.of(found, rest, Cuts.of([len(rest)])), found, 1.0)
     assert {(found[k].kind, found[k].word) for k in chosen} == {(CouplingCurve, "a"), (CouplingDrag, "b")}
-    unseen = Sums.of(found, rest, Cuts.of([len(rest)])).unseen(chosen, 1.0)
+    unseen = Sums.of(found, rest, Cuts.of([len(rest)])).tried(chosen, 1.0).unseen
     assert unseen == pytest.approx(1.0, abs=0.2)
 
 
 def test_nothing_is_found_in_noise() -> None:
     found, rest = sources(), RNG.normal(size=1000)
     assert chosen_of(Sums.of(found, rest, Cuts.of([len(rest)])), found, 1.0) == []
-    assert Sums.of(found, rest, Cuts.of([len(rest)])).unseen([], 1.0) == pytest.approx(np.mean(rest**2))
+    assert Sums.of(found, rest, Cuts.of([len(rest)])).tried([], 1.0).unseen == pytest.approx(np.mean(rest**2))
 
 
 def test_a_drag_is_bounded_by_its_reach() -> None:
@@ -92,7 +92,7 @@ def test_loops_that_change_with_the_posture_are_found_where_plays_of_one_shape_f
         found.append(Source(kind, "a", low, high, 1e4 * kind.shapes(s, low, high)))
     rest = 1e4 * bent_friction(s) + RNG.normal(size=len(s))
     sums = Sums.of(found, rest, Cuts.of([len(rest)]))
-    assert sums.unseen([1], 1.0) < 0.2 * sums.unseen([0], 1.0)
+    assert sums.tried([1], 1.0).unseen < 0.2 * sums.tried([0], 1.0).unseen
     assert 1 in chosen_of(sums, found, 1.0)
 
 

@@ -63,7 +63,7 @@ class MjcfWriter(MjcfFile):
         """A spring in series with the actuator's: less stiffness. Where the links swing on it, it has their
         damping.
         """
-        if values.get("payload"):
+        if values.get("payload") or values.get("form") == "lever":
             return self._carried(values)
         swings = values.get("form", "weight") == "links" and self.model.arm.has_load
         ratios = np.broadcast_to(values.get("damping", DAMPING.null), (len(self.joints),))

@@ -75,8 +75,10 @@ class SdfWriter(JointWriter):
         return self.each(values, "time_constant", write)
 
     def load_elasticity(self, values: Values) -> Values:
-        """A spring in series with the controller's gain; one that links swing on is left."""
-        if values.get("form", "weight") == "links":
+        """A spring in series with the controller's gain; one that links swing on, or that changes with
+        the angle, is left.
+        """
+        if values.get("form", "weight") != "weight":
             return values
 
         def write(joint: str, compliance: float) -> bool:

@@ -9,20 +9,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotri
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.discrepancy.precisions import Beside, Total, Weighed, weighed
 from trunk_ros.effects.bank import Bank
-from trunk_ros.guards import ROUNDED, TINY
 
 ENOUGH = 100_000  # rows
 CUTS = 40  # blocks of time, in FOLDS that are left out in turn
 FOLDS = 5
 WORTHS = 4.0 ** np.arange(6)  # samples that may be worth one
 PAYS = 0.005  # of what is left of blocks not seen: what a further source must take off it
-ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
-PRECISIONS = (1e-3, 1e8)
+MANY, LOOKS = 100, 3  # beside more weights only so many sources are tried: those that a cheap look finds best
 
 
 @dataclass(frozen=True)
@@ -69,20 +67,23 @@ class Cuts:
 
 
 @dataclass(frozen=True)
-class Total:
-    """What a linear fit needs of a residual and of all sources' designs: X^T X (k, k), X^T y (k,), y^T y and
-    the number of rows.
-    """
+class Tried:
+    """What is left of blocks by weights from other blocks."""
 
-    normal: Array
-    side: Array
-    power: float
-    count: float
+    left: Array
+    """(folds,) sums of the blocks' mean squares."""
+    fits: tuple[Weighed, ...] = ()
+    """Of the other blocks, for each fold."""
+
+    @property
+    def unseen(self) -> float:
+        """Mean over the blocks."""
+        return float(self.left.sum()) / CUTS
 
 
 @dataclass(frozen=True)
 class Sums:
-    """The same by blocks of time."""
+    """What linear fits need, by blocks of time."""
 
     normal: Array
     """(CUTS, k, k)."""
@@ -113,38 +114,53 @@ class Sums:
         )
 
     def weights(self, chosen: Sequence[int], worth: float) -> Array:
-        """Weights (those of each chosen source,); ``worth`` samples count as one.
+        """Weights (those of each chosen source,); ``worth`` samples count as one."""
+        at, sizes = self._places(chosen), self._sizes(chosen)
+        return weighed(self._all.of(at, worth), sizes).weights
 
-        Each source has a precision of its own, of the largest marginal likelihood (MacKay 1992, Neural
-        Computation 4(3)), and the noise as well.
+    def tried(self, chosen: Sequence[int], worth: float, begun: Sequence[Weighed] | None = None) -> Tried:
+        """Sources weighed in all folds, from fits that have ``begun``."""
+        if not chosen:
+            return Tried(np.array([judged.power for _, judged in self._folds]))
+        at, sizes = self._places(chosen), self._sizes(chosen)
+        fits = tuple(
+            weighed(others.of(at, worth), sizes, None if begun is None else begun[fold])
+            for fold, (others, _) in enumerate(self._folds)
+        )
+        return Tried(self._left(at, fits), fits)
+
+    def looked(self, chosen: Sequence[int], worth: float, now: Tried) -> dict[int, float]:
+        """What is left by each of the other sources beside what is chosen, of which the precisions
+        stay as they are ``now``.
         """
-        return self._likeliest(self._all, chosen, worth)
-
-    def unseen(self, chosen: Sequence[int], worth: float) -> float:
-        """Mean over the blocks of the mean square that is left by weights from other blocks."""
-        return float(self.by_fold(chosen, worth).sum()) / CUTS
-
-    def by_fold(self, chosen: Sequence[int], worth: float) -> Array:
-        """(folds,) sums of the mean squares that are left of blocks by weights from other blocks."""
-        out, at = [], self._places(chosen)
-        for others, judged in self._folds:
-            left = judged.power
-            if chosen:
-                weights = self._likeliest(others, chosen, worth)
-                bent = judged.normal[np.ix_(at, at)] @ weights
-                left += float(weights @ bent - 2.0 * judged.side[at] @ weights)
-            out.append(left)
-        return np.array(out)
+        there, sizes = self._places(chosen), self._sizes(chosen)
+        rest = [k for k in range(len(self.groups)) if k not in chosen]
+        at, ends = np.concatenate([there, self._places(rest)]), np.cumsum([0, *map(self.many, rest)])
+        folds = [
+            Beside(others.of(at, worth), sizes, fit)
+            for (others, _), fit in zip(self._folds, now.fits, strict=True)
+        ]
+        out = {}
+        for k, first, last in zip(rest, ends[:-1], ends[1:], strict=True):
+            places = len(there) + np.arange(first, last)
+            fits = [fold.weighed(places, self.groups[k]) for fold in folds]
+            out[k] = float(self._left(self._places([*chosen, k]), fits).sum())
+        return out
 
     def worth(self, chosen: Sequence[int]) -> float:
-        """How many samples are worth one: those with which least is left of blocks not seen."""
-        return float(min(WORTHS, key=lambda worth: self.unseen(chosen, worth)))
+        """How many samples are worth one: from one on, as long as less is left of blocks not seen."""
+        best, worth = self.tried(chosen, WORTHS[0]), WORTHS[0]
+        for more in WORTHS[1:]:
+            trial = self.tried(chosen, more, best.fits)
+            if trial.unseen >= best.unseen:
+                break
+            best, worth = trial, more
+        return float(worth)
 
-    def _likeliest(self, seen: Total, chosen: Sequence[int], worth: float) -> Array:
-        at = self._places(chosen)
-        normal, side = seen.normal[np.ix_(at, at)] / worth, seen.side[at] / worth
-        sizes = [size for k in chosen for size in self.groups[k]]
-        return likeliest(normal, side, seen.power / worth, seen.count / worth, sizes)
+    def _left(self, at: np.ndarray, fits: Sequence[Weighed]) -> Array:
+        """(folds,) what is left by fits of columns at some places to other blocks."""
+        judged = [own for _, own in self._folds]
+        return np.array([own.left(at, fit.weights) for own, fit in zip(judged, fits, strict=True)])
 
     def _over(self, share: Array) -> Total:
         """Sums over the blocks, of each so large a share (CUTS,)."""
@@ -172,7 +188,14 @@ class Sums:
     @cached_property
     def ends(self) -> np.ndarray:
         """Where the weights of each source begin among those of all, and where the last one's end."""
-        return np.cumsum([0, *(sum(sizes) for sizes in self.groups)])
+        return np.cumsum([0, *map(self.many, range(len(self.groups)))])
+
+    def many(self, k: int) -> int:
+        """Weights of a source."""
+        return sum(self.groups[k])
+
+    def _sizes(self, chosen: Sequence[int]) -> list[int]:
+        return [size for k in chosen for size in self.groups[k]]
 
     def _places(self, chosen: Sequence[int]) -> np.ndarray:
         """Where the weights of some sources are among those of all."""
@@ -181,48 +204,22 @@ class Sums:
         return np.concatenate([np.arange(self.ends[k], self.ends[k + 1]) for k in chosen])
 
 
-def likeliest(normal: Array, side: Array, power: float, count: float, sizes: Sequence[int]) -> Array:
-    """Weights (k,) in groups of some sizes, each with a precision of its own. No shape adds much more than
-    there is to explain: large ones that cancel where they were seen add up elsewhere.
-    """
-    of = np.repeat(np.arange(len(sizes)), sizes)
-    least = np.diag(normal) / max(power, TINY)
-    precision, sharp = np.full(len(sizes), 1.0), count / max(power, TINY)
-    weights = np.zeros_like(side)
-    for _ in range(ROUNDS):
-        inside = sharp * normal + np.diag(precision[of] + least)
-        spread = inverse(inside)
-        weights = sharp * spread @ side
-        told = sizes - np.bincount(of, (precision[of] + least) * np.diag(spread), len(sizes))
-        size = np.maximum(np.bincount(of, weights**2, len(sizes)), TINY)
-        before, precision = precision, np.clip(told / size, *PRECISIONS)
-        rest = power - 2.0 * float(weights @ side) + float(weights @ normal @ weights)
-        sharp = max(count - float(told.sum()), 0.1 * count) / max(rest, TINY)
-        if np.abs(np.log(precision / before)).max() < SETTLED:
-            break
-    return weights
-
-
-def inverse(matrix: Array) -> Array:
-    """Of a positive matrix (k, k)."""
-    grown = matrix + ROUNDED * float(np.trace(matrix)) / len(matrix) * np.eye(len(matrix))
-    upper = np.triu(dpotri(dpotrf(grown)[0])[0])
-    return np.asarray(upper + np.triu(upper, 1).T)
-
-
 def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
     """The sources that are needed, in the order of their need: one after the other the one with which least
     is left of blocks not seen, as long as that pays.
     """
     chosen: list[int] = []
-    best = sums.unseen([], worth)
+    best = sums.tried([], worth)
     while True:
         room = [k for k in range(len(found)) if k not in chosen and _has_room(found, chosen, found[k].kind)]
-        trials = [(sums.unseen([*chosen, k], worth), k) for k in room]
-        least, k = min(trials, default=(np.inf, 0))
-        if least > (1.0 - PAYS) * best:
+        if sum(sums.many(k) for k in chosen) > MANY:
+            looks = sums.looked(chosen, worth, best)
+            room = sorted(room, key=lambda k: looks[k])[:LOOKS]
+        trials = {k: sums.tried([*chosen, k], worth) for k in room}
+        least, k = min(((trial.unseen, k) for k, trial in trials.items()), default=(np.inf, 0))
+        if least > (1.0 - PAYS) * best.unseen:
             return chosen
-        best = least
+        best = trials[k]
         chosen.append(k)
 
 

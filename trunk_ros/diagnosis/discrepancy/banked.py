@@ -13,7 +13,10 @@ from trunk_ros.diagnosis.discrepancy.curves import curves_beside, redrawn
 from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources, without_banks
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.candidates import shown_forms
+from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
+from trunk_ros.diagnosis.search.moves.form import refinements
 from trunk_ros.diagnosis.search.score import CURVED, SHARE, STRONG
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HALF
@@ -62,9 +65,28 @@ def _banked(state: Fit, column: int, misfit: float) -> Fit:
         lean = _refitted(context, fewer, column, found)
         best = lean if lean.unseen.mean() < (1.0 - SHARE) * best.unseen.mean() else best
     before = unseen(context, state.hypothesis, column)
+    best = _refined(context, best, column, found)
     if not _wins(before, best.unseen, misfit):
         return state
     return costed_on(state, best.hypothesis, column)
+
+
+def _refined(context: Context, best: Judged, column: int, found: list[Source]) -> Judged:
+    """With names of a column in forms that have more to them, where those are clearly better beside banks:
+    before, others may have stood in for them.
+    """
+    for name in _names(best.hypothesis, column):
+        kind, term = effect(name), best.hypothesis[name]
+        if term.columns != [column] or term.form in kind.refined or name in context.known:
+            continue
+        shown = shown_forms(kind, context, term.columns)
+        for form in [f for f in kind.refined if f in shown and f not in kind.shaking]:
+            for trial in refinements(best.hypothesis, name, form):
+                judged = _refitted(context, trial, column, found)
+                there = not hidden(context, judged.hypothesis[name])
+                if there and clearly(best.unseen, judged.unseen, SHARE):
+                    best = judged
+    return best
 
 
 def _wins(before: Array, after: Array, misfit: float) -> bool:

@@ -148,6 +148,6 @@ def _told(context: Context, hypothesis: Hypothesis, column: int) -> bool:
         return False
     cuts = replace(Cuts.on(context, column), fold=np.arange(CUTS) * FOLDS // CUTS)
     sums = Sums.of(found, context.whitened(hypothesis, column), cuts)
-    nothing = sums.by_fold([], 1.0)
-    gains = [1.0 - sums.by_fold([k], w) / nothing for k in range(len(found)) for w in WORTHS[::2]]
+    nothing = sums.tried([], 1.0).left
+    gains = [1.0 - sums.tried([k], w).left / nothing for k in range(len(found)) for w in WORTHS[::2]]
     return any(g.mean() - SURE * g.std(ddof=1) / np.sqrt(len(g)) > TELLS for g in gains)

@@ -11,6 +11,8 @@ from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
 STIFFEST = 1e-9  # rad/(N m): nothing swings on less
+STEEPEST = 5.0  # of the compliance's logarithm
+SPANS = 0.1  # of load times angle: what neither of them, nor a constant, follows
 
 COMPLIANCE = Parameter(
     "compliance", "rad/(N*m)", (0.0, 20.0), "deflection per moment", typical=0.03, stated="compliance"
@@ -24,11 +26,16 @@ DAMPING = Parameter(
     "damping", "1", (0.002, 0.95), "damping ratio of the straight arm", typical=0.1, null=0.1, scale="log",
     scan=(0.05, 0.3),
 )  # fmt: skip
+SLOPE = Parameter(
+    "slope", "1/rad", (-5.0, 5.0), "how fast the compliance grows with the wire's angle, in parts of itself",
+    typical=0.2, scan=(-0.3, 0.3),
+)  # fmt: skip
 
 
 class LoadElasticity(OnBothSides):
-    """weight: theta += compliance tau; links: the masses beyond the joint swing on the same spring,
-    compliance (M(q) theta'' + d (theta' - p')) + theta - p = compliance tau.
+    """weight: theta += compliance tau; lever: theta += compliance exp(slope r phi) tau; links: the masses
+    beyond the joint swing on the same spring, compliance (M(q) theta'' + d (theta' - p')) + theta - p =
+    compliance tau.
     """
 
     id = "load_elasticity"
@@ -37,11 +44,13 @@ class LoadElasticity(OnBothSides):
     signature = "The joint sags under weight: the residual follows the reach of all that hangs on the joint."
     source = (
         "Hooke: compliance = l_i/(E A_s R_c^2); Ciofu & Stan, sect. 4: "
-        "deformation from the resistance moment. links: Spong (1987), J. Dyn. Syst. 109(4), eq. (5)."
+        "deformation from the resistance moment. lever: R_c changes with the angle where the wire pulls at a "
+        "lever and not at a wheel. links: Spong (1987), J. Dyn. Syst. 109(4), eq. (5)."
     )
-    parameters = (COMPLIANCE, PAYLOAD, UPSTREAM, DAMPING)
-    forms = ("weight", "links")
-    refined = shaking = ("links",)
+    parameters = (COMPLIANCE, PAYLOAD, UPSTREAM, DAMPING, SLOPE)
+    forms = ("weight", "lever", "links")
+    refined = ("lever", "links")
+    shaking = ("links",)
     needs = ("load",)
     everywhere = True
     confused_with = (
@@ -51,21 +60,39 @@ class LoadElasticity(OnBothSides):
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
-        return cls.forms if motion.masses else cls.forms[:1]
+        """A compliance that changes with the angle looks like a mass that is not known well."""
+        return ("weight", "links") if motion.masses else ("weight", "lever")
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return (COMPLIANCE, PAYLOAD, DAMPING) if form == "links" else (COMPLIANCE, PAYLOAD, UPSTREAM)
+        own = {"links": (DAMPING,), "lever": (SLOPE, UPSTREAM)}.get(form, (UPSTREAM,))
+        return (COMPLIANCE, PAYLOAD, *own)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        sagged = x + self["compliance"] * now.load
+        sagged = x + self._sag(now)
         links = self._links(now)
         return (sagged, None) if links is None else links.run(sagged, now, state)
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         links = self._links(now)
         still, state = (y, None) if links is None else links.invert(y, now, state)
-        return still - self["compliance"] * now.load, state
+        return still - self._sag(now), state
+
+    def credible(self, now: Now, beside: bool = False) -> bool:
+        """A lever: where the load is not alike, or changes with the angle alone."""
+        if self.form != "lever":
+            return True
+        load, angle = (signal - signal.mean() for signal in (now.load[:, 0], (now.ratio * now.gearbox)[:, 0]))
+        both = load * angle
+        told = np.column_stack([np.ones_like(load), angle, load])
+        left = both - told @ np.linalg.lstsq(told, both, rcond=None)[0]
+        return bool(np.std(left) > SPANS * np.std(load) * np.std(angle) > 0.0)
+
+    def _sag(self, now: Now) -> Array:
+        if self.form != "lever":
+            return np.asarray(self["compliance"] * now.load)
+        grown = np.exp(np.clip(self["slope"] * now.ratio * now.gearbox, -STEEPEST, STEEPEST))
+        return np.asarray(self["compliance"] * grown * now.load)
 
     def _links(self, now: Now) -> Links | None:
         arm = Links.arm_of(self, now)

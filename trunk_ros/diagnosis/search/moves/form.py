@@ -59,7 +59,7 @@ def _reformed(now: Fit, name: str, form: str) -> Fit | None:
     trial = refit(context, begun)
     if form not in kind.refined or old.form in kind.refined:
         return trial
-    others = [refit(context, h) for h in _refinements(now.hypothesis, name, form)]
+    others = [refit(context, h) for h in refinements(now.hypothesis, name, form)]
     trial = min([trial, *others], key=score)
     for column in hidden(trial.context, trial.hypothesis[name]):
         kept = trial.hypothesis.copy()
@@ -84,7 +84,7 @@ def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
     return out
 
 
-def _refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypothesis]:
+def refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypothesis]:
     """An effect with the values that it has, and what a refined form adds at each of its start values."""
     known = effect(name).own_parameters(hypothesis[name].form)
     added = [p for p in effect(name).own_parameters(form) if p not in known]

@@ -1,0 +1,127 @@
+"""How large weights in groups are, by marginal likelihood: what linear fits of banks are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri, dtrtrs
+
+from trunk_ros.compiled import Array
+from trunk_ros.guards import ROUNDED, TINY
+
+ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
+PRECISIONS = (1e-3, 1e8)
+
+
+@dataclass(frozen=True)
+class Total:
+    """What a linear fit needs of a residual and of all sources' designs: X^T X (k, k), X^T y (k,), y^T y and
+    the number of rows.
+    """
+
+    normal: Array
+    side: Array
+    power: float
+    count: float
+
+    def of(self, at: np.ndarray, worth: float) -> Total:
+        """Of the columns at some places; ``worth`` rows count as one."""
+        normal, side = self.normal[np.ix_(at, at)] / worth, self.side[at] / worth
+        return Total(normal, side, self.power / worth, self.count / worth)
+
+    def left(self, at: np.ndarray, weights: Array) -> float:
+        """Power that weights (of columns at some places,) leave."""
+        placed = np.zeros(len(self.side))
+        placed[at] = weights
+        return self.power + float(placed @ (self.normal @ placed) - 2.0 * self.side @ placed)
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """Weights (k,), the precision of each of their groups, and that of the noise."""
+
+    weights: Array
+    precision: Array
+    sharp: float
+
+
+def weighed(total: Total, sizes: Sequence[int], begun: Weighed | None = None) -> Weighed:
+    """Weights in groups of some sizes, each with a precision of its own, of the largest marginal likelihood
+    (MacKay 1992, Neural Computation 4(3)); looked for from a fit that has ``begun``. No shape adds much more
+    than there is to explain: large ones that cancel where they were seen add up elsewhere.
+    """
+    normal, side, power, count = total.normal, total.side, total.power, total.count
+    of, least = np.repeat(np.arange(len(sizes)), sizes), _least(total)
+    precision, sharp = np.ones(len(sizes)), count / max(power, TINY)
+    if begun is not None:
+        precision, sharp = begun.precision, begun.sharp
+    weights = np.zeros_like(side)
+    for _ in range(ROUNDS):
+        own = precision[of] + least
+        factor = _factor(sharp * normal, own)
+        weights = sharp * np.asarray(dpotrs(factor, side, lower=1)[0])
+        told = sizes - np.bincount(of, own * _spread(factor), len(sizes))
+        size = np.maximum(np.bincount(of, weights**2, len(sizes)), TINY)
+        before, precision = precision, np.clip(told / size, *PRECISIONS)
+        rest = power - 2.0 * float(weights @ side) + float(weights @ normal @ weights)
+        sharp = max(count - float(told.sum()), 0.1 * count) / max(rest, TINY)
+        if np.abs(np.log(precision / before)).max() < SETTLED:
+            break
+    return Weighed(weights, precision, sharp)
+
+
+class Beside:
+    """What further columns would do beside columns whose precisions, and that of the noise, stay as they are:
+    a look that costs little.
+    """
+
+    def __init__(self, total: Total, sizes: Sequence[int], there: Weighed):
+        """``total``: with those of ``there`` first."""
+        own = np.repeat(there.precision, sizes) + _least(total)[: sum(sizes)]
+        self.total, self.there = total, there
+        self.many = sum(sizes)
+        self.factor = _factor(there.sharp * total.normal[: self.many, : self.many], own)
+
+    def weighed(self, at: np.ndarray, sizes: Sequence[int]) -> Weighed:
+        """With the columns at some places, in groups of some sizes."""
+        total, many, sharp = self.total, self.many, self.there.sharp
+        both = sharp * total.normal[:many, at]
+        across = np.asarray(dtrtrs(self.factor, both, lower=1)[0])
+        along = np.asarray(dtrtrs(self.factor, sharp * total.side[:many], lower=1)[0])
+        inside = sharp * total.normal[np.ix_(at, at)] - across.T @ across
+        side = sharp * total.side[at] - across.T @ along
+        of, least = np.repeat(np.arange(len(sizes)), sizes), _least(total)[at]
+        precision, weights = np.ones(len(sizes)), np.zeros_like(side)
+        for _ in range(ROUNDS):
+            own = precision[of] + least
+            factor = _factor(inside.copy(), own)
+            weights = np.asarray(dpotrs(factor, side, lower=1)[0])
+            told = sizes - np.bincount(of, own * _spread(factor), len(sizes))
+            size = np.maximum(np.bincount(of, weights**2, len(sizes)), TINY)
+            before, precision = precision, np.clip(told / size, *PRECISIONS)
+            if np.abs(np.log(precision / before)).max() < SETTLED:
+                break
+        old = np.asarray(dtrtrs(self.factor, along - across @ weights, lower=1, trans=1)[0])
+        return Weighed(
+            np.concatenate([old, weights]), np.concatenate([self.there.precision, precision]), sharp
+        )
+
+
+def _least(total: Total) -> Array:
+    return np.asarray(np.diag(total.normal) / max(total.power, TINY))
+
+
+def _factor(matrix: Array, own: Array) -> Array:
+    """Lower triangle (k, k) of a positive matrix with more on its diagonal, which it is overwritten with."""
+    diagonal = np.einsum("ii->i", matrix)
+    diagonal += own
+    diagonal += ROUNDED * float(diagonal.sum()) / len(diagonal)
+    return np.asarray(dpotrf(matrix.T, lower=1, overwrite_a=1, clean=1)[0])
+
+
+def _spread(factor: Array) -> Array:
+    """(k,) diagonal of the inverse of a matrix with a lower triangle."""
+    across = dtrtri(factor, lower=1)[0]
+    return np.asarray(np.einsum("ij,ij->j", across, across))
