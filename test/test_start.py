@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -114,4 +116,14 @@ def test_a_model_that_does_not_know_its_error_has_no_zero_that_moved() -> None:
     shown = recording.series["joint_states"]
     series = recording.series | {"joint_states": JointSeries(T, shown.joints, true + 3.0)}
     two = simulate(Recording("run", 0, recording.duration, series), bare).series["joint_states"].position
+    assert np.abs(one - two).max() < 0.01
+
+
+def test_nor_has_a_joint_of_which_a_model_does_not_know_it() -> None:
+    recording, true = recorded()
+    known = replace(model(), error=np.array([0.004, 0.0]))
+    one = simulate(recording, known).series["joint_states"].position
+    shown = recording.series["joint_states"]
+    series = recording.series | {"joint_states": JointSeries(T, shown.joints, true + np.array([0.0, 3.0]))}
+    two = simulate(Recording("run", 0, recording.duration, series), known).series["joint_states"].position
     assert np.abs(one - two).max() < 0.01

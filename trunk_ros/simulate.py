@@ -25,8 +25,8 @@ def simulate(
     recording: Recording, model: ArmModel, source: str = "gearbox_states", settle: float = SETTLE
 ) -> Recording:
     """What a model predicts for a recording's gearbox angles or setpoints. Of recorded joint angles those
-    of the
-    first ``settle`` s are read, to tell how the wires lay as it began; 0: none, memory begins at its centre.
+    of the first ``settle`` s are read, to tell how the wires lay as it began and whether zeros have moved
+    since the model was fitted; 0: none, memory begins at its centre.
 
     Stamps are those of the recorded ``joint_states``, else of the source. A model with effects is run on
     gearbox angles between the encoder's counts. Raises RecordingError where the

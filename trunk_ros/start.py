@@ -69,12 +69,12 @@ def begun(chain: Chain, driven: Driven) -> tuple[State | None, Array]:
 
 
 def _zero(chain: Chain, driven: Driven, places: Array, size: Array) -> Array:
-    """(joints,) rad by which zeros have moved; none where no model says what is too far off."""
+    """(joints,) rad by which zeros have moved; none of joints of which no model says what is too far off."""
     if not len(chain.model.error):
         return np.zeros(len(size))
     off = _off(chain, driven, places) / size
     unsure = _unsure(off)
-    return size * unsure * moved_zero(_mean(off) / unsure)[0]
+    return np.where(chain.model.error > 0.0, size * unsure * moved_zero(_mean(off) / unsure)[0], 0.0)
 
 
 def _unsure(off: Array) -> Array:
@@ -126,9 +126,9 @@ def _likeliest(chain: Chain, driven: Driven, moved: bool = False) -> tuple[Array
 
 def _usual_error(chain: Chain, off: Array) -> Array:
     """(joints,) rad, of the model; as large as the first errors ``off`` (k, joints) where it does not say."""
-    known = chain.model.error
+    known = chain.model.error if len(chain.model.error) else np.zeros(off.shape[1])
     seen = np.sqrt(np.nan_to_num(_mean(off**2)))
-    return np.maximum(known if len(known) else seen, SMALL)
+    return np.maximum(np.where(known > 0.0, known, seen), SMALL)
 
 
 def _mean(values: Array) -> Array:
@@ -171,7 +171,8 @@ def _power(chain: Chain, driven: Driven, places: Array, size: Array, moved: bool
     """Mean squares of the errors at the first measured rows, each joint's in its own ``size``, and of the
     places in what is usual; ``moved``: with the likeliest zeros.
     """
-    reach = chain.model.reach if len(chain.model.reach) else np.full(places.shape[1], USUAL)
+    known = chain.model.reach if len(chain.model.reach) else np.zeros(places.shape[1])
+    reach = np.where(known > 0.0, known, USUAL)
     far = places / np.maximum(reach, NEAR)
     off = _off(chain, driven, places) / size
     gain = moved_zero(_mean(off) / _unsure(off))[1].sum() if moved else 0.0

@@ -14,6 +14,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -81,6 +82,30 @@ def test_what_such_drives_hide_of_a_dead_band_is_given_back() -> None:
     result = diagnose([visited({"backlash": {"half_width": on(2, 2e-3)}}, beyond=5e-3)])
     assert [f.effect for f in result.findings] == ["backlash"]
     assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(2e-3, rel=0.03)
+
+
+def test_motors_that_were_recorded_on_their_way_arrive_as_recorded() -> None:
+    """Joints are read at stops, the gearbox all the time: nothing of it is unseen."""
+    seen, stamp = visited(), np.arange(COUNT * 20) * STAND / RATE / 20
+    turned = np.stack([np.interp(stamp, seen.series["gearbox_states"].stamp, x) for x in
+                       seen.series["gearbox_states"].position.T], axis=1)  # fmt: skip
+    seen.series["gearbox_states"] = JointSeries(stamp, seen.series["joint_states"].joints, turned)
+    span = wire_span(seen, load_model("trunk"))
+    assert span.before
+    assert not len(span.arrives)
+
+
+def test_an_excerpt_keeps_only_arrivals_at_stops_that_are_in_it() -> None:
+    joints, stamp = ("a",), np.arange(70_000) * 0.3
+    angles = np.random.default_rng(2).uniform(-1.0, 1.0, (len(stamp), 1))
+    series = {name: JointSeries(stamp, joints, angles) for name in ("gearbox_states", "joint_states")}
+    whole = wire_span(Recording("long", 0, float(stamp[-1]), series), load_model("direct"))
+    part = excerpt(whole)
+    assert len(part.grid) < len(whole.grid)
+    assert part.arrives.max() < len(part.grid) - 1
+    np.testing.assert_array_equal(part.grid[part.arrives], part.grid[part.arrives + 1])
+    gone = part.grid[part.arrives] - part.grid[part.arrives - 1]
+    assert gone.max() == pytest.approx(0.3)
 
 
 def test_topics_of_a_stop_belong_together_whichever_was_read_first() -> None:

@@ -66,6 +66,17 @@ def test_a_joint_that_sticks_rests_wherever_friction_and_load_balance_the_wire(
 
 
 @pytest.mark.parametrize(("kind", "bend", "form"), BENT)
+def test_a_dead_band_that_a_stiff_wire_cannot_hold_is_not_its_own(
+    kind: type[Sagging], bend: str, form: str
+) -> None:
+    for compliance in (0.0, 1e-9, 1e-6):
+        block = kind({bend: np.array([0.1]), "compliance": np.array([compliance])}, {}, form)
+        core = Core(width=np.array([[0.01]]))
+        block.adjust(core, loaded(0.07))
+        assert float(core.width[0, 0]) == pytest.approx(0.01, rel=1e-3)
+
+
+@pytest.mark.parametrize(("kind", "bend", "form"), BENT)
 def test_a_small_dead_band_follows_the_stiffness(kind: type[Sagging], bend: str, form: str) -> None:
     small, step = np.array([[1e-7]]), 1e-6
     for moment in (0.0, 0.07, 0.2):

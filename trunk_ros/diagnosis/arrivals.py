@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 
 FURTHEST = 0.1  # of the way to a stop: what goes further beyond it is no drive that settles
 NEAREST = 1e-5
+CHANCE = 4.0  # squared unit-noise residuals that a drive that settles has to explain: two standard deviations
 
 
 def stops(context: Context) -> bool:
@@ -25,30 +26,38 @@ def stops(context: Context) -> bool:
 
 def arrived(context: Context, hypothesis: Hypothesis) -> Context:
     """With each joint's drive going as far beyond its stops as makes what was measured likeliest under a
-    hypothesis; as it is where samples follow the motion.
+    hypothesis; as it is where samples follow the motion, or where it has them so already.
     """
     if not stops(context):
         return context
     beyond = np.zeros(len(context.joints))
     for column in context.columns:
         beyond[column] = _likeliest(context, hypothesis, column)
+    views = [_arriving(view, beyond) for view in context.views]
+    pairs = zip(views, context.views, strict=True)
+    if all(np.abs(new.wires - old.wires).max() <= NEAREST * np.ptp(old.wires) for new, old in pairs):
+        return context
     return _with(context, beyond)
 
 
 def _likeliest(context: Context, hypothesis: Hypothesis, column: int) -> float:
-    """Part of each way that a joint's drive goes beyond its end."""
+    """Part of each way that a joint's drive goes beyond its end; none where that is no more than chance, or
+    where the likeliest is further than any drive goes.
+    """
 
     def left(beyond: float) -> float:
         there = _with(context, beyond * (np.arange(len(context.joints)) == column))
-        rests = there.evened(hypothesis, column)
-        return float(sum(rest @ rest for rest in rests))
+        rest = there.whitened(hypothesis, column)
+        return float(rest @ rest)
 
     tried = np.concatenate([[0.0], np.geomspace(NEAREST, FURTHEST, 14)])
-    best = int(np.argmin([left(beyond) for beyond in tried]))
-    if best == 0:
+    costs = [left(beyond) for beyond in tried]
+    best = int(np.argmin(costs))
+    if best in (0, len(tried) - 1):
         return 0.0
-    near = float(tried[best - 1]), float(tried[min(best + 1, len(tried) - 1)])
-    return float(minimize_scalar(left, bounds=near, method="bounded", options={"xatol": NEAREST}).x)
+    near = float(tried[best - 1]), float(tried[best + 1])
+    found = minimize_scalar(left, bounds=near, method="bounded", options={"xatol": NEAREST})
+    return float(found.x) if found.fun < costs[0] - CHANCE else 0.0
 
 
 def _with(context: Context, beyond: Array) -> Context:
@@ -58,8 +67,6 @@ def _with(context: Context, beyond: Array) -> Context:
 
 def _arriving(view: View, beyond: Array) -> View:
     """With drives that first go ``beyond`` (joints,) of each way, and come back from there."""
-    span, path = view.span, view.span.gearbox.copy()
-    here = span.arrives[span.arrives > 0]
-    ends = here + 1
-    path[here] = path[ends] + beyond * (path[ends] - path[here - 1])
+    span, path, here = view.span, view.span.gearbox.copy(), view.span.arrives
+    path[here] = path[here + 1] + beyond * (path[here + 1] - path[here - 1])
     return replace(view, span=replace(span, source=path, gearbox=path), wires=view.arm.driven(path))

@@ -76,6 +76,11 @@ class Span:
         """(n,) s, of the measured rows."""
         return np.asarray(self.grid[self.rows])
 
+    @property
+    def recorded(self) -> np.ndarray:
+        """(k,) rows of the grid that stand for a time of their own."""
+        return np.delete(np.arange(self.before, len(self.grid)), self.arrives - self.before)
+
 
 def wire_span(recording: Recording, model: ArmModel) -> Span:
     """Gearbox angles against joint angles. Raises RecordingError where a topic or all common joints are
@@ -106,27 +111,27 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
-    return with_the_unseen(span) if stops_to_measure(span.stamp) else span
+    if not stops_to_measure(span.stamp):
+        return span
+    return with_the_unseen(span, stops_to_measure(gearbox.stamp))
 
 
-def with_the_unseen(span: Span) -> Span:
-    """The same with rows for what moved before the recording, at first nothing, and half-way to each stop for
-    how it was reached, at first straight.
+def with_the_unseen(span: Span, stops: bool) -> Span:
+    """The same with rows for what moved before the recording, at first nothing, and, where the motors were
+    only seen at ``stops``, with one before each of them for how it was reached, at first straight.
     """
-    order = np.concatenate([np.zeros(TURNS, dtype=int), np.repeat(np.arange(len(span.grid)), 2)[1:]])
-    arrives = np.arange(TURNS + 1, len(order), 2)
-    grid = span.grid[order]
-    grid[arrives] -= np.diff(span.grid) / 2
+    each = np.repeat(np.arange(len(span.grid)), 2 if stops else 1)[1 if stops else 0 :]
+    order = np.concatenate([np.zeros(TURNS, dtype=int), each])
     return replace(
         span,
-        grid=grid,
+        grid=span.grid[order],
         source=span.source[order],
         velocity=span.velocity[order],
         gearbox=span.gearbox[order],
-        rows=2 * span.rows + TURNS,
+        rows=(2 if stops else 1) * span.rows + TURNS,
         resistance=None if span.resistance is None else span.resistance.part(order),
         before=TURNS,
-        arrives=arrives,
+        arrives=np.arange(TURNS + 1, len(order), 2) if stops else span.arrives,
     )
 
 

@@ -24,7 +24,7 @@ def excerpt(span: Span) -> Span:
     The first block begins with the recording, the last one ends with it.
     """
     time = recorded_time(span.grid)
-    length = max(LENGTH, SAMPLES * float(np.median(np.diff(time)))) if len(time) > 1 else LENGTH
+    length = max(LENGTH, SAMPLES * _usual(np.diff(time)))
     if time[-1] < LONG * length / LENGTH:
         return span
     starts = np.linspace(0.0, time[-1] - length, BLOCKS)
@@ -44,12 +44,20 @@ def recorded_time(grid: Array) -> Array:
     step = np.diff(grid)
     if not len(step):
         return np.zeros(len(grid))
-    return np.concatenate([[0.0], np.cumsum(np.minimum(step, max(PAUSE, 4.0 * float(np.median(step)))))])
+    return np.concatenate([[0.0], np.cumsum(np.minimum(step, max(PAUSE, 4.0 * _usual(step))))])
+
+
+def _usual(steps: Array) -> float:
+    """The usual one of time steps (k,) s, without those in which no time goes by."""
+    some = steps[steps > 0.0]
+    return float(np.median(some)) if len(some) else 0.0
 
 
 def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
     """The ``chosen`` (m,) steps of a span; those that are ``forgotten`` (m, joints) do not count."""
     seen, at = chosen[span.rows], np.cumsum(chosen) - 1
+    arrives = span.arrives
+    whole = chosen[arrives - 1] & chosen[arrives] & chosen[arrives + 1]
     known = span.resistance
     return replace(
         span,
@@ -62,7 +70,7 @@ def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
         gearbox=span.gearbox[chosen],
         start=tuple(rows[seen[rows]] for rows in span.start),
         resistance=None if known is None else known.part(chosen),
-        arrives=at[span.arrives[chosen[span.arrives]]],
+        arrives=at[arrives[whole]],
     )
 
 

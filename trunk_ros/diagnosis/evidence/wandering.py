@@ -65,19 +65,24 @@ def steadied(now: Fit) -> Fit:
 
 
 def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, Noise]) -> dict[int, Noise]:
-    """The middle one of several noises that were ``found``, on joints that show more than noise, where it is
-    likelier than theirs: sensors are alike.
+    """The middle one of several noises that were ``found``, on joints that show more than their own, where it
+    is likelier by more than the price of a name: sensors of one unit are alike.
     """
-    if len(found) < SEVERAL:
-        return {}
-    usual = sorted(found.values(), key=lambda noise: noise.std)[len(found) // 2]
-    return {
-        column: usual
-        for column in context.columns
-        if column not in found
-        and _unlikely(context, usual, hypothesis, column)
-        < _unlikely(context, context.noise[column], hypothesis, column)
-    }
+    out = {}
+    for column in [c for c in context.columns if c not in found]:
+        donors = [noise for c, noise in found.items() if _unit(context, c) == _unit(context, column)]
+        known = context.noise[column]
+        if len(donors) < SEVERAL or _plain(context, known, hypothesis, column):
+            continue
+        usual = sorted(donors, key=lambda noise: noise.std)[(len(donors) - 1) // 2]
+        gain = _unlikely(context, known, hypothesis, column) - _unlikely(context, usual, hypothesis, column)
+        if gain > need(context, column):
+            out[column] = usual
+    return out
+
+
+def _unit(context: Context, column: int) -> str:
+    return context.stage.units.get(context.joints[column], "rad")
 
 
 def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:

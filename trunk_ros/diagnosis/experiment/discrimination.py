@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.evidence.determined import BLIND
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
 from trunk_ros.diagnosis.search.fit import Residuals, groups, minimise
 from trunk_ros.diagnosis.search.score import need
+from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.resample import SLOW
@@ -77,7 +78,7 @@ class Pinned(Residuals):
         size = np.linalg.norm(jacobian, axis=0)
         scaled = jacobian[:, size > BLIND] / size[size > BLIND]
         slope = scaled.T @ rest
-        step = np.linalg.solve(scaled.T @ scaled + BLIND * np.eye(len(slope)), slope)
+        step = np.linalg.solve(scaled.T @ scaled + ROUNDED * np.eye(len(slope)), slope)
         return max(float(rest @ rest - slope @ step), 0.0)
 
     def refitted(self) -> tuple[float, Hypothesis]:

@@ -81,11 +81,12 @@ def limits_of(context: Context) -> Limits:
     """
     arm, views = context.arm, context.views
     seen = np.concatenate([view.span.gearbox * arm.ratio for view in views])
-    spans = [(view.span, slice(view.span.before, None)) for view in views]
+    spans = [(view.span, view.span.recorded) for view in views]
     recorded = [(span.velocity[rows] * arm.ratio, span.grid[rows]) for span, rows in spans]
     speed = np.concatenate([np.abs(velocity) for velocity, _ in recorded])
     bend = np.concatenate([_bend(*each) for each in recorded])
-    done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(views[0].span.grid)))
+    first, rows = spans[0]
+    done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(first.grid[rows])))
     noise = np.array([each.std for each in context.noise])
     shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else UNSEEN * noise / step**2
     stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)

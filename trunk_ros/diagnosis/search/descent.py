@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from trunk_ros.diagnosis.arrivals import arrived, stops
+from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -142,9 +142,12 @@ def renewed(now: Fit) -> Fit:
     """In the angles and the noise that it leads to, fitted there; in turns with how drives came to their
     stops, where only these were recorded.
     """
-    for _ in range(TURNS if stops(now.context) else 1):
-        context = arrived(now.context.seen_with(now.hypothesis), now.hypothesis)
+    for _ in range(TURNS):
+        looked = now.context.seen_with(now.hypothesis)
+        context = arrived(looked, now.hypothesis)
         now = _settled(context.weighed(now.hypothesis), now.hypothesis)
+        if context is looked:
+            break
     return now
 
 

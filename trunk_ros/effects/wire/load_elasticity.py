@@ -65,7 +65,7 @@ class LoadElasticity(OnBothSides):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        own = {"links": (DAMPING,), "lever": (SLOPE, UPSTREAM)}.get(form, (UPSTREAM,))
+        own = {"links": (DAMPING,), "lever": (SLOPE,)}.get(form, (UPSTREAM,))
         return (COMPLIANCE, PAYLOAD, *own)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

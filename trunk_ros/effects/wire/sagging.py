@@ -12,6 +12,8 @@ from trunk_ros.effects.wire.on_both_sides import OnBothSides
 from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
+FIRM = 10.0  # times the moment at which a wire bends: more than that, friction is not held by it
+
 
 class Sagging(OnBothSides):
     """theta += sag(tau), bent at a moment of load that is the first parameter; includes the stretch."""
@@ -32,12 +34,13 @@ class Sagging(OnBothSides):
 
     def adjust(self, core: Core, now: Now) -> None:
         """Of what lies before the friction: a joint that sticks holds back from none to all of the friction's
-        moment F, width over compliance, so that the wire bears tau - F to tau + F.
+        moment F, width over compliance, so that the wire bears tau - F to tau + F. A dead band that would
+        take more than FIRM times the moment at which the wire bends is not the wire's.
         """
         soft = self["compliance"]
-        friction = core.width * np.where(soft > 0.0, 1.0 / np.maximum(soft, TINY), 0.0)
+        friction = np.minimum(core.width / np.maximum(soft, TINY), FIRM * self[self.parameters[0].name])
         most, least = self.sag(now.load + friction), self.sag(now.load - friction)
-        core.width = np.where(soft > 0.0, (most - least) / 2.0, core.width)
+        core.width = core.width - soft * friction + (most - least) / 2.0
         core.middle = core.middle + (most + least) / 2.0 - self.sag(now.load)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

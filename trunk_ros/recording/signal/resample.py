@@ -12,6 +12,7 @@ from trunk_ros.recording.signal.fill import fill
 FINE = 0.0125  # s: a moving arm is computed at least this often
 SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known of what lies between
 SAME = 1e-6  # s: stamps closer than this are one
+PAIRED = 4.0  # rows of a grid to each stop, from which on another topic goes on between them
 LONGEST_GAP = 0.12  # s without a sample after which the comparison pauses
 
 
@@ -53,7 +54,7 @@ def stops_to_measure(stamp: Floats) -> bool:
 def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
     """Position and velocity (m, joints) on the grid; by the measured velocity where there is one that
     fits. Where a recording stops to measure, what was read next to a time is of the same stop, whatever
-    topic came first.
+    topic came first; where the other topic goes on meanwhile, each sample holds until the next.
     """
     t, position = series.stamp, fill(series.position)
     if len(t) == len(grid) and np.allclose(t, grid, rtol=0, atol=SAME):
@@ -61,7 +62,7 @@ def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
     inside = np.clip(grid, t[0], t[-1])
     beyond = np.clip(grid - inside, *_one_step(t))[:, None]
     if stops_to_measure(t):
-        at_rest = position[_nearest(t, grid)]
+        at_rest = position[_nearest(t, grid) if len(grid) < PAIRED * len(t) else _last(t, grid)]
         return at_rest, _slope(grid, at_rest)
     if len(t) < 4:
         curve = PchipInterpolator(t, position) if len(t) > 1 else None
@@ -78,6 +79,11 @@ def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
         values[guessed] = position[after] + (inside[guessed] - t[after])[:, None] * step
         slope[guessed] = step
     return values + beyond * slope, slope
+
+
+def _last(stamp: Floats, grid: Floats) -> np.ndarray:
+    """(m,) which of the stamps (n,) came last at each of the grid."""
+    return np.clip(np.searchsorted(stamp, grid + SAME, side="right") - 1, 0, None)
 
 
 def _nearest(stamp: Floats, grid: Floats) -> np.ndarray:

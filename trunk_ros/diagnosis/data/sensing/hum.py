@@ -16,6 +16,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import CHANCE, FEWEST, basis, motion_of, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.guards import TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -48,6 +49,8 @@ class Hum:
 
 def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     """The tones in the readings of all joints, of series with the same joints."""
+    driven = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
+    shown = shown.rows(driven)
     if len(shown.stamp) < FEWEST or len(shown.joints) < JOINTS:
         return []
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
@@ -106,7 +109,7 @@ def _shared(stamp: Array, rest: list[Array], says: list[Array]) -> float:
         turning = _turning(frequency, stamp)
         waves = [np.linalg.qr(turning - u @ (u.T @ turning))[0] for u in says]
         pairs = zip(waves, rest, strict=True)
-        return -float(sum(np.sum((wave.T @ one) ** 2) / (one @ one) for wave, one in pairs))
+        return -float(sum(np.sum((wave.T @ one) ** 2) / max(float(one @ one), TINY) for wave, one in pairs))
 
     width = 0.5 / float(np.ptp(stamp))
     near = max(first - width, 0.5 * width), first + width
