@@ -12,7 +12,7 @@ from trunk_ros.parameter import Parameter
 
 STIFFEST = 1e-9  # rad/(N m): nothing swings on less
 STEEPEST = 5.0  # of the compliance's logarithm
-SPANS = 0.1  # of load times angle: what neither of them, nor a constant, follows
+SPANS = 0.1  # of load times angle: what no parabola of either follows
 
 COMPLIANCE = Parameter(
     "compliance", "rad/(N*m)", (0.0, 20.0), "deflection per moment", typical=0.03, stated="compliance"
@@ -79,12 +79,14 @@ class LoadElasticity(OnBothSides):
         return still - self._sag(now), state
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """A lever: where the load is not alike, or changes with the angle alone."""
+        """A lever: where load and angle change independently. Where one follows from the other, as when a tip
+        is pushed, a wire that hardens or a curve of the angle does the same.
+        """
         if self.form != "lever":
             return True
         load, angle = (signal - signal.mean() for signal in (now.load[:, 0], (now.ratio * now.gearbox)[:, 0]))
         both = load * angle
-        told = np.column_stack([np.ones_like(load), angle, load])
+        told = np.column_stack([np.ones_like(load), angle, load, angle**2, load**2])
         left = both - told @ np.linalg.lstsq(told, both, rcond=None)[0]
         return bool(np.std(left) > SPANS * np.std(load) * np.std(angle) > 0.0)
 
