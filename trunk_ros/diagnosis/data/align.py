@@ -39,6 +39,9 @@ STANDS = 1e-4  # rad, more than the encoder's steps
 FIRST = 1200  # samples that the angle at the start is the median of: of fewer the error shows in a long stand
 
 
+PPM = 1e-6
+
+
 @dataclass(frozen=True)
 class Span:
     """One stage of one recording. ``grid`` (m,) is where the model is computed, ``rows`` (n,) which of it
@@ -70,6 +73,10 @@ class Span:
     """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
     arrives: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     """Rows of the grid that stand for how the drives came to the stop of the row after."""
+    unsure: float = 0.0
+    """Standard deviation [s/s] of the pace of the target's clock, where that was found to be another one."""
+    pace: float = 0.0
+    """By how much the target's clock is taken to run faster [s/s] than it was found to."""
 
     @property
     def stamp(self) -> Array:
@@ -111,6 +118,8 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
+    skews = [seen.std for seen in recording.observed if seen.kind == "skew" and seen.corrected]
+    span = replace(span, unsure=PPM * max((std for std in skews if std is not None), default=0.0))
     if not stops_to_measure(span.stamp):
         return span
     return with_the_unseen(span, stops_to_measure(gearbox.stamp))

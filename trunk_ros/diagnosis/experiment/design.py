@@ -23,6 +23,7 @@ from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.trajectory import Trajectory
 
+LIKELIEST = 2  # equivalents of a finding that it is to be told from: each costs as much as the first
 MOST = 4  # stretches of a motion
 MOVED = 4  # stretches that are tried in other postures
 AGAIN = 6  # stretches that are tried once more beside the best one
@@ -48,11 +49,13 @@ class Experiment:
 
 
 def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
-    """The motion that best tells the effects found from their equivalents; None where there are none."""
+    """The motion that best tells the effects found from their likeliest equivalents; None where there are
+    none.
+    """
     sides = [
         sides_of(state, name, rival, evidence)
         for name, evidence in found.items()
-        for rival in evidence.equivalents
+        for rival in evidence.equivalents[:LIKELIEST]
     ]
     sides = [duels for duels in ([d for d in side if d.columns] for side in sides) if duels]
     return Design(state.context, sides).run() if sides else None
