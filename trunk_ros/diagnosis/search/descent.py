@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
 from trunk_ros.guards import TINY
 
 LARGE = 0.5  # of what is left: what explains so much comes before anything is mended
-COARSE = (LARGE, 0.2, 0.01, 0.0)  # of what is left: what a change has to gain at first, and at last
+COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
 TURNS = 4  # of fitting values and the drives' arrivals: a ratio of 1 % and these have parted by then
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
@@ -88,7 +88,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     make them anew, or make them up. For the same reason the largest effects are put in before anything is
     bent to do without them.
     """
-    for desk.share in COARSE:
+    for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
         while (better := first_that_pays(best, now, desk)) is not None:
             move, found = better
@@ -99,14 +99,14 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
 
 def _in_turn(move: Move, share: float) -> bool:
     """Whether a move is tried where a change has to gain this share of what is left."""
-    return move.grows and not move.resort if share == LARGE else not move.resort or share < COARSE[1]
+    return move.grows and not move.resort if share == LARGE else not move.resort or share < COARSE[0]
 
 
 def descend_with(best: Fit, moves: Sequence[Move]) -> Fit:
     """A few steps that have to follow a change before it is judged, in what was seen before; what gains
     little is left to the search.
     """
-    desk = Desk(share=COARSE[2])
+    desk = Desk(share=COARSE[1])
     while (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
     return best
