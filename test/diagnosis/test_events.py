@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.search.credible import ends_within
 from trunk_ros.diagnosis.search.windows import Sums, best_window, edges_of
 from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.effects import Effect, effect
+from trunk_ros.effects.effect import Now
 
 ALL = np.ones(5)
 
@@ -52,6 +56,27 @@ def test_what_is_there_from_beginning_to_end_is_no_event() -> None:
     assert {f.effect for f in said.findings} == {"backlash", "ratio_error"}
     assert said.events == []
     assert said.to_json()["events"] == []
+
+
+def test_a_beginning_is_seen_by_a_joint_that_moves_before_and_after() -> None:
+    stamp = np.arange(0.0, 40.0, 0.01)
+    swing = np.sin(stamp)[:, None]
+    loose = effect("backlash")({"half_width": np.full(1, 2e-3), "from": np.full(1, 20.0)})
+    drawn = effect("joint_coupling")(
+        {**effect("joint_coupling").null(), "gain": np.full(1, 0.1), "from": np.full(1, 20.0)},
+        {"source": ("b",)},
+    )
+
+    def told(block: Effect, own: Array, other: Array) -> bool:
+        both = np.column_stack([own, other])
+        return ends_within(
+            block, Now(stamp, 0.01 + 0 * stamp, own, own, own, both, both, ("a", "b"), np.ones(1))
+        )
+
+    late = np.where(stamp[:, None] > 25.0, swing, 0.0)
+    assert told(loose, swing, late)
+    assert not told(loose, late, swing)
+    assert told(drawn, late, swing)
 
 
 def test_a_slip_is_an_event() -> None:

@@ -5,11 +5,16 @@ from __future__ import annotations
 from enum import IntEnum
 from functools import partial
 
+import numpy as np
+
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 from trunk_ros.parameter import FROM, UNTIL
+
+SEEN = 0.1  # of what a joint does in all, before and after a moment that it shows
 
 
 class Shown(IntEnum):
@@ -37,9 +42,20 @@ def hidden(context: Context, term: Term) -> list[int]:
 
 
 def ends_within(block: Effect, now: Now) -> bool:
-    """Whether what begins or ends does so while it is looked at."""
+    """Whether what begins or ends does so while it is looked at: the joint or what it follows moves, or its
+    load changes, before and after. Of joints that move one after the other none shows that.
+    """
+    followed = {word for words in block.words.values() for word in words if word in now.joints}
+    signals = [now.gearbox[:, 0], *(now.angles[:, now.joints.index(joint)] for joint in followed)]
+    signals += [now.load[:, 0]] if "load" in block.needs else []
     times = [t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ())]
-    return all(now.stamp[0] < t < now.stamp[-1] for t in times)
+    return all(any(_goes_on(signal, now.stamp < t) for signal in signals) for t in times)
+
+
+def _goes_on(signal: Array, before: np.ndarray) -> bool:
+    """Whether a signal (n,) changes in both parts of a time."""
+    parts = [signal[side] for side in (before, ~before)]
+    return all(len(part) and np.ptp(part) > SEEN * np.ptp(signal) for part in parts)
 
 
 def _shown(context: Context, term: Term, column: int) -> int:
