@@ -11,6 +11,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.evidence.determined import BLIND
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
+from trunk_ros.diagnosis.levels import NOTABLE
 from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
@@ -26,7 +27,6 @@ EQUIVALENTS = 5  # that are said
 REST = 1.5  # times the power of noise: less is nothing that is left to explain
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 LONGEST = 5.0  # s
-WORSE = 4.0  # squared unit-noise residuals: two standard deviations
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 ROUGH = 1e-3  # of a value: integration and interpolation are no better
 UNNAMED = 0.7  # confidence in what no formula states, at most
@@ -94,7 +94,7 @@ def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
             least = LATE * residuals.context.step
             std = float(np.clip(out[key], least, LONGEST)) if np.isfinite(out[key]) else least
             best = float(np.sum(residuals(x) ** 2))
-            while std < LONGEST and _moved(residuals, x, k, std) - best < WORSE:
+            while std < LONGEST and _moved(residuals, x, k, std) - best < NOTABLE**2:
                 std *= 1.5
             out[key] = std
     return out

@@ -9,11 +9,12 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, likely
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted
+from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.tip.data import UNITS
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, of_sensors, owner, parameter_of
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
-from trunk_ros.diagnosis.verdict.findings import ARM, SURE, statement_of, unchanged, value_of
+from trunk_ros.diagnosis.verdict.findings import ARM, statement_of, unchanged, value_of
 from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
 

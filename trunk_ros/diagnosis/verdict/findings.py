@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
@@ -33,7 +34,6 @@ VARIES_WITH: dict[str, list[str]] = {
 }
 ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
-SURE = 4.0  # spreads that the size of an effect must have on one joint
 MOSTLY = 0.5  # share of the misfit
 NO_CURVE = "No effect and no curve explains it."
 LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by

@@ -18,7 +18,6 @@ PLAY = 1e-3  # rad, where the model has none
 SLOWLY = 0.05  # rad/s, at which friction may have fallen
 MOVES = 0.02  # rad
 FEWEST = 200  # samples
-CHANCE = 0.99  # of what differs by chance, so much differs less
 
 
 @dataclass(frozen=True)
