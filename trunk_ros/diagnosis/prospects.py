@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
@@ -136,19 +137,5 @@ def _motion(stamp: np.ndarray, angle: np.ndarray) -> dict[str, float]:
         "low": float(angle.min()),
         "high": float(angle.max()),
         "speed": float(np.quantile(speed, 0.999)) if len(speed) else 0.0,
-        "turns": turns(angle),
+        "turns": len(turns_of(angle, float(np.ptp(angle)) / 20.0)),
     }
-
-
-def turns(angle: np.ndarray) -> int:
-    """How often a joint (n,) rad turns back by more than a twentieth of its range."""
-    least, way, extreme, out = float(np.ptp(angle)) / 20.0, 0.0, float(angle[0]), 0
-    for value in angle.tolist() if least > 0.0 else ():
-        ahead = value - extreme
-        if way == 0.0:
-            way = float(np.sign(ahead)) if abs(ahead) > least else 0.0
-        elif ahead * way < -least:
-            way, extreme, out = -way, value, out + 1
-        if way * ahead > 0.0:
-            extreme = value
-    return out

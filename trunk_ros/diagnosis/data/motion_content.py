@@ -6,7 +6,6 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 
-ENOUGH = 100  # samples: of fewer nothing is told
 PLACES = 20  # cells of a range, with as many samples each
 WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
 VARIES = (
@@ -16,7 +15,7 @@ STILL = 0.02  # of the top speed: a joint slower than that stands
 RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
 WHOLE = 0.9  # of the range
 REPEATED = 0.1  # of the way: a swing to and fro three times has a third
-TURNED = 0.15  # of the range: the way back after which a joint has turned
+MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
 
 def is_wide(position: Array, speed: Array, residual: Array) -> bool:
@@ -64,7 +63,7 @@ def comes_back(position: Array) -> bool:
     """Whether a joint (n,) ever comes back some way: one that goes on and on shows no reversal, and nothing
     that its posture could not do as well as time.
     """
-    least = TURNED * float(np.ptp(position))
+    least = MOVED * float(np.ptp(position))
     up, down = np.maximum.accumulate(position) - position, position - np.minimum.accumulate(position)
     return bool(up.max() > least and down.max() > least)
 
@@ -73,7 +72,7 @@ def turned(position: Array) -> np.ndarray:
     """(n,) from where a joint has moved, turned and come back some way: a wide play lies at its one side by
     then, wherever it lay when the recording began.
     """
-    least = TURNED * float(np.ptp(position))
+    least = MOVED * float(np.ptp(position))
     away = np.abs(position - position[0])
     back = np.maximum.accumulate(away) - away > least
     return np.asarray(np.maximum.accumulate(back))

@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.moves.form import refinements
-from trunk_ros.diagnosis.search.score import CURVED, SHARE, STRONG
+from trunk_ros.diagnosis.search.score import CURVE, FORMULAS, SHARE, STRONG
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HALF
 
@@ -33,7 +33,7 @@ def with_banks(state: Fit) -> Fit:
     left = rests(context, state.hypothesis)
     for column in [c for c, power in left.items() if power > STRONG]:
         misfit = context.formed_misfit[column] / context.count(column)
-        if left[column] > CURVED * misfit:
+        if left[column] > CURVE * FORMULAS * misfit:
             state = _banked(_curved(state, column, misfit), column, misfit)
     return state
 

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri, dtrtrs
 
 from trunk_ros.compiled import Array
-from trunk_ros.guards import ROUNDED, TINY
+from trunk_ros.guards import ROUNDED, ROUNDS, TINY
 
-ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
+SETTLED = 0.1  # of the precisions' logarithms
 PRECISIONS = (1e-3, 1e8)
 
 

@@ -9,16 +9,15 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, bounds
+from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
-from trunk_ros.guards import ROUNDED
+from trunk_ros.guards import BLIND, ROUNDED
 
 TIED = 0.9  # correlation from which on two values are told together better than each: said in the report
-BLIND = 1e-9  # change of the unit-noise residual per value: the data do not see it
-ALMOST = 1e-3  # of the range of a value: a fit stops this far inside a bound that it would cross
 SHARE = (0.0, 1.0)  # bounds of what is a share: all of it is no more than is possible
 
 
@@ -111,7 +110,7 @@ def _at_bound(context: Context, free: list[Free], x: Array, slope: Array) -> lis
     low, high = bounds(free)
     out = []
     for k, f in enumerate(free):
-        near = ALMOST * (high[k] - low[k])
+        near = ROUGH * (high[k] - low[k])
         share = f.parameter.unit == "1" and f.parameter.bounds == SHARE
         if issubclass(effect(f.effect), (Bank, Curve)) or share:
             continue

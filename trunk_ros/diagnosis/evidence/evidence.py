@@ -9,9 +9,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.evidence.determined import BLIND
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import NOTABLE
+from trunk_ros.diagnosis.levels import NOTABLE, REFITTED, ROUGH
 from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
@@ -20,15 +19,13 @@ from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
-from trunk_ros.guards import ROUNDED
+from trunk_ros.guards import BLIND, ROUNDED
 
-RIVALS = 3  # the most promising, besides what is known to look alike
 EQUIVALENTS = 5  # that are said
 REST = 1.5  # times the power of noise: less is nothing that is left to explain
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 LONGEST = 5.0  # s
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
-ROUGH = 1e-3  # of a value: integration and interpolation are no better
 UNNAMED = 0.7  # confidence in what no formula states, at most
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
 
@@ -250,7 +247,7 @@ def _local_rivals(
     kinds = [
         k for k in kinds if new[k.id] and all(is_open(context, bare.hypothesis, k, c) for c in new[k.id])
     ]
-    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, RIVALS, like) for c in columns}
+    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, REFITTED, like) for c in columns}
     losses: dict[str, tuple[float, Hypothesis]] = {}
     for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
         loss, fitted = 0.0, bare.hypothesis.copy()

@@ -17,8 +17,7 @@ from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
-TELLS = 4.0  # times the power of noise: less on a joint contradicts nothing
-EXPLAINED = 0.25  # of a residual's power may be left where an effect holds
+TELLS = 4.0  # times the power of noise, or of what is left where an effect holds: less contradicts nothing
 
 
 @dataclass(frozen=True)
@@ -72,15 +71,15 @@ def _contradicts(base: Context, other: Context, found: Hypothesis) -> int | None
     refitted: dict[int, float] | None = None
     for c in (c for c in base.columns if found.on(c) and other.count(c)):
         nominal, left = _power(base, base.known, c), _power(base, found, c)
-        if nominal < TELLS or left > EXPLAINED * nominal:
+        if nominal < TELLS or TELLS * left > nominal:
             continue  # it was not explained where it was found
         before, after = _power(other, other.known, c), _power(other, found, c)
-        if after < TELLS or after < EXPLAINED * before:
+        if after < TELLS or TELLS * after < before:
             continue  # it holds
         if refitted is None:
             there = refit(other, found).hypothesis
             refitted = {k: _power(other, there, k) for k in base.columns if other.count(k)}
-        if after > before or refitted[c] < EXPLAINED * after:
+        if after > before or TELLS * refitted[c] < after:
             worst[c] = after
     return max(worst, key=lambda c: worst[c]) if worst else None
 

@@ -8,7 +8,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.discrepancy.curves import variables
-from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.diagnosis.discrepancy.spectrum import CYCLIC, spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.search.score import SHARE
@@ -16,7 +16,6 @@ from trunk_ros.effects.curve import abscissa, words_of
 from trunk_ros.recording.signal.resample import SLOW
 
 COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
-PERIODIC = 0.2  # likewise, a period of time
 
 
 def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
@@ -65,7 +64,7 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
         scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].correlation)
     index = context.telling(column)[0]
     _, share = spectrum(context.views[index].span.stamp, context.residual(index, hypothesis, column))
-    if share > PERIODIC:
+    if share > CYCLIC:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)
     told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > SHARE][:3]

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.noise import WHITE, Noise
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Sums
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import NOTABLE, SURE
+from trunk_ros.diagnosis.levels import NOTABLE, SEVERAL, SURE
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
@@ -28,7 +28,6 @@ from trunk_ros.recording.signal.resample import SLOW
 TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
 FURTHEST = 3.0  # times the noise without it: what goes further is no noise
-SEVERAL = 2  # joints by which the others' sensors are known
 SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
 

@@ -23,14 +23,10 @@ from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.trajectory import Trajectory
 
-MOST = 4  # stretches of a motion
-MOVED = 4  # stretches that are tried in other postures
-AGAIN = 6  # stretches that are tried once more beside the best one
+MOST = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
 SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
 AMPLE = 10.0  # likewise: no further stretch is added; each joint is to be told by itself
-REPEATS = 4  # of a motion that is too short
 TRIALS, FEWEST = 48, 8  # simulations of rivals in the local search; motions that it tries at least
-STANDS = 1e-3  # rad/s
 LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
 FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
 
@@ -74,7 +70,7 @@ class Design:
         ranked, faced = self.ranked()
         parts = self.polished(self.grown(ranked)) if self.duels else ranked[:1]
         if self.duels and self.ratios(parts).min() < SURE:
-            parts = max((parts, parts * REPEATS), key=self.score)
+            parts = max((parts, parts * MOST), key=self.score)
         there = self.motion(parts)
         seen = [duel.seen_in(self.context, there) for duel in faced]
         mutual = [self.back(duel, duels, there) for duel, duels in zip(faced, self.sides, strict=True)]
@@ -107,7 +103,7 @@ class Design:
         candidates = stretches(len(self.context.joints), self.own)
         self.duels = [duel for duels in self.sides for duel in duels]
         seen = [self.ratios([part]) for part in candidates]
-        best = sorted(range(len(candidates)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOVED]
+        best = sorted(range(len(candidates)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOST]
         moved = [there for k in best for there in elsewhere(candidates[k])]
         candidates, ratios = candidates + moved, np.array(seen + [self.ratios([part]) for part in moved])
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
@@ -115,7 +111,7 @@ class Design:
         faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
         self.duels = [self.duels[k] for k in all_told if peaks[k] > HOPELESS]
         order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
-        return [candidates[k] for k in order[:AGAIN]], faced
+        return [candidates[k] for k in order[:MOST]], faced
 
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
@@ -187,7 +183,7 @@ def statement(
             f"fitted to it, single samples differ by at most {gap} ({times}, on {joint}), and all samples "
             f"together give {seen.ratio / SURE:.0%} of the evidence that a decision takes."
         )
-    moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
+    moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
     told = (
         f"Play {file} ({ceil(there.duration)} s) on the arm that was recorded, and look at {where}: if it is "

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.motion_content import STILL
 from trunk_ros.diagnosis.report.signals import reversals
 
-JUST = 0.05  # of the joint's range after a reversal
-SLOW, FAST, STILL = 0.15, 0.6, 0.01  # of the joint's largest speed
+JUST = 0.05  # of the joint's range after a reversal: by then the dead band is crossed
+SLOW, FAST = 0.15, 0.6  # of the joint's largest speed
 JOINED = 0.004  # of the recording: shorter gaps between stretches are none to the eye
 MEANING = {
     "reversal": "the first 5 % of the range after a reversal",

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from trunk_ros.diagnosis.report.errors import WIDTH
+from trunk_ros.diagnosis.report.errors import MOST, WIDTH
 from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
 from trunk_ros.diagnosis.report.style import ACCENT, GREY, LINE, MUTED, PLAIN, label, limits, styled
 from trunk_ros.diagnosis.report.view import Cloud, cloud, view_of
@@ -16,7 +16,6 @@ from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
 
 WIDE = 5  # panels in a row
-MOST = 10
 FEW = 700  # points, which are drawn larger
 
 

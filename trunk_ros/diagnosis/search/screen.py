@@ -23,7 +23,6 @@ from trunk_ros.guards import ROUNDED
 NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 PROMISED = 0.5  # of what a fit gains: a linear look does not see all of it
-REFITTED = 2  # of the best by a linear look that are fitted in full
 BAGS = 2  # of an arm's recordings that give an effect its starts
 
 Products = dict[int, tuple[float, float]]

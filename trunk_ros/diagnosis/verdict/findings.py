@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import SURE
+from trunk_ros.diagnosis.levels import LITTLE, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
@@ -36,7 +36,6 @@ ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
 MOSTLY = 0.5  # share of the misfit
 NO_CURVE = "No effect and no curve explains it."
-LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
 
 Spreads = dict[tuple[str, str, int | None], float]
 

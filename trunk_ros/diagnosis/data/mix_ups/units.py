@@ -6,12 +6,12 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, own_correlation
+from trunk_ros.diagnosis.data.sensing.wraps import TURN
 from trunk_ros.recording.signal.encoder import count
 
 PER_RADIAN = 180.0 / np.pi
 CLOSE, CLOSER = np.log(1.15), np.log(1.03)  # to that factor: where the ratio is known, and where it is not
 SEVERAL = 10.0  # times the limits: no arm goes there
-TURN = 2.0 * np.pi  # rad: joints that state no limits stay within about one turn
 FAR = 100.0  # rad: a joint that goes so far does not read whole radians only
 TO_DO = "Convert it to rad (unit: deg in a mapping) and diagnose again."
 
@@ -60,7 +60,7 @@ def degrees(pair: Pair) -> list[MixUp]:
 
 def _one(pair: Pair, which: np.ndarray, values: Array, large: str, small: str) -> MixUp:
     """``values`` (n, joints): of the topic with the larger numbers, on the target's side."""
-    bound = np.where(np.isfinite(pair.limit), 2.0 * pair.limit, TURN)
+    bound = np.where(np.isfinite(pair.limit), 2.0 * pair.limit, TURN)  # joints without limits: about a turn
     beyond = (np.abs(values).max(axis=0) > bound)[which].any()
     other = "" if beyond else f", or {small} like radians that were taken for degrees"
     said = (

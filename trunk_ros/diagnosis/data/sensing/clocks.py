@@ -11,13 +11,13 @@ from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, wit
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import sliding, waited
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.model import Model
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import TOPICS
 
 SHOWN, DRIVEN, ASKED = TOPICS["joint_states"], TOPICS["gearbox_states"], TOPICS["setpoints"]
-ROUNDS = 3  # of looking for skew: what is left of a large one shows when most of it is gone
 PPM = 1e6
 
 
@@ -49,7 +49,7 @@ def _at_one_pace(recording: Recording, model: Model) -> Recording:
 
 def _whole_skew(gearbox: JointSeries, shown: JointSeries, model: Model) -> Skew | None:
     arm, whole = model.for_joints(shown.joints).loaded_arm().only(shown.joints), None
-    for _ in range(ROUNDS):
+    for _ in range(TURNS):  # what is left of a large one shows when most of it is gone
         found = skew(gearbox, shown if whole is None else without_skew(shown, whole), arm)
         if found is None:
             return whole

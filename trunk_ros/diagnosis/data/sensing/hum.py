@@ -17,7 +17,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import FEWEST, basis, motion_of, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, SURE
-from trunk_ros.guards import TINY
+from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -26,8 +26,6 @@ SHARP = 0.2  # of the size: its std, so that being alike says something
 IN_STEP = 0.9  # of phases: how nearly they are one, from 0 to 1
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
-HALF = 0.5  # of the sampling rate: up to there
-NOTHING = 1e-5  # of what the motion says most
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
 def _spanned(features: Array) -> Array:
     """Orthonormal features (n, fewer) that say the same as features (n, k)."""
     u, size, _ = np.linalg.svd(features, full_matrices=False)
-    return np.asarray(u[:, size > NOTHING * size[0]])
+    return np.asarray(u[:, size**2 > BLIND * size[0] ** 2])
 
 
 def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | None:
@@ -100,7 +98,7 @@ def _shared(stamp: Array, rest: list[Array], says: list[Array]) -> float:
     """The frequency near that of the middle joint's strongest line by which most of the rests (n,) is
     explained beside features (n, k); 0 where there is no line.
     """
-    first = float(np.median([spectrum(stamp, one, HALF)[0] for one in rest]))
+    first = float(np.median([spectrum(stamp, one)[0] for one in rest]))
     if first <= 0.0:
         return 0.0
 

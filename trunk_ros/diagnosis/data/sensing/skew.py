@@ -13,8 +13,8 @@ from scipy.stats import chi2
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, basis, motion_of, scaled
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, SURE
-from trunk_ros.guards import ROUNDED
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, ROWS, SURE
+from trunk_ros.guards import BLIND, ROUNDED
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
@@ -23,9 +23,8 @@ LARGEST = 5e-3  # s/s: no clock is worse
 TELLS = 0.25  # of the skew: the std of a joint that says something
 ALIKE, ALIKER = 0.25, 0.1  # of the skew: so far off a joint may surely be from what all say
 DIFFER = 1.3  # times the speed of the slowest: joints of one speed are late alike for other reasons
-ROWS = 6000  # samples that are enough
 IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
-BLOCK = 50  # of them may depend on each other
+BLOCK = 50  # samples may depend on each other
 WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
 
 
@@ -165,7 +164,7 @@ def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
 def _fitted(features: Array, off: Array) -> tuple[Array, Array]:
     """Shares (features,) of features (n, features) in ``off`` (n,), and their std from blocks of samples."""
     features, size = scaled(features)
-    inverse = np.linalg.pinv(features.T @ features, rcond=1e-10, hermitian=True)
+    inverse = np.linalg.pinv(features.T @ features, rcond=BLIND, hermitian=True)
     values = inverse @ (features.T @ off)
     left = features * (off - features @ values)[:, None]
     blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)

@@ -9,24 +9,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import MOVES, scaled
-from trunk_ros.diagnosis.data.sensing.thinned import SETTLED
+from trunk_ros.diagnosis.data.align import SETTLING
+from trunk_ros.diagnosis.data.sensing.physics import FEWEST, MOVES, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
+from trunk_ros.diagnosis.levels import ROWS
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.servo_course import servo_course
 
-FEWEST = 500  # samples
 BEGINS = 60.0  # s in which a saw is searched for
-ROWS = 20_000  # samples that are enough
 LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
 PHASES = 16
-SURE = 0.6  # of the power of all that makes joints late or early, but for constant lags and servos
+EXPLAINS = 0.6  # a saw, of the power of all that makes joints late or early, but for constant lags and servos
 SIZE = (0.6, 1.4)  # of the setpoints' period
-LEAVES = 0.6  # of that power, when setpoints are moved to when they acted
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     follows = 1.0 / arm.kp + arm.tau_v  # s after a setpoint has acted, the shaft shows it
     found = replace(found, phase=found.phase + follows / found.takes)
     left = _late(waited(setpoints, found), gearbox, model)
-    return found if left is not None and _able(*left[1:]) < LEAVES * _able(*late[1:]) else None
+    return found if left is not None and _able(*left[1:]) < EXPLAINS * _able(*late[1:]) else None
 
 
 def waited(setpoints: JointSeries, found: Sliding) -> JointSeries:
@@ -83,7 +81,7 @@ def _saw(stamp: Array, takes: float, phase: float) -> Array:
 def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> tuple[Array, Array, Array] | None:
     """Stamps (n,), moments (n,) rad²/s and speed² (n,): their sums' ratio over a time is the lag in it."""
     course = servo_course(setpoints, gearbox.stamp, model)
-    kept = course.stamp > course.stamp[0] + SETTLED
+    kept = course.stamp > course.stamp[0] + SETTLING
     stamp, said = course.stamp[kept], course.position[kept]
     at = np.searchsorted(gearbox.stamp, stamp)
     off = fill(gearbox.position)[at] - said
@@ -151,7 +149,7 @@ def _finer(stamp: Array, moment: Array, weight: Array, start: Sliding, period: f
         for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
     (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
-    if not SIZE[0] * period < size < SIZE[1] * period or power < SURE * _able(moment, weight):
+    if not SIZE[0] * period < size < SIZE[1] * period or power < EXPLAINS * _able(moment, weight):
         return None
     return Sliding(float(takes), float(phase), period)  # the servo rounds the teeth, which makes them smaller
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import (
     Candidate,
     breaking_kinds,
@@ -27,7 +28,6 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
 
-PROMISING_EVERYWHERE = 2  # likewise, on all joints at once
 NEAR_BEST = 0.6  # an effect takes a joint along if it explains this share of what the best one does there
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 MAJORITY = 0.6  # of the joints
@@ -138,7 +138,7 @@ def everywhere(best: Fit) -> Iterator[Fit]:
         return
     screen = Screen(context, best.hypothesis)
     found = [c for k in kinds for c in screen.all_everywhere(k) if c.gain > SIGNIFICANT]
-    most = PROMISING_EVERYWHERE if local_kinds(context) else len(found)  # a servo's lags hide each other
+    most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
         trial = dated(refit(context, extended(context, best.hypothesis, candidate)), candidate.effect)
         trial = descend_with(shown_again(best, trial, candidate.effect), (MEMBER, EVENT))

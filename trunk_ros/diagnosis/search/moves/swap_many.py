@@ -16,8 +16,6 @@ from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, confused, effect
 
-MOST = 0.5  # of the joints: an effect on as many may be one of all
-
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect of most joints, by each that it is confused with."""
@@ -33,7 +31,7 @@ def on_most(best: Fit, name: str) -> bool:
     """Whether an effect acts on all joints, or is on most of them."""
     columns = best.context.columns
     there = set(best.hypothesis[name].columns) & set(columns)
-    return effect(name).everywhere or len(there) > MOST * len(columns)
+    return effect(name).everywhere or 2 * len(there) > len(columns)
 
 
 def _on_the_same(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
