@@ -26,3 +26,7 @@ REFITTED = 3
 """Of the best by a first look that are fitted in full, where a fit is dear."""
 TURNS = 4
 """Of what is fitted alternately: each leaves little of what the other had to follow."""
+MOST = 0.6
+"""Share that is most of something: more than half, so that little does not tip it."""
+CLEARLY = 1.5
+"""Times as much as a level: clearly more than that."""

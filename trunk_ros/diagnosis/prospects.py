@@ -10,6 +10,8 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.mix_ups.pair import PAIRS
+from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
 from trunk_ros.diagnosis.servo import ServoStage
@@ -21,11 +23,7 @@ from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TIP, TOPICS
 
-WANTS = {
-    "servo": ("setpoints", "gearbox_states"),
-    "wire": ("gearbox_states", "joint_states"),
-    "arm": ("joint_states", TIP),
-}
+WANTS = PAIRS | {"arm": ("joint_states", TIP)}
 LACKS = {
     "load": "the load is unknown: give masses in the model, or record effort",
     "weight": "the model has no masses",
@@ -33,7 +31,6 @@ LACKS = {
     "several": "there is one joint only",
 }
 RARE = "the recording stops and measures, or always moves alike: it shows nothing of speed and holds"
-MOMENTS = 2000  # of a recording between which a speed is a speed
 ONE_WAY = "no joint turns back: the recording shows nothing of reversals"
 
 
@@ -131,11 +128,9 @@ def motion_of(recording: Recording) -> dict[str, dict[str, float]]:
 
 def _motion(stamp: np.ndarray, angle: np.ndarray) -> dict[str, float]:
     """Of one joint, (n,) each."""
-    every = max(len(stamp) // MOMENTS, 1)  # between neighbours, the speed of noisy readings is noise
-    speed = np.abs(np.diff(angle[::every])) / np.diff(stamp[::every])
     return {
         "low": float(angle.min()),
         "high": float(angle.max()),
-        "speed": float(np.quantile(speed, 0.999)) if len(speed) else 0.0,
+        "speed": top_speed(stamp, angle[:, None]),
         "turns": len(turns_of(angle, float(np.ptp(angle)) / 20.0)),
     }

@@ -10,12 +10,12 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.motion_content import MOVED
 from trunk_ros.diagnosis.levels import ROWS
+from trunk_ros.recording.signal.resample import LONGEST_GAP
 
 BLOCKS = 6
 LENGTH = 50.0  # s of a block
 WARM = 15.0  # s of it after which it has forgotten what went before
 LONG = 2.0  # times all blocks, from which on a recording is not searched as a whole
-PAUSE = 1.0  # s without a sample that count as recorded
 
 
 def excerpt(span: Span) -> Span:
@@ -44,7 +44,7 @@ def recorded_time(grid: Array) -> Array:
     step = np.diff(grid)
     if not len(step):
         return np.zeros(len(grid))
-    return np.concatenate([[0.0], np.cumsum(np.minimum(step, max(PAUSE, 4.0 * _usual(step))))])
+    return np.concatenate([[0.0], np.cumsum(np.minimum(step, max(LONGEST_GAP, 4.0 * _usual(step))))])
 
 
 def _usual(steps: Array) -> float:

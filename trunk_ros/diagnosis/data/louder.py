@@ -9,12 +9,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import LEAST, fourth_differences, trimmed
-from trunk_ros.diagnosis.levels import ENOUGH
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH
 from trunk_ros.guards import ROUNDS
 from trunk_ros.recording.signal.encoder import ALTERNATES
 
 GROUPS = 8  # of samples, by speed
-CLEARLY = 1.5  # times the noise at rest, at the speeds that are fastest
 ALIKE = 0.25  # of the variance of a group that the law may be off
 
 

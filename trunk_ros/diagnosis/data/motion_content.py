@@ -6,12 +6,13 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 
+APART = 5  # samples between which a speed is one: between neighbours it is noise
 PLACES = 20  # cells of a range, with as many samples each
 WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
 VARIES = (
     0.2  # share of the speed's power beyond its means at each place and direction, from which on it tells
 )
-STILL = 0.02  # of the top speed: a joint slower than that stands
+STILL = 0.02  # of the fastest, or of the largest motion: what does less stands
 RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
 WHOLE = 0.9  # of the range
 REPEATED = 0.1  # of the way: a swing to and fro three times has a third
@@ -76,6 +77,15 @@ def turned(position: Array) -> np.ndarray:
     away = np.abs(position - position[0])
     back = np.maximum.accumulate(away) - away > least
     return np.asarray(np.maximum.accumulate(back))
+
+
+def top_speed(stamp: Array, angle: Array) -> float:
+    """rad/s of the fastest of some angles (n, joints)."""
+    if len(stamp) <= APART:
+        return 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = np.abs(angle[APART:] - angle[:-APART]) / (stamp[APART:] - stamp[:-APART])[:, None]
+    return float(np.max(speed[np.isfinite(speed)], initial=0.0))
 
 
 def _cells(position: Array, speed: Array) -> np.ndarray:

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.mix_ups.pair import PAIRS
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import FEWEST
+from trunk_ros.diagnosis.levels import CLEARLY, FEWEST
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -18,10 +19,8 @@ from trunk_ros.recording.topics import TOPICS
 
 BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
-LEAPS = 1.5  # times as far as a joint moves between two samples as a rule
 FAR = 10.0  # times the scatter about the readings beside it that a single reading is off
 WILD, MOST = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
-MEASURED = ("gearbox_states", "joint_states")
 FEW = 0.06  # of the readings: more of them are how the sensor is
 NEAR = 101  # readings whose scatter counts: a burst of noise is no row of single readings
 
@@ -55,7 +54,7 @@ def without_faults(recording: Recording) -> Recording:
 def without_wild(recording: Recording) -> Recording:
     """A recording without single readings of joints and gearboxes that no arm can have shown, and notes."""
     series, notes = dict(recording.series), []
-    for key in MEASURED:
+    for key in PAIRS["wire"]:
         if key not in series or len(series[key].stamp) < FEWEST:
             continue
         kept: dict[str, Any] = {}
@@ -159,4 +158,4 @@ def leap(readings: Array, usual: float = 0.99) -> float:
     single reading that is off makes two large steps.
     """
     step = np.abs(np.diff(readings))
-    return LEAPS * float(np.nanquantile(step[step > 0.0], usual)) if (step > 0.0).any() else np.inf
+    return CLEARLY * float(np.nanquantile(step[step > 0.0], usual)) if (step > 0.0).any() else np.inf

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import NOTABLE, REFITTED, ROUGH
+from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, REFITTED, ROUGH
 from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
@@ -22,7 +22,6 @@ from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import BLIND, ROUNDED
 
 EQUIVALENTS = 5  # that are said
-REST = 1.5  # times the power of noise: less is nothing that is left to explain
 LATE = 0.01  # of the time between samples: what lies between them is guessed
 LONGEST = 5.0  # s
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
@@ -77,7 +76,7 @@ def _power(rest: np.ndarray, steps: bool) -> float:
     """
     power = float(np.mean(rest**2))
     turns = max(int(np.count_nonzero(np.diff(np.sign(rest)))), 1)
-    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > REST or steps else power
+    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > CLEARLY or steps else power
 
 
 def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:

@@ -9,8 +9,8 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
-from trunk_ros.diagnosis.evidence.evidence import REST
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
@@ -102,7 +102,7 @@ def _told(base: Context, other: Context, found: Hypothesis, column: int) -> Cont
     first, second = (part.views[0].span for part in (base, other))
     nominal, left = _rms(other, other.known, column), _rms(other, found, column)
     names = tuple(term.effect for term in found.on(column))
-    is_nominal = all(_power(other, other.known, c) < REST for c in other.columns)
+    is_nominal = all(_power(other, other.known, c) < CLEARLY for c in other.columns)
     return Contradiction(first.name, second.name, other.joints[column], names, nominal, left, is_nominal)
 
 

@@ -17,15 +17,14 @@ from scipy.optimize import minimize
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.evidence import Evidence
-from trunk_ros.diagnosis.experiment.discrimination import HOPELESS, Difference, Duel, expected, span_of
+from trunk_ros.diagnosis.experiment.discrimination import AMPLE, Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
+from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.trajectory import Trajectory
 
 MOST = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
-SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
-AMPLE = 10.0  # likewise: no further stretch is added; each joint is to be told by itself
 TRIALS, FEWEST = 48, 8  # simulations of rivals in the local search; motions that it tries at least
 LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
 FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
@@ -69,7 +68,7 @@ class Design:
         pairs = [(duel.truth, duel.other) for duel in self.duels]
         ranked, faced = self.ranked()
         parts = self.polished(self.grown(ranked)) if self.duels else ranked[:1]
-        if self.duels and self.ratios(parts).min() < SURE:
+        if self.duels and self.ratios(parts).min() < CLEARLY:
             parts = max((parts, parts * MOST), key=self.score)
         there = self.motion(parts)
         seen = [duel.seen_in(self.context, there) for duel in faced]
@@ -79,7 +78,7 @@ class Design:
     def back(self, faced: Duel, duels: list[Duel], there: Trajectory) -> bool:
         """Whether a motion rules out the truth of ``faced`` if it is the other, in whatever form."""
         turned = [duel for duel in duels if duel.truth == faced.other]
-        return all(duel.seen_in(self.context, there).ratio >= SURE for duel in turned)
+        return all(duel.seen_in(self.context, there).ratio >= CLEARLY for duel in turned)
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
@@ -109,7 +108,7 @@ class Design:
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
         told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
         faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
-        self.duels = [self.duels[k] for k in all_told if peaks[k] > HOPELESS]
+        self.duels = [self.duels[k] for k in all_told if peaks[k] > 1.0 / AMPLE]
         order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
         return [candidates[k] for k in order[:MOST]], faced
 
@@ -142,7 +141,7 @@ def _told(peaks: Array, sides: range) -> list[int]:
     as well if it shows at all, or the one that shows most.
     """
     order = sorted(sides, key=lambda k: -float(peaks[k]))
-    sure = [k for k in order if peaks[k] >= SURE]
+    sure = [k for k in order if peaks[k] >= CLEARLY]
     if sides[0] in sure:
         return [sides[0]]
     return [*sure, *sides[:1]] if sure else order[:1]
@@ -163,7 +162,7 @@ def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[s
         {
             "separates": list(pair),
             "statement": statement(duel, seen, mutual, done.motion, units, file),
-            "trajectory": file if seen.ratio >= SURE else "",
+            "trajectory": file if seen.ratio >= CLEARLY else "",
         }
         for pair, duel, seen, mutual in told
     ]
@@ -177,11 +176,11 @@ def statement(
     unit = units.get(joint, "rad")
     truth, other = _words(duel.truth, duel.base[duel.truth].form), _words(duel.other)
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
-    if seen.ratio < SURE:
+    if seen.ratio < CLEARLY:
         return (
             f"No motion within the joint limits decides between {truth} and {other}: once both are "
             f"fitted to it, single samples differ by at most {gap} ({times}, on {joint}), and all samples "
-            f"together give {seen.ratio / SURE:.0%} of the evidence that a decision takes."
+            f"together give {seen.ratio / CLEARLY:.0%} of the evidence that a decision takes."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"

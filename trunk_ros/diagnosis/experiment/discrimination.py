@@ -21,7 +21,7 @@ from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.trajectory import Trajectory
 
 CONTROL = 0.01  # s between setpoints, as bringup gives them
-HOPELESS = 0.1  # of what it takes to rule a rival out, in one stretch: four of them would not do
+AMPLE = 10.0  # times what it takes to rule a rival out: no more is wanted; so much less is hopeless
 
 
 @dataclass
@@ -155,7 +155,7 @@ class Duel:
     def _ratio(self, there: Context, other: Other) -> float:
         pinned, wanted = other.pinned(there, self.columns), self.wanted(there, other)
         unfitted = sum(p.unfitted() for p in pinned) / wanted  # a refit can but lower it
-        return unfitted if unfitted < HOPELESS else sum(p.linear() for p in pinned) / wanted
+        return unfitted if unfitted < 1.0 / AMPLE else sum(p.linear() for p in pinned) / wanted
 
     def wanted(self, there: Context, other: Other) -> float:
         """The misfit at which it is no equivalent any more, both runs taken together."""

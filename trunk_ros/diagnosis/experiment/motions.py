@@ -13,6 +13,7 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.levels import OUTLIERS
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
@@ -29,7 +30,6 @@ APART = 0.3  # speeds differ by up to this share, so that no two joints move ali
 GOLDEN = round((sqrt(5.0) - 1.0) / 2.0, 3)  # the section whose multiples lie apart most evenly
 CARRIED = 0.3  # of the top speed: a joint that takes its place
 LEAST = 0.03  # of a stretch's first turn: the smallest one
-REACHES = 0.999  # of the recorded accelerations: beyond are steps of the encoder
 
 Movers = Literal["own", "others", "all"]
 
@@ -86,7 +86,7 @@ def limits_of(context: Context) -> Limits:
     speed = np.concatenate([np.abs(velocity) for velocity, _ in recorded])
     bend = np.concatenate([_bend(*each) for each in recorded])
     first, rows = spans[0]
-    done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(first.grid[rows])))
+    done, step = np.quantile(bend, 1.0 - OUTLIERS, axis=0), float(np.median(np.diff(first.grid[rows])))
     noise = np.array([each.std for each in context.noise])
     shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else UNSEEN * noise / step**2
     stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)

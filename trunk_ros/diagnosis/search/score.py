@@ -31,8 +31,6 @@ STRONG = 1.0
 """Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
 FURTHER = 20.0
 """Price of each further value of an effect, in white noise."""
-LIKELY = 5.0
-"""In favour of each joint for what acts on all joints alike."""
 FORMULAS = 0.001
 """Of a joint's misfit: what the formulas of named effects may be off by, 3 % of their size. On arms that go
 by other laws, what was said beside the right names explained up to 0.0008.
@@ -113,7 +111,7 @@ def price(fit: Fit, term: Term) -> float:
     if kind.everywhere:
         usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
         alike = not any(term.moments(c) for c in columns)
-        each = value * max(len(free) - 1, 0) - alike * LIKELY * len(needs)
+        each = value * max(len(free) - 1, 0) - alike * name * len(needs)
         return name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}

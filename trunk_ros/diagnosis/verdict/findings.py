@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import LITTLE, SURE
+from trunk_ros.diagnosis.levels import LITTLE, MOST, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
@@ -34,7 +34,6 @@ VARIES_WITH: dict[str, list[str]] = {
 }
 ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
-MOSTLY = 0.5  # share of the misfit
 NO_CURVE = "No effect and no curve explains it."
 
 Spreads = dict[tuple[str, str, int | None], float]
@@ -213,7 +212,7 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
     """Rests that are most of the misfit are a finding, even where no curve could stand in for them; they
     add to what is ``known`` of the same stage to have no name.
     """
-    rests = [rest for rest in rests if rest.share >= MOSTLY]
+    rests = [rest for rest in rests if rest.share > MOST]
     if not rests:
         return known
     joints = sorted({joint for rest in rests for joint in rest.joints})

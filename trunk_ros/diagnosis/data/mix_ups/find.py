@@ -16,8 +16,6 @@ from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
 
-IN_ORDER = (counts, swapped, degrees, turned_signs)
-
 
 def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
     """What is mixed up between the topics of each stage; nothing where the joints are not the model's."""
@@ -60,7 +58,7 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     found: list[MixUp] = []
     if pair is None:
         return found
-    for look in IN_ORDER:
+    for look in (counts, swapped, degrees, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
     return found

@@ -18,7 +18,6 @@ from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import TOPICS
 
 SHOWN, DRIVEN, ASKED = TOPICS["joint_states"], TOPICS["gearbox_states"], TOPICS["setpoints"]
-PPM = 1e6
 
 
 def clocks_put_right(recording: Recording, model: Model) -> Recording:
@@ -38,12 +37,12 @@ def _at_one_pace(recording: Recording, model: Model) -> Recording:
         return recording
     runs = "fast" if found.rate > 0.0 else "slow"
     said = (
-        f"the clock of {SHOWN} runs {PPM * abs(found.rate):.0f} ± {PPM * found.std:.1f} ppm {runs} beside "
+        f"the clock of {SHOWN} runs {1e6 * abs(found.rate):.0f} ± {1e6 * found.std:.1f} ppm {runs} beside "
         f"that of {DRIVEN}: its stamps were corrected from the beginning on. It would have looked like "
         "friction_wear, thermal_drift or a sensor_delay that changes. Synchronise the clocks (chrony, PTP)"
     )
-    looks, value = ("friction_wear", "thermal_drift", "sensor_delay"), PPM * found.rate
-    observed = Observed("skew", SHOWN, both[1].joints, value, PPM * found.std, "ppm", True, looks, said)
+    looks, value = ("friction_wear", "thermal_drift", "sensor_delay"), 1e6 * found.rate
+    observed = Observed("skew", SHOWN, both[1].joints, value, 1e6 * found.std, "ppm", True, looks, said)
     return seen(recording, observed, joint_states=without_skew(recording.series["joint_states"], found))
 
 

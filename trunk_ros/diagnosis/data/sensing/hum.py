@@ -22,7 +22,6 @@ from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
 JOINTS = 3  # of which one size says something
-SHARP = 0.2  # of the size: its std, so that being alike says something
 IN_STEP = 0.9  # of phases: how nearly they are one, from 0 to 1
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
@@ -87,7 +86,7 @@ def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | No
     weight = std**-2.0
     mean, known = float(sizes @ weight / weight.sum()), float(weight.sum() ** -0.5)
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
-    if mean < CERTAIN * known or float(np.median(std)) > SHARP * mean:
+    if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
         return None
     if unlike > chi2.isf(CHANCE, len(sizes) - 1) or _driven(frequency, stamp, waves, asked):
         return None

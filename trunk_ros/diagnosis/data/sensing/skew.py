@@ -20,7 +20,6 @@ from trunk_ros.recording.signal.resample import SAME, SLOW
 
 EVENLY = 0.8  # of what grows in any way
 LARGEST = 5e-3  # s/s: no clock is worse
-TELLS = 0.25  # of the skew: the std of a joint that says something
 ALIKE, ALIKER = 0.25, 0.1  # of the skew: so far off a joint may surely be from what all say
 DIFFER = 1.3  # times the speed of the slowest: joints of one speed are late alike for other reasons
 IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
@@ -82,7 +81,7 @@ class _Told:
     @property
     def able(self) -> np.ndarray:
         """(joints,) that can tell."""
-        return np.asarray(self.std < TELLS * abs(self.together[0]))
+        return np.asarray(SURE * self.std < abs(self.together[0]))
 
     @property
     def off(self) -> Array:

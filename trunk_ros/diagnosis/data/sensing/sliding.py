@@ -12,18 +12,16 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
 from trunk_ros.diagnosis.data.sensing.physics import FEWEST, MOVES, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
-from trunk_ros.diagnosis.levels import ROWS
+from trunk_ros.diagnosis.levels import MOST, ROWS
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.servo_course import servo_course
 
-BEGINS = 60.0  # s in which a saw is searched for
 LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
 PHASES = 16
-EXPLAINS = 0.6  # a saw, of the power of all that makes joints late or early, but for constant lags and servos
 SIZE = (0.6, 1.4)  # of the setpoints' period
 
 
@@ -62,7 +60,7 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     follows = 1.0 / arm.kp + arm.tau_v  # s after a setpoint has acted, the shaft shows it
     found = replace(found, phase=found.phase + follows / found.takes)
     left = _late(waited(setpoints, found), gearbox, model)
-    return found if left is not None and _able(*left[1:]) < EXPLAINS * _able(*late[1:]) else None
+    return found if left is not None and _able(*left[1:]) < MOST * _able(*late[1:]) else None
 
 
 def waited(setpoints: JointSeries, found: Sliding) -> JointSeries:
@@ -128,7 +126,7 @@ def _fitted(stamp: Array, moment: Array, weight: Array, takes: float) -> tuple[f
 
 def _over_all(stamp: Array, moment: Array, weight: Array, period: float) -> Sliding | None:
     """The saw of a whole recording: searched for at its beginning, then followed further and further."""
-    end, found = min(BEGINS, float(np.ptp(stamp))), None
+    end, found = min(SLIDES[1], float(np.ptp(stamp))), None
     while True:
         seen = stamp <= stamp[0] + end
         some = (stamp[seen], moment[seen], weight[seen])
@@ -149,7 +147,7 @@ def _finer(stamp: Array, moment: Array, weight: Array, start: Sliding, period: f
         for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
     (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
-    if not SIZE[0] * period < size < SIZE[1] * period or power < EXPLAINS * _able(moment, weight):
+    if not SIZE[0] * period < size < SIZE[1] * period or power < MOST * _able(moment, weight):
         return None
     return Sliding(float(takes), float(phase), period)  # the servo rounds the teeth, which makes them smaller
 
