@@ -10,7 +10,6 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
-from trunk_ros.diagnosis.data.mix_ups.pair import PAIRS
 from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.servo import ServoStage
@@ -20,12 +19,13 @@ from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import COMPARED
 from trunk_ros.transmission import ratio_of
 
 DITHER = 0.3  # of the arm's sensor noise, laid on the simulator's readings: what is smaller is of no account
 FOLLOWS = 0.5  # of the arm's sensor noise: a simulator that errs by less from the model is that model
 FASTER, ROOM = 1.05, 10.0  # times a top speed: what is faster has another one; times what was seen
-SERVO = set(PAIRS["servo"])
+SERVO = set(COMPARED["servo"])
 
 Diagnose = Callable[[Recording, Model], Diagnosis]
 

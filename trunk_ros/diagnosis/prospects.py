@@ -10,7 +10,6 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
-from trunk_ros.diagnosis.data.mix_ups.pair import PAIRS
 from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
@@ -21,9 +20,8 @@ from trunk_ros.effects import Effect, registry
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.topics import TIP, TOPICS
+from trunk_ros.recording.topics import COMPARED, TIP, TOPICS
 
-WANTS = PAIRS | {"arm": ("joint_states", TIP)}
 LACKS = {
     "load": "the load is unknown: give masses in the model, or record effort",
     "weight": "the model has no masses",
@@ -57,7 +55,7 @@ def prospects(recording: Recording, model: Model) -> list[Prospect]:
 
 def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
     there = {*recording.series, *([TIP] if recording.tip is not None else [])}
-    lacking = [TOPICS[key] for key in WANTS[stage] if key not in there]
+    lacking = [TOPICS[key] for key in COMPARED[stage] if key not in there]
     if lacking:
         return Prospect(stage, f"no {' and no '.join(lacking)} in the recording")
     if stage == "arm":

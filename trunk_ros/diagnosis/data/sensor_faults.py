@@ -9,13 +9,12 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.mix_ups.pair import PAIRS
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.diagnosis.levels import CLEARLY, FEWEST
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.gaps import in_gaps, usual
-from trunk_ros.recording.topics import TOPICS
+from trunk_ros.recording.topics import COMPARED, TOPICS
 
 BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
@@ -54,7 +53,7 @@ def without_faults(recording: Recording) -> Recording:
 def without_wild(recording: Recording) -> Recording:
     """A recording without single readings of joints and gearboxes that no arm can have shown, and notes."""
     series, notes = dict(recording.series), []
-    for key in PAIRS["wire"]:
+    for key in COMPARED["wire"]:
         if key not in series or len(series[key].stamp) < FEWEST:
             continue
         kept: dict[str, Any] = {}

@@ -20,7 +20,6 @@ from trunk_ros.trajectory import Limits, Trajectory
 SECONDS = 8.0  # of one stretch
 SAMPLES = 200  # of one stretch at least
 MOMENT = 1e-3  # s: too short for a piece of a motion
-TURNS = 60  # of a stretch at most
 BEND = round(10.0 / sqrt(3.0), 4)
 """Peak acceleration of a rest-to-rest quintic, times its time squared over its way."""
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
@@ -135,26 +134,28 @@ class _Path:
         if part.movers != "all" and mine != (part.movers == "own"):
             self._go(self.centre + part.centre * self.reach, CARRIED, end)
             size = 0.0
-        turns = 0
-        while size > 0.0 and turns < TURNS:
+        going = size > 0.0
+        while going:
             target = min(max(part.centre + side * size, -1.0), 1.0)
-            self._go(self.centre + target * self.reach, part.speed * self.pace, end)
+            going = self._go(self.centre + target * self.reach, part.speed * self.pace, end)
             self._stay(min(self.points[-1][0] + part.hold, end))
-            size, side, turns = size * part.shrink, -side, turns + 1
+            size, side = size * part.shrink, -side
             size = size if size > LEAST * part.size else part.size
         self._stay(end)
 
-    def _go(self, angle: float, speed: float, end: float) -> None:
-        """Move to an angle, or as far towards it as there is time for."""
+    def _go(self, angle: float, speed: float, end: float) -> bool:
+        """Move to an angle, or as far towards it as there is time for; whether there was any."""
         begin, here = self.points[-1]
         if self.bend <= 0.0:
-            return
+            return False
         way = min(abs(angle - here), max(end - begin, 0.0) * self.top * speed / PEAK)
         if way <= 0.0:
-            return
+            return False
         took = max(PEAK * way / (self.top * speed), sqrt(BEND * way / self.bend), QUICKEST)
-        if begin + took <= end + MOMENT:
+        in_time = begin + took <= end + MOMENT
+        if in_time:
             self.points.append((begin + took, here + copysign(way, angle - here)))
+        return in_time
 
     def _stay(self, until: float) -> None:
         if until > self.points[-1][0] + MOMENT:

@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.evidence.evidence import SUREST
 from trunk_ros.diagnosis.levels import ROUGH
-from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, title, unchanged
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.verdict.units import unit_of
@@ -105,7 +105,7 @@ def _sized(value: float, unit: str) -> str:
 
 def _unseen(kind: type[Effect], confidence: float) -> Finding:
     """A finding on an effect that the recording does not show at all."""
-    evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": kind.forms[0], "signature": kind.signature}
+    evidence = evidence_of(signature=kind.signature, form=kind.forms[0])
     return Finding(
         kind.id, kind.stage, [], kind.regime, confidence, [], {}, list(VARIES_WITH[kind.regime]), "", evidence
     )

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import LITTLE, MOST, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
-from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
+from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
@@ -77,14 +77,14 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         parameters=parameters,
         depends_on=varies,
         statement=statement,
-        evidence={
-            "strength": found.strength,
-            "gain": {context.joints[c]: g for c, g in found.gain.items()},
-            "rivals": found.rivals,
-            "form": term.form,
-            "signature": kind.signature,
+        evidence=evidence_of(
+            found.strength,
+            kind.signature,
+            gain={context.joints[c]: g for c, g in found.gain.items()},
+            rivals=found.rivals,
+            form=term.form,
             **asdict(told),
-        },
+        ),
         curve=curve,
     )
 
@@ -226,7 +226,6 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
             said = f"{finding.statement} {statement}"
             joined = replace(finding, joints=both, depends_on=on, statement=said)
             return [*known[:number], joined, *known[number + 1 :]]
-    evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": "", "signature": NO_CURVE}
-    stage, regime = rests[0].stage, rests[0].regime
+    stage, regime, evidence = rests[0].stage, rests[0].regime, evidence_of(signature=NO_CURVE)
     told = Finding(UNKNOWN, stage, joints, regime, UNNAMED, [], {}, varies, statement, evidence)
     return [*known, told]

@@ -12,11 +12,10 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.levels import FEWEST, ROWS
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
-from trunk_ros.recording.topics import TOPICS
+from trunk_ros.recording.topics import COMPARED, TOPICS
 
 Kind = Literal["unit", "counts", "sign", "order", "clock"]
 
-PAIRS = {"wire": ("gearbox_states", "joint_states"), "servo": ("setpoints", "gearbox_states")}
 FOLLOWS = 0.95  # correlation of a joint with what turns it, wide loops and long lags included
 
 
@@ -51,7 +50,7 @@ class Pair:
     @property
     def topics(self) -> tuple[str, str]:
         """Names of the two topics."""
-        source, target = PAIRS[self.stage]
+        source, target = COMPARED[self.stage]
         return TOPICS[source], TOPICS[target]
 
     @property

@@ -58,9 +58,9 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     return _said(motion_of(gearbox, shown, arm))
 
 
-def without_skew(shown: JointSeries, found: Skew, begin: float = 0.0) -> JointSeries:
-    """The series with stamps of the gearbox's clock, which agreed with its own at ``begin`` s."""
-    return replace(shown, stamp=begin + (shown.stamp - begin) / (1.0 + found.rate))
+def without_skew(shown: JointSeries, found: Skew) -> JointSeries:
+    """The series with stamps of the gearbox's clock, which agreed with its own at 0 s."""
+    return replace(shown, stamp=shown.stamp / (1.0 + found.rate))
 
 
 @dataclass(frozen=True)

@@ -27,8 +27,6 @@ class Thinned:
 
     times: int
     setpoints: JointSeries
-    stairs: float
-    """Rms [rad] of the stairs at the shaft that the kept setpoints alone would have made."""
 
 
 def thinned(
@@ -50,7 +48,7 @@ def thinned(
         return None
     shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
     _, times, whole = min(tried, key=lambda one: (one[0] > CLEARLY * least, one[1] != shown, one[0]))
-    return Thinned(times, whole, kept)
+    return Thinned(times, whole)
 
 
 def _usual(stamp: Array) -> float:
