@@ -28,5 +28,7 @@ TURNS = 4
 """Of what is fitted alternately: each leaves little of what the other had to follow."""
 MOST = 0.6
 """Share that is most of something: more than half, so that little does not tip it."""
+NEARLY = 0.9
+"""Share that is nearly all of something."""
 CLEARLY = 1.5
 """Times as much as a level: clearly more than that."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import NEARLY
 
-APART = 5  # samples between which a speed is one: between neighbours it is noise
+APART = 5  # samples whose noise has nothing in common, and between which a speed is no noise
 PLACES = 20  # cells of a range, with as many samples each
 WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
 VARIES = (
@@ -14,7 +15,6 @@ VARIES = (
 )
 STILL = 0.02  # of the fastest, or of the largest motion: what does less stands
 RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
-WHOLE = 0.9  # of the range
 REPEATED = 0.1  # of the way: a swing to and fro three times has a third
 MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
@@ -52,7 +52,7 @@ def repeats(position: Array, speed: Array) -> bool:
     of time as well as of the motion.
     """
     seen = np.maximum.accumulate(position) - np.minimum.accumulate(position)
-    begin = int(np.argmax(seen >= WHOLE * seen[-1]))
+    begin = int(np.argmax(seen >= NEARLY * seen[-1]))
     cell, way = _cells(position, speed)[begin:], np.abs(np.diff(position, prepend=position[0]))
     passages = np.concatenate([[0], np.flatnonzero(np.diff(cell)) + 1])
     again = np.ones(len(passages), dtype=bool)

@@ -12,7 +12,6 @@ from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
 
 REPEATED = 1.5  # samples a reading, from which on some are repeats; or times as long as usual, of one missed
-REGULAR = 0.5  # of the usual time between readings: the shortest, where a clock and not the motion sets it
 VARIED = 3.0  # longest over shortest step between readings: the steps of a coarse sensor are all alike
 FEW = 0.1  # different values per reading, where a sensor is coarse
 ROOT_12 = np.sqrt(12.0)
@@ -28,7 +27,7 @@ def holding(stamp: Array, values: Array) -> float:
     apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])
     usual = float(np.median(apart))
     low, high = np.quantile(steps, (0.1, 0.9))
-    clocked = np.quantile(apart, 0.1) > REGULAR * usual and high > VARIED * low
+    clocked = REPEATED * np.quantile(apart, 0.1) > usual and high > VARIED * low
     return usual if clocked and usual > REPEATED * np.median(np.diff(stamp)) else 0.0
 
 

@@ -23,7 +23,6 @@ from trunk_ros.guards import BLIND, ROUNDED
 
 EQUIVALENTS = 5  # that are said
 LATE = 0.01  # of the time between samples: what lies between them is guessed
-LONGEST = 5.0  # s
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 UNNAMED = 0.7  # confidence in what no formula states, at most
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
@@ -84,13 +83,14 @@ def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
     for nothing.
     """
     out = dict(found)
+    longest = max(float(np.ptp(view.span.stamp)) for view in residuals.context.views)
     for k, f in enumerate(residuals.free):
         key = (f.effect, f.parameter.name, f.column)
         if f.parameter.moment and f.column is not None:
             least = LATE * residuals.context.step
-            std = float(np.clip(out[key], least, LONGEST)) if np.isfinite(out[key]) else least
+            std = float(np.clip(out[key], least, longest)) if np.isfinite(out[key]) else least
             best = float(np.sum(residuals(x) ** 2))
-            while std < LONGEST and _moved(residuals, x, k, std) - best < NOTABLE**2:
+            while std < longest and _moved(residuals, x, k, std) - best < NOTABLE**2:
                 std *= 1.5
             out[key] = std
     return out

@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import LEAST
+from trunk_ros.diagnosis.data.motion_content import APART
 from trunk_ros.diagnosis.evidence.residual_dependence import goes_on
 from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.score import STRONG
@@ -20,8 +21,6 @@ from trunk_ros.effect_values import Values
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.resample import SLOW
-
-APART = 5  # poses: between its readings a joint's noise is interpolated
 
 Told = tuple[dict[str, Any], list[Finding], dict[str, Values]]
 

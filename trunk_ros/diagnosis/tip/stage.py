@@ -42,7 +42,6 @@ from trunk_ros.effects.effect import Now
 from trunk_ros.stage import core_of
 
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
-LINK = 1.001  # of the price of a frame
 
 
 @dataclass
@@ -99,7 +98,7 @@ class ArmProblem:
         dearer; a frame that is off comes before a link that looks the same.
         """
         causes = {(owner(key), key[1]) for key in keys}
-        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in causes)
+        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else 1.0 + ROUGH for name, c in causes)
         further = FURTHER * (len(keys) - len(causes)) + naming("arm") * len({name for name, _ in causes})
         return self.need * dear + self.alike * further
 

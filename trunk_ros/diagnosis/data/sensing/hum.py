@@ -16,13 +16,12 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import FEWEST, basis, motion_of, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, NEARLY, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
 JOINTS = 3  # of which one size says something
-IN_STEP = 0.9  # of phases: how nearly they are one, from 0 to 1
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
 
@@ -120,7 +119,7 @@ def _driven(frequency: float, stamp: Array, waves: Array, asked: Array) -> bool:
     own, beside = _line(frequency, stamp, asked, np.empty((len(stamp), 0)))
     behind = np.angle(np.exp(1j * (np.arctan2(*waves) - np.arctan2(*own))) ** 2)
     in_step = float(np.abs(np.mean(np.exp(1j * behind))))
-    return bool(np.all(np.hypot(*own) > CERTAIN * beside)) and in_step > IN_STEP
+    return bool(np.all(np.hypot(*own) > CERTAIN * beside)) and in_step > NEARLY
 
 
 def _line(frequency: float, stamp: Array, signals: Array, besides: Array) -> tuple[Array, Array]:

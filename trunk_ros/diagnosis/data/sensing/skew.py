@@ -13,15 +13,13 @@ from scipy.stats import chi2
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, basis, motion_of, scaled
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, ROWS, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, NEARLY, ROWS, SURE
 from trunk_ros.guards import BLIND, ROUNDED
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
-EVENLY = 0.8  # of what grows in any way
 LARGEST = 5e-3  # s/s: no clock is worse
 ALIKE, ALIKER = 0.25, 0.1  # of the skew: so far off a joint may surely be from what all say
-DIFFER = 1.3  # times the speed of the slowest: joints of one speed are late alike for other reasons
 IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
 BLOCK = 50  # samples may depend on each other
 WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
@@ -101,7 +99,7 @@ class _Told:
         near = (self.off < np.maximum(SURE * self.std, alike))[self.able]
         share = self.together**2 * WINDING
         sure = CERTAIN * self.skew.std < abs(self.together[0]) < LARGEST
-        return bool(near.all() and sure and share[0] > EVENLY * share.sum())
+        return bool(near.all() and sure and share[0] > NEARLY * share.sum())
 
 
 def _said(motion: Motion) -> Skew | None:
@@ -114,7 +112,8 @@ def _said(motion: Motion) -> Skew | None:
     if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
         return _from_joint_to_joint(motion)
     speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
-    return bare.skew if np.ptp(np.log(speeds)) > np.log(DIFFER) else None
+    # joints of one speed are late alike for other reasons
+    return bare.skew if speeds.max() > CLEARLY * speeds.min() else None
 
 
 def _from_joint_to_joint(motion: Motion) -> Skew | None:

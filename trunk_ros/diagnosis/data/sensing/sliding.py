@@ -22,7 +22,6 @@ from trunk_ros.servo_course import servo_course
 LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
 PHASES = 16
-SIZE = (0.6, 1.4)  # of the setpoints' period
 
 
 @dataclass(frozen=True)
@@ -147,7 +146,7 @@ def _finer(stamp: Array, moment: Array, weight: Array, start: Sliding, period: f
         for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
     (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
-    if not SIZE[0] * period < size < SIZE[1] * period or power < MOST * _able(moment, weight):
+    if abs(size - period) > (1.0 - MOST) * period or power < MOST * _able(moment, weight):
         return None
     return Sliding(float(takes), float(phase), period)  # the servo rounds the teeth, which makes them smaller
 

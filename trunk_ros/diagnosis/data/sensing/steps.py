@@ -11,7 +11,6 @@ from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.resample import resample
 
 WITHIN = 0.2  # s
-WIDE = 2.0  # dead bands, that a step has to be to hide them
 
 
 def coarse_steps(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> dict[str, float]:
@@ -27,6 +26,7 @@ def coarse_steps(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> dict[str
     for j, joint in enumerate(shown.joints):
         step = count(readings[:, j])
         moved = np.abs(u[apart:, j] - u[:-apart, j])
-        if step > WIDE * arm.dead_band[j] > 0.0 and float(np.median(moved)) < step:
+        whole = 2.0 * arm.dead_band[j]  # from one side to the other: a larger step hides it
+        if step > whole > 0.0 and float(np.median(moved)) < step:
             out[joint] = step
     return out
