@@ -7,12 +7,11 @@ is refitted to the new motion together with the recordings at hand.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
@@ -25,9 +24,6 @@ from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.trajectory import Trajectory
 
 MOST = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
-TRIALS, FEWEST = 48, 8  # simulations of rivals in the local search; motions that it tries at least
-LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
-FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
 
 
 @dataclass(frozen=True)
@@ -64,10 +60,10 @@ class Design:
         self.limits = limits_of(context)
 
     def run(self) -> Experiment:
-        """Stretch by stretch, then in small steps; repeated where that is not enough."""
+        """Stretch by stretch; repeated where that is not enough."""
         pairs = [(duel.truth, duel.other) for duel in self.duels]
         ranked, faced = self.ranked()
-        parts = self.polished(self.grown(ranked)) if self.duels else ranked[:1]
+        parts = self.grown(ranked) if self.duels else ranked[:1]
         if self.duels and self.ratios(parts).min() < CLEARLY:
             parts = max((parts, parts * MOST), key=self.score)
         there = self.motion(parts)
@@ -119,22 +115,6 @@ class Design:
             parts = max(([*parts, part] for part in ranked), key=self.score)
         return parts
 
-    def polished(self, parts: list[Stretch]) -> list[Stretch]:
-        """The last stretch moved to where its neighbours are no better."""
-        *before, last = parts
-        start = np.array([last.centre, last.size, last.speed, last.hold])
-
-        def loss(x: Array) -> float:
-            return -self.score([*before, _at(last, x)])
-
-        simplex = np.vstack([start, start + np.diag(np.where(start + FIRST > HIGH, -FIRST, FIRST))])
-        tries = max(TRIALS // sum(len(duel.others) for duel in self.duels), FEWEST)
-        found = minimize(
-            loss, start, method="Nelder-Mead", bounds=list(zip(LOW, HIGH, strict=True)),
-            options={"maxfev": tries, "initial_simplex": simplex},
-        )  # fmt: skip
-        return max((parts, [*before, _at(last, found.x)]), key=self.score)
-
 
 def _told(peaks: Array, sides: range) -> list[int]:
     """The sides of a pair to design for: the first if a motion tells it, or all that one tells and the first
@@ -145,11 +125,6 @@ def _told(peaks: Array, sides: range) -> list[int]:
     if sides[0] in sure:
         return [sides[0]]
     return [*sure, *sides[:1]] if sure else order[:1]
-
-
-def _at(part: Stretch, x: Array) -> Stretch:
-    centre, size, speed, hold = (float(value) for value in np.clip(x, LOW, HIGH))
-    return replace(part, centre=centre, size=size, speed=speed, hold=hold)
 
 
 def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[str, Any]]:
