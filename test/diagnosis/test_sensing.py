@@ -13,6 +13,8 @@ from test.concealed.masses import run_masses
 from test.concealed.masses_arm import Arm, having, soft
 from test.concealed.nominal import COMPLIANCE, JOINTS, RATIO
 from test.concealed.sensing import Run, Sensing, record
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.repeated_readings import asked, new_readings
 from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
 from trunk_ros.diagnosis.data.sensing.skew import Skew, one_clock, skew, without_skew
@@ -20,6 +22,9 @@ from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
 from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.pace import paced
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -76,6 +81,14 @@ def worn() -> Run:
     return _run(WORN)
 
 
+NONE = Hypothesis()
+
+
+def _seen(recording: Recording, model: Model) -> Context:
+    """The wires as they are first looked at."""
+    return Context.of(WireStage([wire_span(recording, model)], model))
+
+
 def test_nothing_is_seen_where_nothing_is_wrong_with_clocks_and_sensors(
     clean: Run, worn: Run, model: Model
 ) -> None:
@@ -98,6 +111,19 @@ def test_skew_is_measured_on_a_clean_arm_and_on_one_with_physics(
         assert seen.value == pytest.approx(ppm, abs=0.05 * abs(ppm) + 3)
         off = right.series["joint_states"].stamp - _recording(run).series["joint_states"].stamp
         assert np.abs(off).max() < 0.1 * abs(ppm) * 1e-6 * 40.0 + 1.5e-4
+
+
+def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(clean: Run, model: Model) -> None:
+    told = replace(_right(_spoiled(clean, "skew", 100.0), model)[0].observed[0], std=20.0)
+    off = _recording(clean)
+    late = without_skew(off.series["joint_states"], Skew(-15e-6, 0.0))
+    found = paced(
+        _seen(replace(off, observed=(told,), series={**off.series, "joint_states": late}), model), NONE
+    )
+    assert found.views[0].span.pace == pytest.approx(15e-6, abs=2e-6)
+    assert paced(found, NONE) is found
+    alone = _seen(off, model)
+    assert paced(alone, NONE) is alone
 
 
 def test_friction_that_grows_is_no_skew(model: Model) -> None:
@@ -174,7 +200,7 @@ def test_setpoints_that_did_come_so_rarely_are_left_alone(model: Model) -> None:
     assert thinned(kept, series["gearbox_states"], model) is None
 
 
-@pytest.mark.parametrize("kind", ["mixed", "pick_and_place"])
+@pytest.mark.parametrize("kind", ["mixed", "pick_and_place", "one_by_one"])
 def test_a_latency_that_slides_is_taken_out_but_for_its_mean(model: Model, kind: str) -> None:
     recording = _recording(_run(WORN, kind, wandering=True))
     right, kinds = _right(recording, model)

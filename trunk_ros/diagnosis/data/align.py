@@ -68,6 +68,10 @@ class Span:
     """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
     arrives: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     """Rows of the grid that stand for how the drives came to the stop of the row after."""
+    unsure: float = 0.0
+    """Standard deviation [s/s] of the pace of the target's clock, where that was found to be another one."""
+    pace: float = 0.0
+    """By how much the target's clock is taken to run faster [s/s] than it was found to."""
 
     @property
     def stamp(self) -> Array:
@@ -109,6 +113,8 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
+    skews = [seen.std for seen in recording.observed if seen.kind == "skew" and seen.corrected]
+    span = replace(span, unsure=1e-6 * max((std for std in skews if std is not None), default=0.0))
     if not stops_to_measure(span.stamp):
         return span
     return with_the_unseen(span, stops_to_measure(gearbox.stamp))

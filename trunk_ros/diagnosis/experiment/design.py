@@ -23,6 +23,7 @@ from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.trajectory import Trajectory
 
+LIKELIEST = 2  # equivalents of a finding that it is to be told from: each costs as much as the first
 MOST = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
 
 
@@ -39,11 +40,13 @@ class Experiment:
 
 
 def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
-    """The motion that best tells the effects found from their equivalents; None where there are none."""
+    """The motion that best tells the effects found from their likeliest equivalents; None where there are
+    none.
+    """
     sides = [
         sides_of(state, name, rival, evidence)
         for name, evidence in found.items()
-        for rival in evidence.equivalents
+        for rival in evidence.equivalents[:LIKELIEST]
     ]
     sides = [duels for duels in ([d for d in side if d.columns] for side in sides) if duels]
     return Design(state.context, sides).run() if sides else None

@@ -11,11 +11,13 @@ from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.levels import TURNS
+from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
 from trunk_ros.guards import TINY
 
-COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain at first, then, and in the end
+LARGE = 0.5  # of what is left: what explains so much comes before anything is mended
+COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
@@ -83,15 +85,21 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """The best hypothesis that single changes lead to; after each the arm is looked at again.
 
     Changes that gain a small share of what is left wait until none gains more: what is still missing would
-    make them anew, or make them up.
+    make them anew, or make them up. For the same reason the largest effects are put in before anything is
+    bent to do without them.
     """
-    for desk.share in COARSE:
-        now = moves if desk.share < COARSE[0] else [move for move in moves if not move.resort]
+    for desk.share in (LARGE, *COARSE):
+        now = [m for m in moves if _in_turn(m, desk.share)]
         while (better := first_that_pays(best, now, desk)) is not None:
             move, found = better
             best = renewed(found) if move.grows else relooked(found)
             desk.say(f"so far {describe(best.hypothesis)}")
     return best
+
+
+def _in_turn(move: Move, share: float) -> bool:
+    """Whether a move is tried where a change has to gain this share of what is left."""
+    return move.grows and not move.resort if share == LARGE else not move.resort or share < COARSE[0]
 
 
 def descend_with(best: Fit, moves: Sequence[Move]) -> Fit:
@@ -140,11 +148,11 @@ def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
 
 def renewed(now: Fit) -> Fit:
     """In the angles and the noise that it leads to, fitted there; in turns with how drives came to their
-    stops, where only these were recorded.
+    stops, where only these were recorded, and with the pace of clocks that differ.
     """
     for _ in range(TURNS):
         looked = now.context.seen_with(now.hypothesis)
-        context = arrived(looked, now.hypothesis)
+        context = paced(arrived(looked, now.hypothesis), now.hypothesis)
         now = _settled(context.weighed(now.hypothesis), now.hypothesis)
         if context is looked:
             break

@@ -5,6 +5,7 @@ to a whole period, over and over.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -47,19 +48,16 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
         return None
     period = float(np.median(np.diff(setpoints.stamp)))
     late = _late(setpoints, gearbox, model)
-    if late is None:
+    if late is None or late.able < (LEAST * period) ** 2 * late.weight.sum():
         return None
-    _, moment, weight = late
-    if _able(moment, weight) < (LEAST * period) ** 2 * weight.sum():
-        return None
-    found = _over_all(*late, period)
+    found = _over_all(late, period)
     if found is None:
         return None
     arm = model.only(setpoints.joints).arm
     follows = 1.0 / arm.kp + arm.tau_v  # s after a setpoint has acted, the shaft shows it
     found = replace(found, phase=found.phase + follows / found.takes)
     left = _late(waited(setpoints, found), gearbox, model)
-    return found if left is not None and _able(*left[1:]) < MOST * _able(*late[1:]) else None
+    return found if left is not None and left.able < MOST * late.able else None
 
 
 def waited(setpoints: JointSeries, found: Sliding) -> JointSeries:
@@ -75,8 +73,56 @@ def _saw(stamp: Array, takes: float, phase: float) -> Array:
     return np.asarray(turns - np.floor(turns))
 
 
-def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> tuple[Array, Array, Array] | None:
-    """Stamps (n,), moments (n,) rad²/s and speed² (n,): their sums' ratio over a time is the lag in it."""
+@dataclass(frozen=True)
+class _Lags:
+    """(n, joints): speed, and what of a servo's errors is off but for what ``ways`` says, an orthonormal
+    basis (n, k) for each joint: what a constant lag, other gains, load and a top speed make of it.
+    """
+
+    stamp: Array
+    speed: Array
+    off: Array
+    ways: list[Array]
+
+    @cached_property
+    def moment(self) -> Array:
+        """(n,) rad²/s; its sum over a time, over that of ``weight``, is the lag in it."""
+        return np.asarray(-np.sum(self.off * self.speed, axis=1))
+
+    @cached_property
+    def weight(self) -> Array:
+        """(n,) speed²."""
+        return np.asarray(np.sum(self.speed**2, axis=1))
+
+    @property
+    def able(self) -> float:
+        """Power that lags of any kind could explain."""
+        return float(np.sum(self.moment**2 / np.maximum(self.weight, ROUNDED)))
+
+    def rows(self, kept: np.ndarray | slice) -> _Lags:
+        """Some of them."""
+        return _Lags(self.stamp[kept], self.speed[kept], self.off[kept], [q[kept] for q in self.ways])
+
+    def taken(self, bins: np.ndarray, many: int) -> Array:
+        """(many, many) of the squared size of lags that are constant within bins (n,) of the samples: what
+        the ways take of it, as they were taken off before.
+        """
+        out = np.zeros((many, many))
+        for speed, ways in zip(self.speed.T, self.ways, strict=True):
+            each = np.array([np.bincount(bins, speed * way, many) for way in ways.T])
+            out += each.T @ each
+        return out
+
+    def power(self, saw: Array) -> tuple[float, float]:
+        """What lags (n,) explain at their best size, and that."""
+        top, square = float(saw @ self.moment), float((saw**2) @ self.weight)
+        pairs = zip(self.speed.T, self.ways, strict=True)
+        square -= sum(float(np.sum(((saw * speed) @ ways) ** 2)) for speed, ways in pairs)
+        return (top**2 / square, top / square) if top > 0.0 < square else (0.0, 0.0)
+
+
+def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags | None:
+    """How late the gearbox is behind the nominal servo's course."""
     course = servo_course(setpoints, gearbox.stamp, model)
     kept = course.stamp > course.stamp[0] + SETTLING
     stamp, said = course.stamp[kept], course.position[kept]
@@ -85,79 +131,67 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> tuple[A
     moving = np.ptp(said, axis=0) > MOVES
     if len(stamp) < FEWEST or not moving.any():
         return None
-    speed = np.gradient(said, stamp, axis=0)[:, moving]
-    columns = zip(off.T[moving], speed.T, said.T[moving], strict=True)
-    left = np.column_stack([_left(stamp, *column) for column in columns])
-    return stamp, -np.sum(left * speed, axis=1), np.sum(speed**2, axis=1)
+    speed, off, said = np.gradient(said, stamp, axis=0)[:, moving], off[:, moving], said[:, moving]
+    ways = [_ways(stamp, *column) for column in zip(speed.T, said.T, strict=True)]
+    left = np.column_stack([column - q @ (q.T @ column) for column, q in zip(off.T, ways, strict=True)])
+    return _Lags(stamp, speed, left, ways)
 
 
-def _left(stamp: Array, off: Array, speed: Array, said: Array) -> Array:
-    """(n,) of what a servo is off, less what a constant lag, other gains, load and a top speed make of it."""
+def _ways(stamp: Array, speed: Array, said: Array) -> Array:
+    """(n, k) basis of what a constant lag, other gains, load and a top speed make of a servo."""
     acts = np.gradient(speed, stamp)
-    ways = [np.ones_like(off), speed, acts, np.gradient(acts, stamp), np.abs(speed) * speed, said]
+    ways = [np.ones_like(said), speed, acts, np.gradient(acts, stamp), np.abs(speed) * speed, said]
     design, _ = scaled(np.column_stack([*ways, np.sin(said), np.sign(speed)]))
-    values, *_ = np.linalg.lstsq(design, off, rcond=1e-9)
-    return np.asarray(off - design @ values)
+    left, size, _ = np.linalg.svd(design, full_matrices=False)
+    return np.asarray(left[:, size > 1e-9 * size[0]])
 
 
-def _likeliest(stamp: Array, moment: Array, weight: Array) -> Sliding:
+def _likeliest(late: _Lags) -> Sliding:
     """The best of all saws by a search over how long one tooth takes."""
-    most = np.ptp(stamp) / SLIDES[0]
-    rates = np.arange(np.ptp(stamp) / SLIDES[1], most, 1.0 / FINER) / np.ptp(stamp)
-    found = [_fitted(stamp, moment, weight, way / rate) for rate in rates for way in (1.0, -1.0)]
-    return max(found, key=lambda one: one[0])[1]
+    length = np.ptp(late.stamp)
+    rates = np.arange(length / SLIDES[1], length / SLIDES[0], 1.0 / FINER) / length
+    return max((_fitted(late, way / rate) for rate in rates for way in (1.0, -1.0)), key=lambda one: one[0])[
+        1
+    ]
 
 
-def _fitted(stamp: Array, moment: Array, weight: Array, takes: float) -> tuple[float, Sliding]:
+def _fitted(late: _Lags, takes: float) -> tuple[float, Sliding]:
     """Power that a saw of this length explains, at its best phase, and the saw."""
-    bins = np.floor(_saw(stamp, takes, 0.0) * PHASES).astype(int)
-    late = np.bincount(bins, moment, PHASES)
-    heavy = np.bincount(bins, weight, PHASES)
+    bins = np.floor(_saw(late.stamp, takes, 0.0) * PHASES).astype(int)
+    moment = np.bincount(bins, late.moment, PHASES)
+    square = np.diag(np.bincount(bins, late.weight, PHASES)) - late.taken(bins, PHASES)
     best = (-np.inf, Sliding(takes, 0.0, 0.0))
     for shift in range(PHASES):
         saw = (np.arange(PHASES) + 0.5 + shift) % PHASES / PHASES
-        mean = float(saw @ heavy / heavy.sum())
-        top, power = float((saw - mean) @ late), float(((saw - mean) ** 2) @ heavy)
-        if top > 0.0 and top**2 / power > best[0]:
+        top, power = float(saw @ moment), float(saw @ square @ saw)
+        if top > 0.0 < power and top**2 / power > best[0]:
             best = (top**2 / power, Sliding(takes, shift / PHASES, top / power))
     return best
 
 
-def _over_all(stamp: Array, moment: Array, weight: Array, period: float) -> Sliding | None:
+def _over_all(late: _Lags, period: float) -> Sliding | None:
     """The saw of a whole recording: searched for at its beginning, then followed further and further."""
+    stamp = late.stamp
     end, found = min(SLIDES[1], float(np.ptp(stamp))), None
     while True:
         seen = stamp <= stamp[0] + end
-        some = (stamp[seen], moment[seen], weight[seen])
-        found = _finer(*some, _likeliest(*some) if found is None else found, period)
+        some = late.rows(seen)
+        found = _finer(some, _likeliest(some) if found is None else found, period)
         if found is None or seen.all():
             return found
         end *= 2.0
 
 
-def _finer(stamp: Array, moment: Array, weight: Array, start: Sliding, period: float) -> Sliding | None:
+def _finer(late: _Lags, start: Sliding, period: float) -> Sliding | None:
     """The saw at its finest length and phase, where it is as high as a period and explains what there is."""
-    every = max(len(stamp) // ROWS, 1)
-    stamp, moment, weight = stamp[::every], moment[::every], weight[::every]
-    near = 1.0 / start.takes + np.linspace(-1.0, 1.0, 41) / (FINER * np.ptp(stamp))
+    late = late.rows(slice(None, None, max(len(late.stamp) // ROWS, 1)))
+    near = 1.0 / start.takes + np.linspace(-1.0, 1.0, 41) / (FINER * np.ptp(late.stamp))
     tried = [
-        (_power(stamp, moment, weight, 1.0 / rate, phase), 1.0 / rate, phase)
+        (late.power(_saw(late.stamp, 1.0 / rate, phase)), 1.0 / rate, phase)
         for rate in near
         for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
     (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
-    if abs(size - period) > (1.0 - MOST) * period or power < MOST * _able(moment, weight):
+    if abs(size - period) > (1.0 - MOST) * period or power < MOST * late.able:
         return None
     return Sliding(float(takes), float(phase), period)  # the servo rounds the teeth, which makes them smaller
-
-
-def _able(moment: Array, weight: Array) -> float:
-    """Power that lags of any kind could explain."""
-    return float(np.sum(moment**2 / np.maximum(weight, ROUNDED)))
-
-
-def _power(stamp: Array, moment: Array, weight: Array, takes: float, phase: float) -> tuple[float, float]:
-    saw = _saw(stamp, takes, phase)
-    saw = saw - float(saw @ weight / weight.sum())
-    top, power = float(saw @ moment), float((saw**2) @ weight)
-    return (top**2 / power, top / power) if top > 0.0 else (0.0, 0.0)

@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.trial import Look, refitted
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
@@ -50,7 +51,9 @@ def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
     start = screen.local_form(effect(name), form, column)
     found = start and screen.lasting(start, [column])
     if found:
-        yield dated(refit_column(now, extended(now.context, bare, found), column), name, column)
+        there = extended(now.context, bare, found)
+        for trial in refitted(now, column, [Look(there, screen.left(column), found.gain)]):
+            yield dated(trial, name, column)
 
 
 def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:

@@ -7,7 +7,7 @@ from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import REFITTED
-from trunk_ros.diagnosis.search.candidates import extended, given
+from trunk_ros.diagnosis.search.candidates import extended, given, shown_forms
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import score
@@ -101,7 +101,7 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     bare, free, shared = now.hypothesis.without(name), not now.hypothesis[name].given, trial[name].shared
     screen = Screen(now.context, bare)
     begun = []
-    for form in effect(name).forms:
+    for form in shown_forms(effect(name), now.context, now.hypothesis[name].columns):
         others = {p.name: shared[p.name] for p in options_of(name, form) if p.name in shared}
         for size in SIZES:
             values = others | {parameter.name: size * parameter.typical}
