@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
+from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.guards import TINY
 
 LARGE = 0.5  # of what is left: what explains so much comes before anything is mended
@@ -78,7 +78,7 @@ class Desk:
 
     def pays(self, gain: float, best: Fit) -> bool:
         """Whether a gain is worth a step: more than rounding, and large things first."""
-        return gain > max(CLEARLY, self.share * sum(map(best.rest, best.cost)))
+        return gain > max(BETTER, self.share * sum(map(best.rest, best.cost)))
 
 
 def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:

@@ -39,7 +39,7 @@ FAR_OFF = 0.2
 """Of a ratio: so far off it was not known, and what it makes is no misfit of formulas."""
 CURVE = 2.5
 """Price of a curve without a name, in effects."""
-CLEARLY = 2.0
+BETTER = 2.0
 """Squared unit-noise residuals by which a change has to be better."""
 UNSHOWN = 1e12
 """Price of an effect on a joint whose motion cannot show it: more than any residual."""
@@ -57,7 +57,7 @@ def priced(fit: Fit) -> float:
 
 def beats(trial: Fit, best: Fit) -> bool:
     """Whether a fit is better by more than rounding."""
-    return score(trial) < score(best) - CLEARLY
+    return score(trial) < score(best) - BETTER
 
 
 def need(context: Context, column: int, rest: float = 0.0) -> float:
