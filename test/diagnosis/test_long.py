@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.data.excerpt import BLOCKS, LENGTH, LONG, WARM, excerpt
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
-SECONDS = LONG + 60.0
+SECONDS = LONG * BLOCKS * LENGTH + 60.0
 
 
 def gearbox_and_joints(recording: Recording) -> Recording:

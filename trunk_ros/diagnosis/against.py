@@ -10,6 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -18,13 +19,13 @@ from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import COMPARED
 from trunk_ros.transmission import ratio_of
 
 DITHER = 0.3  # of the arm's sensor noise, laid on the simulator's readings: what is smaller is of no account
 FOLLOWS = 0.5  # of the arm's sensor noise: a simulator that errs by less from the model is that model
 FASTER, ROOM = 1.05, 10.0  # times a top speed: what is faster has another one; times what was seen
-FEW = 5  # samples
-SERVO = {"setpoints", "gearbox_states"}
+SERVO = set(COMPARED["servo"])
 
 Diagnose = Callable[[Recording, Model], Diagnosis]
 
@@ -87,15 +88,6 @@ def with_room(model: Model, recordings: Sequence[Recording]) -> Model:
     if fastest <= FASTER * model.arm.v_max:
         return model
     return replace(model, arm=replace(model.arm, v_max=ROOM * fastest))
-
-
-def top_speed(stamp: Array, angle: Array) -> float:
-    """rad/s of the fastest of some angles (n, joints), over a few samples."""
-    if len(stamp) <= FEW:
-        return 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        speed = np.abs(angle[FEW:] - angle[:-FEW]) / (stamp[FEW:] - stamp[:-FEW])[:, None]
-    return float(np.max(speed[np.isfinite(speed)], initial=0.0))
 
 
 def with_gearbox(other: Recording, arm: Recording) -> Recording:

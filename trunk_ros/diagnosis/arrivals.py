@@ -13,10 +13,10 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import NOTABLE
 
 FURTHEST = 0.1  # of the way to a stop: what goes further beyond it is no drive that settles
 NEAREST = 1e-5
-CHANCE = 4.0  # squared unit-noise residuals that a drive that settles has to explain: two standard deviations
 
 
 def stops(context: Context) -> bool:
@@ -57,7 +57,7 @@ def _likeliest(context: Context, hypothesis: Hypothesis, column: int) -> float:
         return 0.0
     near = float(tried[best - 1]), float(tried[best + 1])
     found = minimize_scalar(left, bounds=near, method="bounded", options={"xatol": NEAREST})
-    return float(found.x) if found.fun < costs[0] - CHANCE else 0.0
+    return float(found.x) if found.fun < costs[0] - NOTABLE**2 else 0.0
 
 
 def _with(context: Context, beyond: Array) -> Context:

@@ -10,6 +10,8 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.motion_content import top_speed
+from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
@@ -18,13 +20,8 @@ from trunk_ros.effects import Effect, registry
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.topics import TIP, TOPICS
+from trunk_ros.recording.topics import COMPARED, TIP, TOPICS
 
-WANTS = {
-    "servo": ("setpoints", "gearbox_states"),
-    "wire": ("gearbox_states", "joint_states"),
-    "arm": ("joint_states", TIP),
-}
 LACKS = {
     "load": "the load is unknown: give masses in the model, or record effort",
     "weight": "the model has no masses",
@@ -32,7 +29,6 @@ LACKS = {
     "several": "there is one joint only",
 }
 RARE = "the recording stops and measures, or always moves alike: it shows nothing of speed and holds"
-MOMENTS = 2000  # of a recording between which a speed is a speed
 ONE_WAY = "no joint turns back: the recording shows nothing of reversals"
 
 
@@ -59,7 +55,7 @@ def prospects(recording: Recording, model: Model) -> list[Prospect]:
 
 def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
     there = {*recording.series, *([TIP] if recording.tip is not None else [])}
-    lacking = [TOPICS[key] for key in WANTS[stage] if key not in there]
+    lacking = [TOPICS[key] for key in COMPARED[stage] if key not in there]
     if lacking:
         return Prospect(stage, f"no {' and no '.join(lacking)} in the recording")
     if stage == "arm":
@@ -130,25 +126,9 @@ def motion_of(recording: Recording) -> dict[str, dict[str, float]]:
 
 def _motion(stamp: np.ndarray, angle: np.ndarray) -> dict[str, float]:
     """Of one joint, (n,) each."""
-    every = max(len(stamp) // MOMENTS, 1)  # between neighbours, the speed of noisy readings is noise
-    speed = np.abs(np.diff(angle[::every])) / np.diff(stamp[::every])
     return {
         "low": float(angle.min()),
         "high": float(angle.max()),
-        "speed": float(np.quantile(speed, 0.999)) if len(speed) else 0.0,
-        "turns": turns(angle),
+        "speed": top_speed(stamp, angle[:, None]),
+        "turns": len(turns_of(angle, float(np.ptp(angle)) / 20.0)),
     }
-
-
-def turns(angle: np.ndarray) -> int:
-    """How often a joint (n,) rad turns back by more than a twentieth of its range."""
-    least, way, extreme, out = float(np.ptp(angle)) / 20.0, 0.0, float(angle[0]), 0
-    for value in angle.tolist() if least > 0.0 else ():
-        ahead = value - extreme
-        if way == 0.0:
-            way = float(np.sign(ahead)) if abs(ahead) > least else 0.0
-        elif ahead * way < -least:
-            way, extreme, out = -way, value, out + 1
-        if way * ahead > 0.0:
-            extreme = value
-    return out

@@ -13,6 +13,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
+from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.stage import Sight, Stage
 from trunk_ros.effects.core import Core
@@ -22,8 +23,6 @@ from trunk_ros.model import Model
 from trunk_ros.stage import Memory, Order, State, adjusted, through, wire_pass
 from trunk_ros.start import Driven, first_rows, history
 
-SAME = 1e-3  # of the motion: angles that are nearer change no load by more than fits tell
-SHAKEN = 1e-3  # of that: what shakes the links beyond goes by the angles' curvature
 TOGETHER = 40  # joint-steps that one of joints costs which shake each other
 STANDING = 40  # steps that a stand is looked at
 
@@ -81,7 +80,7 @@ class WireStage(Stage):
                 for index in range(len(sight.views))
             ]
         pairs = list(zip(sight.views, paths, strict=True))
-        same = SAME * (SHAKEN if hypothesis.shakes else 1.0)
+        same = ROUGH**2 if hypothesis.shakes else ROUGH  # what shakes links goes by the angles' curvature
         if all(np.abs(view.angles - path).max() <= same * np.ptp(path) for view, path in pairs):
             return sight.views
         return tuple(replace(view, angles=path) for view, path in pairs)

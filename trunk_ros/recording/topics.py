@@ -15,6 +15,12 @@ TIP_TOPIC = "trunk/tip_pose"
 DESCRIPTION_TOPIC = "robot_description"
 STRING = "std_msgs/msg/String"
 TOPICS = {**JOINT_TOPICS, TIP: TIP_TOPIC}
+COMPARED = {
+    "servo": ("setpoints", "gearbox_states"),
+    "wire": ("gearbox_states", "joint_states"),
+    "arm": ("joint_states", TIP),
+}
+"""What drives each stage of an arm, and what it shows, in the order of the signal."""
 SOURCES = ("gearbox_states", "setpoints")  # what a model can be driven by
 
 

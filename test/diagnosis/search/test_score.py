@@ -12,12 +12,12 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.score import (
     CURVE,
-    NAME,
     RELEVANT,
     SIGNIFICANT,
     SLICE,
     UNSHOWN,
     beats,
+    naming,
     need,
     price,
     score,
@@ -39,7 +39,9 @@ def test_an_effect_costs_what_chance_or_relevance_ask_for() -> None:
     now = fitted("backlash", BACKLASH)
     asked = max(SIGNIFICANT, RELEVANT * now.context.count(2))
     assert need(now.context, 2) >= asked
-    assert price(now, now.hypothesis["backlash"]) == pytest.approx(NAME + need(now.context, 2, now.rest(2)))
+    assert price(now, now.hypothesis["backlash"]) == pytest.approx(
+        naming("wire") + need(now.context, 2, now.rest(2))
+    )
 
 
 def test_what_the_model_has_already_costs_nothing() -> None:

@@ -8,8 +8,9 @@ import numpy as np
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import ENOUGH, comes_back, is_wide, turned
+from trunk_ros.diagnosis.data.motion_content import MOVED, comes_back, is_wide, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.levels import ENOUGH, OUTLIERS
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
@@ -32,14 +33,8 @@ from trunk_ros.transmission import at_joints
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
 SETTLING = 0.3  # s in which a servo forgets how it began
-MOVED = 3e-4  # rad
+STILL = 3e-4  # rad: a joint that moves less stands
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
-WITHOUT = 0.01  # share of the samples at both ends of a range that may be outliers
-STANDS = 1e-4  # rad, more than the encoder's steps
-FIRST = 1200  # samples that the angle at the start is the median of: of fewer the error shows in a long stand
-
-
-PPM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -107,10 +102,10 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     arm = model.arm.only(joints)
     u = phi * arm.ratio
     start = _start(u, rows, target, valid)
-    least = np.maximum(0.15 * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, MOVED))
+    least = np.maximum(MOVED * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, STILL))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
     small = np.maximum(noises(measured) / 2, UNSEEN)
-    past = np.minimum(least, np.maximum(BANDS * _loop(u[rows], target, valid), MOVED))
+    past = np.minimum(least, np.maximum(BANDS * _loop(u[rows], target, valid), STILL))
     valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
@@ -119,7 +114,7 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
     skews = [seen.std for seen in recording.observed if seen.kind == "skew" and seen.corrected]
-    span = replace(span, unsure=PPM * max((std for std in skews if std is not None), default=0.0))
+    span = replace(span, unsure=1e-6 * max((std for std in skews if std is not None), default=0.0))
     if not stops_to_measure(span.stamp):
         return span
     return with_the_unseen(span, stops_to_measure(gearbox.stamp))
@@ -157,7 +152,7 @@ def _beside_wide_loops(u: Array, speed: Array, target: Array, valid: np.ndarray)
 
 def _goes_on(u: Array) -> np.ndarray:
     """(joints,): where a joint moves, and one way only."""
-    return np.array([not comes_back(column) and float(np.ptp(column)) > MOVED for column in u.T])
+    return np.array([not comes_back(column) and float(np.ptp(column)) > STILL for column in u.T])
 
 
 def servo_span(recording: Recording, model: ArmModel) -> Span:
@@ -211,7 +206,7 @@ def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: A
     """
     far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
     engaged = far > least
-    standing = (far < STANDS) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
+    standing = (far < STILL) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
     return np.asarray((engaged | standing)[rows])
 
 
@@ -239,9 +234,9 @@ def _loop(u: Array, target: Array, valid: np.ndarray) -> Array:
     out = np.full(u.shape[1], np.inf)
     for j, seen in enumerate(valid.T):
         moved = u[seen, j] - np.mean(u[seen, j]) if seen.any() else np.empty(0)
-        if len(moved) and np.ptp(moved) > MOVED:
+        if len(moved) and np.ptp(moved) > STILL:
             left = target[seen, j] - float(moved @ target[seen, j] / (moved @ moved)) * moved
-            low, high = np.quantile(left, [WITHOUT, 1.0 - WITHOUT])
+            low, high = np.quantile(left, [OUTLIERS, 1.0 - OUTLIERS])
             out[j] = (high - low) / 2.0
     return out
 
@@ -260,6 +255,6 @@ def _turned_by(u: Array, grid: Array, stamp: Array, k: int) -> Array:
 
 def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tuple[np.ndarray, ...]:
     """The first rows of the target at which each joint stands, if it stands long before it moves."""
-    still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
+    still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STILL
     seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(target.shape[1])]
-    return tuple(s[:FIRST] if len(s) >= ENOUGH else s[:0] for s in seen)
+    return tuple(s if len(s) >= ENOUGH else s[:0] for s in seen)

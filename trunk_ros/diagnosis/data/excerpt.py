@@ -8,14 +8,14 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.motion_content import MOVED
+from trunk_ros.diagnosis.levels import ROWS
+from trunk_ros.recording.signal.resample import LONGEST_GAP
 
-LONG = 600.0  # s from which on a recording is not searched as a whole, where blocks are of LENGTH
 BLOCKS = 6
-SAMPLES = 5500  # of a block at least: a slow recording of an hour is no more work than a fast one of a minute
-LENGTH = 55.0  # s of a block
+LENGTH = 50.0  # s of a block
 WARM = 15.0  # s of it after which it has forgotten what went before
-PAUSE = 1.0  # s without a sample that count as recorded
-SHARE = 0.15  # of a joint's range that it has to move in a block before it counts
+LONG = 2.0  # times all blocks, from which on a recording is not searched as a whole
 
 
 def excerpt(span: Span) -> Span:
@@ -24,8 +24,8 @@ def excerpt(span: Span) -> Span:
     The first block begins with the recording, the last one ends with it.
     """
     time = recorded_time(span.grid)
-    length = max(LENGTH, SAMPLES * _usual(np.diff(time)))
-    if time[-1] < LONG * length / LENGTH:
+    length = max(LENGTH, ROWS * _usual(np.diff(time)))
+    if time[-1] < LONG * BLOCKS * length:
         return span
     starts = np.linspace(0.0, time[-1] - length, BLOCKS)
     steps = [slice(*np.searchsorted(time, (s, s + length)).tolist()) for s in starts]
@@ -44,7 +44,7 @@ def recorded_time(grid: Array) -> Array:
     step = np.diff(grid)
     if not len(step):
         return np.zeros(len(grid))
-    return np.concatenate([[0.0], np.cumsum(np.minimum(step, max(PAUSE, 4.0 * _usual(step))))])
+    return np.concatenate([[0.0], np.cumsum(np.minimum(step, max(LONGEST_GAP, 4.0 * _usual(step))))])
 
 
 def _usual(steps: Array) -> float:
@@ -77,4 +77,4 @@ def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
 def _warm(time: Array, gearbox: Array, reach: Array) -> np.ndarray:
     """(m, joints) where a block counts: after some time, and once a joint has moved in it."""
     far = np.maximum.accumulate(np.abs(gearbox - gearbox[0]), axis=0)
-    return np.asarray((far > SHARE * reach) & (time > time[0] + WARM)[:, None])
+    return np.asarray((far > MOVED * reach) & (time > time[0] + WARM)[:, None])

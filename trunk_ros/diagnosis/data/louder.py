@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import ENOUGH
 from trunk_ros.diagnosis.data.noise import LEAST, fourth_differences, trimmed
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH
+from trunk_ros.guards import ROUNDS
+from trunk_ros.recording.signal.encoder import ALTERNATES
 
 GROUPS = 8  # of samples, by speed
-ALTERNATES = -0.3  # mean product of the signs of one fourth difference and the next: -0.6 of white noise
-CLEARLY = 1.5  # times the noise at rest, at the speeds that are fastest
-ROUNDS = 5
 ALIKE = 0.25  # of the variance of a group that the law may be off
 
 

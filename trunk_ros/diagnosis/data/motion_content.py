@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import NEARLY
 
-ENOUGH = 100  # samples: of fewer nothing is told
+APART = 5  # samples whose noise has nothing in common, and between which a speed is no noise
 PLACES = 20  # cells of a range, with as many samples each
 WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
 VARIES = (
     0.2  # share of the speed's power beyond its means at each place and direction, from which on it tells
 )
-STILL = 0.02  # of the top speed: a joint slower than that stands
+STILL = 0.02  # of the fastest, or of the largest motion: what does less stands
 RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
-WHOLE = 0.9  # of the range
 REPEATED = 0.1  # of the way: a swing to and fro three times has a third
-TURNED = 0.15  # of the range: the way back after which a joint has turned
+MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
 
 def is_wide(position: Array, speed: Array, residual: Array) -> bool:
@@ -52,7 +52,7 @@ def repeats(position: Array, speed: Array) -> bool:
     of time as well as of the motion.
     """
     seen = np.maximum.accumulate(position) - np.minimum.accumulate(position)
-    begin = int(np.argmax(seen >= WHOLE * seen[-1]))
+    begin = int(np.argmax(seen >= NEARLY * seen[-1]))
     cell, way = _cells(position, speed)[begin:], np.abs(np.diff(position, prepend=position[0]))
     passages = np.concatenate([[0], np.flatnonzero(np.diff(cell)) + 1])
     again = np.ones(len(passages), dtype=bool)
@@ -64,7 +64,7 @@ def comes_back(position: Array) -> bool:
     """Whether a joint (n,) ever comes back some way: one that goes on and on shows no reversal, and nothing
     that its posture could not do as well as time.
     """
-    least = TURNED * float(np.ptp(position))
+    least = MOVED * float(np.ptp(position))
     up, down = np.maximum.accumulate(position) - position, position - np.minimum.accumulate(position)
     return bool(up.max() > least and down.max() > least)
 
@@ -73,10 +73,19 @@ def turned(position: Array) -> np.ndarray:
     """(n,) from where a joint has moved, turned and come back some way: a wide play lies at its one side by
     then, wherever it lay when the recording began.
     """
-    least = TURNED * float(np.ptp(position))
+    least = MOVED * float(np.ptp(position))
     away = np.abs(position - position[0])
     back = np.maximum.accumulate(away) - away > least
     return np.asarray(np.maximum.accumulate(back))
+
+
+def top_speed(stamp: Array, angle: Array) -> float:
+    """rad/s of the fastest of some angles (n, joints)."""
+    if len(stamp) <= APART:
+        return 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = np.abs(angle[APART:] - angle[:-APART]) / (stamp[APART:] - stamp[:-APART])[:, None]
+    return float(np.max(speed[np.isfinite(speed)], initial=0.0))
 
 
 def _cells(position: Array, speed: Array) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.guards import ROUNDS, SAME
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -25,8 +26,6 @@ DIFFERENCED = np.array([2.0, -16.0, 56.0, -112.0, 70.0])
 BEND = 2.0 * (len(BINOMIAL) - 1)
 """Power of the stride with which the variance of a smooth signal's fourth difference grows."""
 TELLING = 4  # strides that tell motion from noise
-FIRM = 1e-6  # keeps what no stride shows where it is
-ROUNDS = 20
 STRIDES = (1, 2, 3, 4, 6, 8, 12, 16)
 
 
@@ -141,7 +140,7 @@ class Differences:
             coloured, smooth = np.exp(size)[:, None] * gain, np.exp(motion)[:, None] * strides**BEND
             whole = coloured + smooth + steps
             rest, p, q = seen - np.log(whole), coloured / whole, smooth / whole
-            pp, pq, qq = (near * p * p).sum(1) + FIRM, (near * p * q).sum(1), (near * q * q).sum(1) + FIRM
+            pp, pq, qq = (near * p * p).sum(1) + SAME, (near * p * q).sum(1), (near * q * q).sum(1) + SAME
             up, vp = (near * p * rest).sum(1), (near * q * rest).sum(1)
             size = size + np.clip((qq * up - pq * vp) / (pp * qq - pq**2), -1.0, 1.0)
             motion = motion + np.clip((pp * vp - pq * up) / (pp * qq - pq**2), -2.0, 2.0)

@@ -11,14 +11,12 @@ from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.model import Model
 from trunk_ros.recording.quality import quality
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.topics import TOPICS
-
-COMPARED = ("gearbox_states", "joint_states")
+from trunk_ros.recording.topics import COMPARED, TOPICS
 
 
 def left_out(recording: Recording, model: Model) -> list[str]:
     """Joints of a topic that are not compared, since the other topic or the model lacks them."""
-    compared = [recording.series[key] for key in COMPARED if key in recording.series]
+    compared = [recording.series[key] for key in COMPARED["wire"] if key in recording.series]
     known = compared[0].joints if model.any_joints and compared else model.arm.joints
     both = set(known).intersection(*(series.joints for series in compared))
     asked = recording.series.get("setpoints")
@@ -26,7 +24,7 @@ def left_out(recording: Recording, model: Model) -> list[str]:
     return [
         *(
             f"{TOPICS[key]}: {', '.join(missing)} not compared: not in every topic and in the model"
-            for key in COMPARED
+            for key in COMPARED["wire"]
             if key in recording.series
             and (missing := [j for j in recording.series[key].joints if j not in both])
         ),

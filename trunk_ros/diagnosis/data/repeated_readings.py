@@ -7,16 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import FEWEST, OUTLIERS
 from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.encoder import EVEN
 
-REPEATED = 1.5  # samples a reading: from here on some are repeats
-REGULAR = 0.5  # of the usual time between readings: the shortest, where a clock and not the motion sets it
+REPEATED = 1.5  # samples a reading, from which on some are repeats; or times as long as usual, of one missed
 VARIED = 3.0  # longest over shortest step between readings: the steps of a coarse sensor are all alike
-MANY = 20  # readings that it takes to tell
 FEW = 0.1  # different values per reading, where a sensor is coarse
-LONGER = 1.6  # times the usual time between readings: there one has come that was no new one
-SLACK = 0.15  # of a tick
-MOST = (0.005, 0.995)  # of the readings
 ROOT_12 = np.sqrt(12.0)
 
 
@@ -25,12 +22,12 @@ def holding(stamp: Array, values: Array) -> float:
     one.
     """
     new = np.flatnonzero(np.diff(values)) + 1
-    if len(new) < MANY:
+    if len(new) < FEWEST:
         return 0.0
     apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])
     usual = float(np.median(apart))
     low, high = np.quantile(steps, (0.1, 0.9))
-    clocked = np.quantile(apart, 0.1) > REGULAR * usual and high > VARIED * low
+    clocked = REPEATED * np.quantile(apart, 0.1) > usual and high > VARIED * low
     return usual if clocked and usual > REPEATED * np.median(np.diff(stamp)) else 0.0
 
 
@@ -42,12 +39,13 @@ def asked(stamp: Array, usual: float, tick: float) -> Array:
     The stamps where no even reading explains them, or where they are even already.
     """
     apart = np.diff(stamp)
-    mean = float(np.mean(apart[apart < LONGER * usual]))
+    mean = float(np.mean(apart[apart < REPEATED * usual]))
     number = np.concatenate([[0.0], np.cumsum(np.maximum(np.rint(apart / mean), 1.0))])
     period, begin = np.polyfit(number, stamp, 1)
     waits = stamp - begin - period * number
-    low, high = np.quantile(waits, MOST)  # the first one, and one after a rest, may be old
-    if not SLACK * tick < high - low < (1.0 + SLACK) * tick:
+    # the first one, and one after a rest, may be old
+    low, high = np.quantile(waits, [OUTLIERS, 1.0 - OUTLIERS])
+    if not EVEN * tick < high - low < (1.0 + EVEN) * tick:
         return stamp
     out = stamp - np.clip(waits - low, 0.0, tick)
     return np.asarray(out) if (np.diff(out) > 0.0).all() else stamp
@@ -86,6 +84,6 @@ def coarseness(values: Array, valid: np.ndarray) -> float:
     seen = values[valid]
     steps = np.abs(np.diff(seen))
     steps = steps[steps > 0.0]
-    if len(steps) < MANY or len(np.unique(seen)) > FEW * len(seen):
+    if len(steps) < FEWEST or len(np.unique(seen)) > FEW * len(seen):
         return 0.0
     return float(np.median(steps) / ROOT_12)

@@ -9,20 +9,18 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.repeated_readings import MANY, new_readings
+from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.levels import CLEARLY, FEWEST
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.gaps import in_gaps, usual
-from trunk_ros.recording.topics import TOPICS
+from trunk_ros.recording.topics import COMPARED, TOPICS
 
 BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
-HARDLY = 0.1  # of the samples, sticking aside
-LEAPS = 1.5  # times as far as a joint moves between two samples as a rule
-FAR = 12.0  # times the scatter about the readings beside it that a single reading is off
+FAR = 10.0  # times the scatter about the readings beside it that a single reading is off
 WILD, MOST = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
-MEASURED = ("gearbox_states", "joint_states")
-FEW = 0.06  # of the readings: more of them are the sensor's noise
+FEW = 0.06  # of the readings: more of them are how the sensor is
 NEAR = 101  # readings whose scatter counts: a burst of noise is no row of single readings
 
 
@@ -55,8 +53,8 @@ def without_faults(recording: Recording) -> Recording:
 def without_wild(recording: Recording) -> Recording:
     """A recording without single readings of joints and gearboxes that no arm can have shown, and notes."""
     series, notes = dict(recording.series), []
-    for key in MEASURED:
-        if key not in series or len(series[key].stamp) < MANY:
+    for key in COMPARED["wire"]:
+        if key not in series or len(series[key].stamp) < FEWEST:
             continue
         kept: dict[str, Any] = {}
         for name in ("position", "velocity", "effort"):
@@ -77,7 +75,7 @@ def wild(readings: Array) -> np.ndarray:
     known = np.flatnonzero(np.isfinite(readings))
     out = np.zeros(len(readings), dtype=bool)
     step = np.abs(np.diff(readings[known]))
-    if len(known) < MANY or not (step > 0.0).any():
+    if len(known) < FEWEST or not (step > 0.0).any():
         return out
     most = float(np.quantile(step[step > 0.0], MOST))
     if step.max() < WILD * most / 4:
@@ -101,7 +99,7 @@ def sticks(readings: Array, stamp: Array) -> np.ndarray:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(int)))
     runs = [(first, last) for first, last in edges.reshape(-1, 2) if last - first >= STUCK - 1]
     rest = same.sum() - sum(last - first for first, last in runs)
-    if not runs or rest > HARDLY * len(same):
+    if not runs or rest > FEW * len(same):
         return out
     together = np.diff(stamp) <= usual(stamp)
     far = leap(readings)
@@ -143,12 +141,12 @@ def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Arr
         return None
     motor = gearbox.position[:, gearbox.joints.index(joint)]
     seen = np.isfinite(motor)
-    if seen.sum() < MANY:
+    if seen.sum() < FEWEST:
         return None
     there = np.interp(stamp, gearbox.stamp[seen], motor[seen])
     there[in_gaps(gearbox.select((joint,)), stamp)[:, 0]] = np.nan
     known = np.isfinite(readings + there)
-    if known.sum() < MANY or np.ptp(there[known]) == 0.0:
+    if known.sum() < FEWEST or np.ptp(there[known]) == 0.0:
         return None
     slope, _ = np.polyfit(there[known] - there[known].mean(), readings[known], 1)
     return np.asarray(readings - slope * there)
@@ -159,4 +157,4 @@ def leap(readings: Array, usual: float = 0.99) -> float:
     single reading that is off makes two large steps.
     """
     step = np.abs(np.diff(readings))
-    return LEAPS * float(np.nanquantile(step[step > 0.0], usual)) if (step > 0.0).any() else np.inf
+    return CLEARLY * float(np.nanquantile(step[step > 0.0], usual)) if (step > 0.0).any() else np.inf

@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.levels import MOST
 from trunk_ros.effort import MeasuredLoad, measured_load
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -17,7 +18,6 @@ from trunk_ros.resistance import swung
 from trunk_ros.transmission import uncoupled
 
 DIFFERS = 0.1  # of the computed moment, from which on a difference is worth a remark
-EXPLAINS = 0.5  # of a difference may be left by what is said to explain it
 
 
 def torque_remarks(recording: Recording, model: Model) -> list[str]:
@@ -62,7 +62,7 @@ def _against_weight(arm: Arm, gearbox: JointSeries, measured: MeasuredLoad) -> l
         return []
     share = f"{100 * _rms(off) / _rms(computed[seen]):.0f} %"
     said = f"the motors' torque and the computed weight on the joints differ by {share}"
-    if _rms(off - payload * lever) < EXPLAINS * _rms(off):
+    if _rms(off - payload * lever) < (1.0 - MOST) * _rms(off):
         way = "more" if payload > 0.0 else "less"
         return [f"{said}: {abs(1e3 * payload):.0f} g {way} at the tip would explain it"]
     return [f"{said}, on {_worst(arm, measured, computed)}: check masses, lengths and the torque's unit"]

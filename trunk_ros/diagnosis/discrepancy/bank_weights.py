@@ -13,6 +13,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.precisions import Beside, Total, Weighed, weighed
+from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.effects.bank import Bank
 
 ENOUGH = 100_000  # rows
@@ -20,7 +21,7 @@ CUTS = 40  # blocks of time, in FOLDS that are left out in turn
 FOLDS = 5
 WORTHS = 4.0 ** np.arange(6)  # samples that may be worth one
 PAYS = 0.005  # of what is left of blocks not seen: what a further source must take off it
-MANY, LOOKS = 100, 3  # beside more weights only so many sources are tried: those that a cheap look finds best
+MANY = 100  # weights, beside more of which only the sources are tried that a cheap look finds best
 
 
 @dataclass(frozen=True)
@@ -214,7 +215,7 @@ def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
         room = [k for k in range(len(found)) if k not in chosen and _has_room(found, chosen, found[k].kind)]
         if sum(sums.many(k) for k in chosen) > MANY:
             looks = sums.looked(chosen, worth, best)
-            room = sorted(room, key=lambda k: looks[k])[:LOOKS]
+            room = sorted(room, key=lambda k: looks[k])[:REFITTED]
         trials = {k: sums.tried([*chosen, k], worth) for k in room}
         least, k = min(((trial.unseen, k) for k, trial in trials.items()), default=(np.inf, 0))
         if least > (1.0 - PAYS) * best.unseen:

@@ -13,16 +13,16 @@ from trunk_ros.diagnosis.discrepancy.curves import curves_beside, redrawn
 from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources, without_banks
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import NOTABLE
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.moves.form import refinements
-from trunk_ros.diagnosis.search.score import CURVED, SHARE, STRONG
+from trunk_ros.diagnosis.search.score import CURVE, FORMULAS, SHARE, STRONG
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HALF
 
 SPARES = 0.01  # likewise: an effect with a name stays beside banks that it does more for
-SURE = 2.0  # standard errors over the blocks
 
 
 def with_banks(state: Fit) -> Fit:
@@ -33,7 +33,7 @@ def with_banks(state: Fit) -> Fit:
     left = rests(context, state.hypothesis)
     for column in [c for c, power in left.items() if power > STRONG]:
         misfit = context.formed_misfit[column] / context.count(column)
-        if left[column] > CURVED * misfit:
+        if left[column] > CURVE * FORMULAS * misfit:
             state = _banked(_curved(state, column, misfit), column, misfit)
     return state
 
@@ -102,7 +102,7 @@ def clearly(before: Array, after: Array, share: float) -> bool:
     """
     gain = np.log(before[before > 0.0] / after[before > 0.0])
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain))
-    return bool(gain.mean() > max(share, SURE * error))
+    return bool(gain.mean() > max(share, NOTABLE * error))
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from scipy.linalg import cho_factor, cho_solve
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
-from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.diagnosis.discrepancy.spectrum import CYCLIC, spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.effects import effect, registry
@@ -24,13 +25,10 @@ from trunk_ros.effects.wire.unknown_slips import UnknownSlips
 from trunk_ros.recording.signal.resample import SLOW
 
 BUMP = 1e-4  # rad of a dead band, for derivatives
-TURNS = 3  # of a linear curve and named values, each fitted while the other rests
-TURNS_OF_OTHERS = 6
 SMOOTH = np.logspace(-3.0, 4.0, 15)  # weights of a curve's bends, of a knot's own
 ZONES = np.geomspace(1e-4, 0.1, 30)  # rad, tried as constants: a small zone shows nothing of a large one
 NEAR = np.linspace(0.88, 1.12, 25)  # of the best of them, likewise
 MOST_JUMPS = 16
-CYCLIC = 0.1  # of the residual's power: a line that is looked at
 
 
 @dataclass(frozen=True)
@@ -175,7 +173,7 @@ def _alternate(context: Context, bare: Hypothesis, column: int, place: Place) ->
     """Curve and named values in turn, as long as that helps."""
     values, bends = _begun(context, bare, column, place), 0.0
     done = fit(context, with_curve(bare, place, column, values), [column])
-    for _ in range(TURNS if place.curve.linear else TURNS_OF_OTHERS):
+    for _ in range(TURNS):
         design = _design(context, done.hypothesis, column, place, values)
         rest = context.whitened(done.hypothesis, column)
         moved, freedom = smoothed(design, rest + design @ values, place.curve.bend())

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.stats import binom
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.diagnosis.levels import CHANCE
 
 SHORTEST = 5  # samples between two jumps
 TURNED = 0.01  # of its range that a joint has to come back to have turned
 NEAR = 0.3  # s from a joint's turn within which a jump belongs to the turn
-CHANCE = 0.01  # of as many jumps at turns or at one place, were they anywhere
 
 
 def jumps(stamp: Array, rest: Array, worth: float, most: int) -> Array:

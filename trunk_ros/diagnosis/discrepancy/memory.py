@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import STILL
 from trunk_ros.diagnosis.data.motion_content import comes_back
 from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.bank_weights import Cuts, Source, Sums, chosen_of, thinned
@@ -17,7 +18,6 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.bank import Bank, motion, words_of
 
-STANDS = 1e-3  # of a joint's angle [rad]: a source that moves less shows nothing
 AGAIN = 2  # times, since what sources leave tells how many samples are worth one
 
 
@@ -59,7 +59,7 @@ def _source(context: Context, column: int, kind: type[Bank], word: str) -> Sourc
     signals = [motion(word, context.now(i, column)) for i in range(len(context.views))]
     together = np.concatenate(signals)
     turns = any(comes_back(s) for s in signals)
-    if np.ptp(together) < STANDS or (kind.remembers and not turns):
+    if np.ptp(together) < STILL or (kind.remembers and not turns):
         return None
     low, high = kind.range_of(together)
     each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri, dtrtrs
 
 from trunk_ros.compiled import Array
-from trunk_ros.guards import ROUNDED, TINY
+from trunk_ros.guards import ROUNDED, ROUNDS, TINY
 
-ROUNDS, SETTLED = 30, 0.1  # of the precisions' logarithms
+SETTLED = 0.1  # of the precisions' logarithms
 PRECISIONS = (1e-3, 1e8)
 
 
@@ -53,11 +53,25 @@ def weighed(total: Total, sizes: Sequence[int], begun: Weighed | None = None) ->
     than there is to explain: large ones that cancel where they were seen add up elsewhere.
     """
     normal, side, power, count = total.normal, total.side, total.power, total.count
-    of, least = np.repeat(np.arange(len(sizes)), sizes), _least(total)
-    precision, sharp = np.ones(len(sizes)), count / max(power, TINY)
-    if begun is not None:
-        precision, sharp = begun.precision, begun.sharp
-    weights = np.zeros_like(side)
+
+    def sharper(weights: Array, told: float) -> float:
+        rest = power - 2.0 * float(weights @ side) + float(weights @ normal @ weights)
+        return max(count - told, 0.1 * count) / max(rest, TINY)
+
+    if begun is None:
+        begun = Weighed(np.empty(0), np.ones(len(sizes)), count / max(power, TINY))
+    return _in_turns(normal, side, _least(total), sizes, begun, sharper)
+
+
+def _in_turns(
+    normal: Array, side: Array, least: Array, sizes: Sequence[int], begun: Weighed,
+    sharper: Callable[[Array, float], float],
+) -> Weighed:  # fmt: skip
+    """Weights and precisions in turn, from those that have ``begun``; ``sharper``: the precision of the noise
+    by weights and how many of them are told.
+    """
+    of, weights = np.repeat(np.arange(len(sizes)), sizes), np.zeros_like(side)
+    precision, sharp = begun.precision, begun.sharp
     for _ in range(ROUNDS):
         own = precision[of] + least
         factor = _factor(sharp * normal, own)
@@ -65,8 +79,7 @@ def weighed(total: Total, sizes: Sequence[int], begun: Weighed | None = None) ->
         told = sizes - np.bincount(of, own * _spread(factor), len(sizes))
         size = np.maximum(np.bincount(of, weights**2, len(sizes)), TINY)
         before, precision = precision, np.clip(told / size, *PRECISIONS)
-        rest = power - 2.0 * float(weights @ side) + float(weights @ normal @ weights)
-        sharp = max(count - float(told.sum()), 0.1 * count) / max(rest, TINY)
+        sharp = sharper(weights, float(told.sum()))
         if np.abs(np.log(precision / before)).max() < SETTLED:
             break
     return Weighed(weights, precision, sharp)
@@ -92,21 +105,11 @@ class Beside:
         along = np.asarray(dtrtrs(self.factor, sharp * total.side[:many], lower=1)[0])
         inside = sharp * total.normal[np.ix_(at, at)] - across.T @ across
         side = sharp * total.side[at] - across.T @ along
-        of, least = np.repeat(np.arange(len(sizes)), sizes), _least(total)[at]
-        precision, weights = np.ones(len(sizes)), np.zeros_like(side)
-        for _ in range(ROUNDS):
-            own = precision[of] + least
-            factor = _factor(inside.copy(), own)
-            weights = np.asarray(dpotrs(factor, side, lower=1)[0])
-            told = sizes - np.bincount(of, own * _spread(factor), len(sizes))
-            size = np.maximum(np.bincount(of, weights**2, len(sizes)), TINY)
-            before, precision = precision, np.clip(told / size, *PRECISIONS)
-            if np.abs(np.log(precision / before)).max() < SETTLED:
-                break
-        old = np.asarray(dtrtrs(self.factor, along - across @ weights, lower=1, trans=1)[0])
-        return Weighed(
-            np.concatenate([old, weights]), np.concatenate([self.there.precision, precision]), sharp
-        )
+        begun = Weighed(np.empty(0), np.ones(len(sizes)), 1.0)
+        new = _in_turns(inside, side, _least(total)[at], sizes, begun, lambda *_: 1.0)
+        old = np.asarray(dtrtrs(self.factor, along - across @ new.weights, lower=1, trans=1)[0])
+        weights = np.concatenate([old, new.weights])
+        return Weighed(weights, np.concatenate([self.there.precision, new.precision]), sharp)
 
 
 def _least(total: Total) -> Array:

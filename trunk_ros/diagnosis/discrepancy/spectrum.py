@@ -9,22 +9,21 @@ from scipy.optimize import minimize_scalar
 from trunk_ros.compiled import Array
 
 FINER = 4  # steps of a first look to each line's width, by which two waves part by a period
-FASTEST = 0.45  # of the sampling rate
 TURNS = 2.0  # that a line must make in the recording
 SPARSE = 10.0  # times the usual step between samples
-LONGEST = 50.0  # Hz
+CYCLIC = 0.1  # of a residual's power: a line that is looked at
 
 
-def spectrum(stamp: Array, residual: Array, fastest: float = FASTEST) -> tuple[float, float]:
-    """(frequency Hz, share of the power) of the strongest line in a residual (n,) at uneven stamps (n,), no
-    faster than ``fastest`` of the sampling rate.
+def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
+    """(frequency Hz, share of the power) of the strongest line in a residual (n,) at uneven stamps (n,), up
+    to half the sampling rate.
     """
     whole = _longest(stamp)
     stamp, off = stamp[whole], residual[whole] - residual[whole].mean()
     if len(stamp) < 2:
         return 0.0, 0.0
     step, span = float(np.median(np.diff(stamp))), float(stamp[-1] - stamp[0])
-    low, high = TURNS / span, min(fastest / step - 1.0 / span, LONGEST)
+    low, high = TURNS / span, 0.5 / step - 1.0 / span
     if high <= low or not np.any(off):
         return 0.0, 0.0
     cell = np.round((stamp - stamp[0]) / step).astype(int)

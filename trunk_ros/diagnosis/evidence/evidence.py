@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.evidence.determined import BLIND
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
+from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, REFITTED, ROUGH
 from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
@@ -19,16 +19,11 @@ from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
-from trunk_ros.guards import ROUNDED
+from trunk_ros.guards import BLIND, ROUNDED
 
-RIVALS = 3  # the most promising, besides what is known to look alike
 EQUIVALENTS = 5  # that are said
-REST = 1.5  # times the power of noise: less is nothing that is left to explain
 LATE = 0.01  # of the time between samples: what lies between them is guessed
-LONGEST = 5.0  # s
-WORSE = 4.0  # squared unit-noise residuals: two standard deviations
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
-ROUGH = 1e-3  # of a value: integration and interpolation are no better
 UNNAMED = 0.7  # confidence in what no formula states, at most
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
 
@@ -80,7 +75,7 @@ def _power(rest: np.ndarray, steps: bool) -> float:
     """
     power = float(np.mean(rest**2))
     turns = max(int(np.count_nonzero(np.diff(np.sign(rest)))), 1)
-    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > REST or steps else power
+    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > CLEARLY or steps else power
 
 
 def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
@@ -88,13 +83,14 @@ def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
     for nothing.
     """
     out = dict(found)
+    longest = max(float(np.ptp(view.span.stamp)) for view in residuals.context.views)
     for k, f in enumerate(residuals.free):
         key = (f.effect, f.parameter.name, f.column)
         if f.parameter.moment and f.column is not None:
             least = LATE * residuals.context.step
-            std = float(np.clip(out[key], least, LONGEST)) if np.isfinite(out[key]) else least
+            std = float(np.clip(out[key], least, longest)) if np.isfinite(out[key]) else least
             best = float(np.sum(residuals(x) ** 2))
-            while std < LONGEST and _moved(residuals, x, k, std) - best < WORSE:
+            while std < longest and _moved(residuals, x, k, std) - best < NOTABLE**2:
                 std *= 1.5
             out[key] = std
     return out
@@ -250,7 +246,7 @@ def _local_rivals(
     kinds = [
         k for k in kinds if new[k.id] and all(is_open(context, bare.hypothesis, k, c) for c in new[k.id])
     ]
-    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, RIVALS, like) for c in columns}
+    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, REFITTED, like) for c in columns}
     losses: dict[str, tuple[float, Hypothesis]] = {}
     for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
         loss, fitted = 0.0, bare.hypothesis.copy()

@@ -9,16 +9,15 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
-from trunk_ros.diagnosis.evidence.evidence import REST
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
-TELLS = 4.0  # times the power of noise: less on a joint contradicts nothing
-EXPLAINED = 0.25  # of a residual's power may be left where an effect holds
+TELLS = 4.0  # times the power of noise, or of what is left where an effect holds: less contradicts nothing
 
 
 @dataclass(frozen=True)
@@ -72,15 +71,15 @@ def _contradicts(base: Context, other: Context, found: Hypothesis) -> int | None
     refitted: dict[int, float] | None = None
     for c in (c for c in base.columns if found.on(c) and other.count(c)):
         nominal, left = _power(base, base.known, c), _power(base, found, c)
-        if nominal < TELLS or left > EXPLAINED * nominal:
+        if nominal < TELLS or TELLS * left > nominal:
             continue  # it was not explained where it was found
         before, after = _power(other, other.known, c), _power(other, found, c)
-        if after < TELLS or after < EXPLAINED * before:
+        if after < TELLS or TELLS * after < before:
             continue  # it holds
         if refitted is None:
             there = refit(other, found).hypothesis
             refitted = {k: _power(other, there, k) for k in base.columns if other.count(k)}
-        if after > before or refitted[c] < EXPLAINED * after:
+        if after > before or TELLS * refitted[c] < after:
             worst[c] = after
     return max(worst, key=lambda c: worst[c]) if worst else None
 
@@ -103,7 +102,7 @@ def _told(base: Context, other: Context, found: Hypothesis, column: int) -> Cont
     first, second = (part.views[0].span for part in (base, other))
     nominal, left = _rms(other, other.known, column), _rms(other, found, column)
     names = tuple(term.effect for term in found.on(column))
-    is_nominal = all(_power(other, other.known, c) < REST for c in other.columns)
+    is_nominal = all(_power(other, other.known, c) < CLEARLY for c in other.columns)
     return Contradiction(first.name, second.name, other.joints[column], names, nominal, left, is_nominal)
 
 

@@ -8,15 +8,14 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.discrepancy.curves import variables
-from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.diagnosis.discrepancy.spectrum import CYCLIC, spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.search.score import SHARE
 from trunk_ros.effects.curve import abscissa, words_of
 from trunk_ros.recording.signal.resample import SLOW
 
 COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
-BY_CHANCE = 4.0  # standard deviations of that share, where the noise comes in bursts
-PERIODIC = 0.2  # likewise, a period of time
 
 
 def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
@@ -42,7 +41,7 @@ def goes_on(products: Array, own: float, least: float) -> bool:
     ``least`` and by more than chance makes of noise that comes in bursts.
     """
     chance = float(np.sqrt(np.sum(products**2))) / max(len(products), 1)
-    return float(np.mean(products)) - own > max(least, BY_CHANCE * chance)
+    return float(np.mean(products)) - own > max(least, SURE * chance)
 
 
 def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[str]:
@@ -65,7 +64,7 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
         scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].correlation)
     index = context.telling(column)[0]
     _, share = spectrum(context.views[index].span.stamp, context.residual(index, hypothesis, column))
-    if share > PERIODIC:
+    if share > CYCLIC:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)
     told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > SHARE][:3]

@@ -18,8 +18,6 @@ from trunk_ros.diagnosis.search.fit import Fit, fit, groups
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.effects import effect
 
-SURE = 1.0  # standard errors over the blocks
-
 
 def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     """A fit and one of the same to what rivals are fitted to, without the names that gain less than they have
@@ -65,7 +63,7 @@ def _harm(state: Fit, name: str, column: int | None) -> float:
     columns = [c for c in columns if c in state.context.columns]
     with_it = unseen(state.context, state.hypothesis, columns)
     harm = with_it - unseen(state.context, state.hypothesis.without(name, column), columns)
-    return float(harm.sum() - SURE * np.sqrt(np.sum((harm - harm.mean()) ** 2)))
+    return float(harm.sum() - np.sqrt(np.sum((harm - harm.mean()) ** 2)))
 
 
 def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -> Array:

@@ -11,11 +11,11 @@ from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.data.noise import WHITE, Noise
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Sums
-from trunk_ros.diagnosis.discrepancy.banked import SURE
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import NOTABLE, SEVERAL, SURE
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
@@ -27,9 +27,7 @@ from trunk_ros.recording.signal.resample import SLOW
 
 TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
-SHARED, CHANCE = 0.07, 3.0  # of unit noise with itself so much later, and standard errors besides
 FURTHEST = 3.0  # times the noise without it: what goes further is no noise
-SEVERAL = 2  # joints by which the others' sensors are known
 SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
 
@@ -137,9 +135,9 @@ def _plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) 
     """Whether a noise is all that a hypothesis leaves of a column: what swings is more."""
     for rest, follows, counted in _parts(context, hypothesis, column):
         white = noise.whiten(rest, follows)[counted]
-        chance = CHANCE / np.sqrt(max(len(white), 1))
+        chance = SURE / np.sqrt(max(len(white), 1))
         lags = (lag for lag in LAGS if lag < len(white) // 2)
-        if any(abs(float(np.mean(white[lag:] * white[:-lag]))) > SHARED + chance for lag in lags):
+        if any(abs(float(np.mean(white[lag:] * white[:-lag]))) > WHITE + chance for lag in lags):
             return False
     return True
 
@@ -155,4 +153,4 @@ def _told(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     sums = Sums.of(found, context.whitened(hypothesis, column), cuts)
     nothing = sums.tried([], 1.0).left
     gains = [1.0 - sums.tried([k], w).left / nothing for k in range(len(found)) for w in WORTHS[::2]]
-    return any(g.mean() - SURE * g.std(ddof=1) / np.sqrt(len(g)) > TELLS for g in gains)
+    return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > TELLS for g in gains)

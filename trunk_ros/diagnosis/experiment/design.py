@@ -7,33 +7,24 @@ is refitted to the new motion together with the recordings at hand.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.evidence import Evidence
-from trunk_ros.diagnosis.experiment.discrimination import HOPELESS, Difference, Duel, expected, span_of
+from trunk_ros.diagnosis.experiment.discrimination import AMPLE, Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
+from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.trajectory import Trajectory
 
 LIKELIEST = 2  # equivalents of a finding that it is to be told from: each costs as much as the first
-MOST = 4  # stretches of a motion
-MOVED = 4  # stretches that are tried in other postures
-AGAIN = 6  # stretches that are tried once more beside the best one
-SURE = 1.5  # times what it takes to rule a rival out: what an experiment must promise
-AMPLE = 10.0  # likewise: no further stretch is added; each joint is to be told by itself
-REPEATS = 4  # of a motion that is too short
-TRIALS, FEWEST = 48, 8  # simulations of rivals in the local search; motions that it tries at least
-STANDS = 1e-3  # rad/s
-LOW, HIGH = np.array([-1.0, 0.02, 0.03, 0.0]), np.array([1.0, 1.0, 1.0, 3.0])
-FIRST = np.array([0.2, 0.15, 0.2, 0.5])  # steps of the local search in centre, size, speed, hold
+MOST = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
 
 
 @dataclass(frozen=True)
@@ -72,12 +63,12 @@ class Design:
         self.limits = limits_of(context)
 
     def run(self) -> Experiment:
-        """Stretch by stretch, then in small steps; repeated where that is not enough."""
+        """Stretch by stretch; repeated where that is not enough."""
         pairs = [(duel.truth, duel.other) for duel in self.duels]
         ranked, faced = self.ranked()
-        parts = self.polished(self.grown(ranked)) if self.duels else ranked[:1]
-        if self.duels and self.ratios(parts).min() < SURE:
-            parts = max((parts, parts * REPEATS), key=self.score)
+        parts = self.grown(ranked) if self.duels else ranked[:1]
+        if self.duels and self.ratios(parts).min() < CLEARLY:
+            parts = max((parts, parts * MOST), key=self.score)
         there = self.motion(parts)
         seen = [duel.seen_in(self.context, there) for duel in faced]
         mutual = [self.back(duel, duels, there) for duel, duels in zip(faced, self.sides, strict=True)]
@@ -86,7 +77,7 @@ class Design:
     def back(self, faced: Duel, duels: list[Duel], there: Trajectory) -> bool:
         """Whether a motion rules out the truth of ``faced`` if it is the other, in whatever form."""
         turned = [duel for duel in duels if duel.truth == faced.other]
-        return all(duel.seen_in(self.context, there).ratio >= SURE for duel in turned)
+        return all(duel.seen_in(self.context, there).ratio >= CLEARLY for duel in turned)
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
@@ -110,15 +101,15 @@ class Design:
         candidates = stretches(len(self.context.joints), self.own)
         self.duels = [duel for duels in self.sides for duel in duels]
         seen = [self.ratios([part]) for part in candidates]
-        best = sorted(range(len(candidates)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOVED]
+        best = sorted(range(len(candidates)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOST]
         moved = [there for k in best for there in elsewhere(candidates[k])]
         candidates, ratios = candidates + moved, np.array(seen + [self.ratios([part]) for part in moved])
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
         told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
         faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
-        self.duels = [self.duels[k] for k in all_told if peaks[k] > HOPELESS]
+        self.duels = [self.duels[k] for k in all_told if peaks[k] > 1.0 / AMPLE]
         order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
-        return [candidates[k] for k in order[:AGAIN]], faced
+        return [candidates[k] for k in order[:MOST]], faced
 
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
@@ -127,37 +118,16 @@ class Design:
             parts = max(([*parts, part] for part in ranked), key=self.score)
         return parts
 
-    def polished(self, parts: list[Stretch]) -> list[Stretch]:
-        """The last stretch moved to where its neighbours are no better."""
-        *before, last = parts
-        start = np.array([last.centre, last.size, last.speed, last.hold])
-
-        def loss(x: Array) -> float:
-            return -self.score([*before, _at(last, x)])
-
-        simplex = np.vstack([start, start + np.diag(np.where(start + FIRST > HIGH, -FIRST, FIRST))])
-        tries = max(TRIALS // sum(len(duel.others) for duel in self.duels), FEWEST)
-        found = minimize(
-            loss, start, method="Nelder-Mead", bounds=list(zip(LOW, HIGH, strict=True)),
-            options={"maxfev": tries, "initial_simplex": simplex},
-        )  # fmt: skip
-        return max((parts, [*before, _at(last, found.x)]), key=self.score)
-
 
 def _told(peaks: Array, sides: range) -> list[int]:
     """The sides of a pair to design for: the first if a motion tells it, or all that one tells and the first
     as well if it shows at all, or the one that shows most.
     """
     order = sorted(sides, key=lambda k: -float(peaks[k]))
-    sure = [k for k in order if peaks[k] >= SURE]
+    sure = [k for k in order if peaks[k] >= CLEARLY]
     if sides[0] in sure:
         return [sides[0]]
     return [*sure, *sides[:1]] if sure else order[:1]
-
-
-def _at(part: Stretch, x: Array) -> Stretch:
-    centre, size, speed, hold = (float(value) for value in np.clip(x, LOW, HIGH))
-    return replace(part, centre=centre, size=size, speed=speed, hold=hold)
 
 
 def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[str, Any]]:
@@ -170,7 +140,7 @@ def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[s
         {
             "separates": list(pair),
             "statement": statement(duel, seen, mutual, done.motion, units, file),
-            "trajectory": file if seen.ratio >= SURE else "",
+            "trajectory": file if seen.ratio >= CLEARLY else "",
         }
         for pair, duel, seen, mutual in told
     ]
@@ -184,13 +154,13 @@ def statement(
     unit = units.get(joint, "rad")
     truth, other = _words(duel.truth, duel.base[duel.truth].form), _words(duel.other)
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
-    if seen.ratio < SURE:
+    if seen.ratio < CLEARLY:
         return (
             f"No motion within the joint limits decides between {truth} and {other}: once both are "
             f"fitted to it, single samples differ by at most {gap} ({times}, on {joint}), and all samples "
-            f"together give {seen.ratio / SURE:.0%} of the evidence that a decision takes."
+            f"together give {seen.ratio / CLEARLY:.0%} of the evidence that a decision takes."
         )
-    moves = f"at {seen.speed:+.2f} {unit}/s" if abs(seen.speed) > STANDS else "at rest"
+    moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
     told = (
         f"Play {file} ({ceil(there.duration)} s) on the arm that was recorded, and look at {where}: if it is "

@@ -11,19 +11,17 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
-from trunk_ros.diagnosis.evidence.determined import BLIND
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
-from trunk_ros.diagnosis.search.fit import Residuals, groups, minimise
+from trunk_ros.diagnosis.search.fit import ROUNDS, Residuals, groups, minimise
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.guards import ROUNDED
+from trunk_ros.guards import BLIND, ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.trajectory import Trajectory
 
 CONTROL = 0.01  # s between setpoints, as bringup gives them
-ROUNDS = 6  # of the full refit
-HOPELESS = 0.1  # of what it takes to rule a rival out, in one stretch: four of them would not do
+AMPLE = 10.0  # times what it takes to rule a rival out: no more is wanted; so much less is hopeless
 
 
 @dataclass
@@ -157,7 +155,7 @@ class Duel:
     def _ratio(self, there: Context, other: Other) -> float:
         pinned, wanted = other.pinned(there, self.columns), self.wanted(there, other)
         unfitted = sum(p.unfitted() for p in pinned) / wanted  # a refit can but lower it
-        return unfitted if unfitted < HOPELESS else sum(p.linear() for p in pinned) / wanted
+        return unfitted if unfitted < 1.0 / AMPLE else sum(p.linear() for p in pinned) / wanted
 
     def wanted(self, there: Context, other: Other) -> float:
         """The misfit at which it is no equivalent any more, both runs taken together."""

@@ -13,13 +13,13 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.levels import OUTLIERS
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
 SECONDS = 8.0  # of one stretch
 SAMPLES = 200  # of one stretch at least
 MOMENT = 1e-3  # s: too short for a piece of a motion
-TURNS = 60  # of a stretch at most
 BEND = round(10.0 / sqrt(3.0), 4)
 """Peak acceleration of a rest-to-rest quintic, times its time squared over its way."""
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
@@ -29,7 +29,6 @@ APART = 0.3  # speeds differ by up to this share, so that no two joints move ali
 GOLDEN = round((sqrt(5.0) - 1.0) / 2.0, 3)  # the section whose multiples lie apart most evenly
 CARRIED = 0.3  # of the top speed: a joint that takes its place
 LEAST = 0.03  # of a stretch's first turn: the smallest one
-REACHES = 0.999  # of the recorded accelerations: beyond are steps of the encoder
 
 Movers = Literal["own", "others", "all"]
 
@@ -86,7 +85,7 @@ def limits_of(context: Context) -> Limits:
     speed = np.concatenate([np.abs(velocity) for velocity, _ in recorded])
     bend = np.concatenate([_bend(*each) for each in recorded])
     first, rows = spans[0]
-    done, step = np.quantile(bend, REACHES, axis=0), float(np.median(np.diff(first.grid[rows])))
+    done, step = np.quantile(bend, 1.0 - OUTLIERS, axis=0), float(np.median(np.diff(first.grid[rows])))
     noise = np.array([each.std for each in context.noise])
     shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else UNSEEN * noise / step**2
     stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)
@@ -135,26 +134,28 @@ class _Path:
         if part.movers != "all" and mine != (part.movers == "own"):
             self._go(self.centre + part.centre * self.reach, CARRIED, end)
             size = 0.0
-        turns = 0
-        while size > 0.0 and turns < TURNS:
+        going = size > 0.0
+        while going:
             target = min(max(part.centre + side * size, -1.0), 1.0)
-            self._go(self.centre + target * self.reach, part.speed * self.pace, end)
+            going = self._go(self.centre + target * self.reach, part.speed * self.pace, end)
             self._stay(min(self.points[-1][0] + part.hold, end))
-            size, side, turns = size * part.shrink, -side, turns + 1
+            size, side = size * part.shrink, -side
             size = size if size > LEAST * part.size else part.size
         self._stay(end)
 
-    def _go(self, angle: float, speed: float, end: float) -> None:
-        """Move to an angle, or as far towards it as there is time for."""
+    def _go(self, angle: float, speed: float, end: float) -> bool:
+        """Move to an angle, or as far towards it as there is time for; whether there was any."""
         begin, here = self.points[-1]
         if self.bend <= 0.0:
-            return
+            return False
         way = min(abs(angle - here), max(end - begin, 0.0) * self.top * speed / PEAK)
         if way <= 0.0:
-            return
+            return False
         took = max(PEAK * way / (self.top * speed), sqrt(BEND * way / self.bend), QUICKEST)
-        if begin + took <= end + MOMENT:
+        in_time = begin + took <= end + MOMENT
+        if in_time:
             self.points.append((begin + took, here + copysign(way, angle - here)))
+        return in_time
 
     def _stay(self, until: float) -> None:
         if until > self.points[-1][0] + MOMENT:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from trunk_ros.diagnosis.evidence.evidence import Evidence, by_its_own_angles, doubt
 from trunk_ros.diagnosis.experiment.discrimination import Duel, Other
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
-
-FORMS = 3  # of an effect
 
 
 def sides_of(state: Fit, name: str, rival: str, evidence: Evidence) -> list[Duel]:
@@ -34,7 +33,7 @@ def forms_of(state: Fit, there: Hypothesis, name: str, limit: float) -> list[Oth
     tried = [refit(context, trial) for trial in trials or [there]]
     tried = [by_its_own_angles(state, fit.hypothesis) or fit for fit in tried]
     fits = sorted(tried, key=lambda fit: fit.total)
-    close = [fit for fit in fits[1:FORMS] if fit.total - state.total < limit]
+    close = [fit for fit in fits[1:REFITTED] if fit.total - state.total < limit]
     return [Other(context, fit.hypothesis, fit.total - state.total) for fit in [fits[0], *close]]
 
 

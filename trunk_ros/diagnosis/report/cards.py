@@ -19,8 +19,7 @@ from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
 
 ALL = "arm"  # owner of shared values
-FEW = 6
-MOST_TIES = 8
+FEW = 8  # lines of a list
 
 
 def cards(result: Answer) -> list[dict[str, Any]]:
@@ -132,7 +131,7 @@ def ties(finding: Finding) -> list[str]:
         f"{_at(finding, one['first'])} and {_at(finding, one['second'])}: {one['value']:+.2f}".replace(
             "-", "−"
         )
-        for one in finding.evidence.get("correlations", ())[:MOST_TIES]
+        for one in finding.evidence.get("correlations", ())[:FEW]
     ]
 
 

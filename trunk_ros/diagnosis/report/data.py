@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
 from trunk_ros.diagnosis.report.signals import Signal, entries, largest, signals
 from trunk_ros.diagnosis.report.units import quantity, significant
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 
 SAME = "same"
-BLOCKS = 20  # of time, whose errors are taken as independent: what lasts is one error, not many
 LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag
 
 

@@ -31,8 +31,8 @@ from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 WIDTH = 9.4  # inches
 WELL_ABOVE = 3.0  # times the noise, over a window
 WINDOW = 0.5  # s
-MOST = 8  # signals in one figure
-VISIBLE = 1.3  # times the noise
+MOST = 10  # signals in one figure
+ABOVE = 1.15  # times the noise: what is more is seen, and said to be left
 LEAST = 0.5  # times the noise; a simulated arm without noise has errors of 0, which a log axis cannot show
 
 
@@ -138,7 +138,7 @@ def shown_over_time(result: Answer) -> list[Signal]:
     loud = [
         s
         for s in every
-        if size.get((s.stage, s.name), 0.0) > VISIBLE
+        if size.get((s.stage, s.name), 0.0) > ABOVE
         or any(concerns(f, s.stage, s.name) for f in result.findings)
         or any(u.stage == s.stage and s.name in u.joints for u in result.unexplained)
     ]

@@ -13,10 +13,8 @@ from trunk_ros.diagnosis.report.units import listed, spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import registry
-from trunk_ros.recording.topics import TOPICS
+from trunk_ros.recording.topics import COMPARED, TOPICS
 
-NEEDS = {"servo": ("setpoints", "gearbox_states"), "wire": ("gearbox_states", "joint_states"),
-         "arm": ("joint_states", "tip_pose")}  # fmt: skip
 BETWEEN = {"servo": "the servos", "wire": "the transmission", "arm": "the tip"}
 
 
@@ -102,7 +100,7 @@ def _words(name: str | list[str]) -> str:
 def _topics(result: Answer) -> Iterator[Step]:
     seen = {key for held in result.quality.values() for key in held.get("topics", {})}
     lost: dict[str, list[str]] = {}
-    for stage, keys in NEEDS.items():
+    for stage, keys in COMPARED.items():
         absent = [TOPICS[key] for key in keys if key not in seen]
         if seen and absent and not result.stages.get(stage, {}).get("compared"):
             lost.setdefault(listed(absent), []).append(BETWEEN[stage])

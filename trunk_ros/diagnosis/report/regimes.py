@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.report.signals import reversals
+from trunk_ros.diagnosis.data.motion_content import STILL
+from trunk_ros.diagnosis.report.signals import CELLS, reversals
 
-JUST = 0.05  # of the joint's range after a reversal
-SLOW, FAST, STILL = 0.15, 0.6, 0.01  # of the joint's largest speed
-JOINED = 0.004  # of the recording: shorter gaps between stretches are none to the eye
+JUST = 0.05  # of the joint's range after a reversal: by then the dead band is crossed
+SLOW, FAST = 0.15, 0.6  # of the joint's largest speed
 MEANING = {
     "reversal": "the first 5 % of the range after a reversal",
     "low_speed": "moving at less than 15 % of the largest speed",
@@ -43,7 +43,7 @@ def _within(regime: str, stamp: Array, angle: Array) -> np.ndarray:
 def _spans(stamp: Array, within: np.ndarray) -> list[tuple[float, float]]:
     """Stretches of a mask (n,), neighbours joined."""
     changes = np.flatnonzero(np.diff(np.concatenate([[0], within.astype(int), [0]])))
-    gap = JOINED * float(stamp[-1] - stamp[0])
+    gap = float(stamp[-1] - stamp[0]) / CELLS  # shorter gaps between stretches are none to the eye
     out: list[tuple[float, float]] = []
     for first, last in zip(changes[::2], changes[1::2] - 1, strict=True):
         start, end = float(stamp[first]), float(stamp[last])

@@ -11,12 +11,11 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.report.errors import culprit_spans, loudest, shown_over_time
 from trunk_ros.diagnosis.report.regimes import MEANING, stretches
-from trunk_ros.diagnosis.report.signals import Signal, concerns, joint_angle, signals
+from trunk_ros.diagnosis.report.signals import CELLS, Signal, concerns, joint_angle, signals
 from trunk_ros.diagnosis.report.style import label
 from trunk_ros.diagnosis.report.units import multiple, spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
 
-CELLS = 300  # of time; in each the extremes of every curve are kept
 FIRST = 2  # signals that are open when the page is
 MOST = 24  # signals that the page holds; an arm of more joints has its loudest
 

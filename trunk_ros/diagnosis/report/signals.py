@@ -9,13 +9,14 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
 from trunk_ros.recording.signal.measured import Measured
 
-STILL = 2e-4  # of a joint's range: less is no reversal
+CELLS = 300  # of time that a picture has: in each the extremes of every curve are kept
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ def load(result: Answer, signal: Signal) -> Array | None:
 
 def reversals(u: Array) -> tuple[Array, Array]:
     """Direction of motion (n,), 1 or -1, and travel (n,) since it last changed, in the unit of ``u``."""
-    return _reversals(np.ascontiguousarray(u, dtype=float), STILL * float(np.ptp(u)))
+    return _reversals(np.ascontiguousarray(u, dtype=float), ROUGH * float(np.ptp(u)))
 
 
 @compiled

@@ -8,16 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from trunk_ros.diagnosis.report.errors import WIDTH
+from trunk_ros.diagnosis.report.errors import MOST, WIDTH
 from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
 from trunk_ros.diagnosis.report.style import ACCENT, GREY, LINE, MUTED, PLAIN, label, limits, styled
-from trunk_ros.diagnosis.report.view import Cloud, cloud, view_of
+from trunk_ros.diagnosis.report.view import POINTS, Cloud, cloud, view_of
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
 
 WIDE = 5  # panels in a row
-MOST = 10
-FEW = 700  # points, which are drawn larger
 
 
 @styled
@@ -62,7 +60,7 @@ def label_of(held: Cloud) -> str:
 
 def _panel(axis: Axes, held: Cloud) -> None:
     axis.axhline(0.0, color=LINE, lw=0.8, zorder=0)
-    dot, width = (4.5, 1.1) if len(held.x) < FEW else (2.6, 1.7)
+    dot, width = (4.5, 1.1) if 2 * len(held.x) < POINTS else (2.6, 1.7)
     axis.plot(held.x, held.y, ".", ms=dot, mew=0, color=GREY, alpha=0.6, rasterized=True)
     axis.plot(held.curve_x, held.curve_y, color=ACCENT, lw=width, solid_capstyle="round")
     if held.log:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trunk_ros.diagnosis.report.errors import Ratio, ratios
+from trunk_ros.diagnosis.report.errors import ABOVE, Ratio, ratios
 from trunk_ros.diagnosis.report.signals import entries
 from trunk_ros.diagnosis.report.units import fall, listed, rounded, spoken, times
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
@@ -11,7 +11,6 @@ from trunk_ros.diagnosis.verdict.finding import Finding
 
 FEW = 2  # findings that a sentence can hold
 LIKELY = 0.5  # confidence: below it a finding is a guess, and called one
-ABOVE = 1.15  # times the noise: what is more is said to be left
 
 
 def headline(result: Answer) -> str:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.motion_content import STILL
+from trunk_ros.diagnosis.report.regimes import JUST
 from trunk_ros.diagnosis.report.signals import Signal, joint_angle, load, reversals, signals
 from trunk_ros.diagnosis.report.units import multiple
 from trunk_ros.diagnosis.verdict.answer import Answer
@@ -21,8 +23,6 @@ POINTS = 1500
 CELLS = 60
 CELLS_OVER = {"time": 240, "travel": 30}
 PERIODS = 4.0  # of what comes back in time
-STANDS = 0.01  # of the largest speed
-SLID = 0.02  # of the joint's range after a reversal, from where the dead band is crossed
 
 BY_REGIME = {
     "reversal": View("travel", along=True), "low_speed": View("speed", along=True),
@@ -134,7 +134,7 @@ def _motion(result: Answer, view: View, signal: Signal) -> tuple[Array, np.ndarr
     if not view.along or angle is None:
         return np.ones(len(signal.stamp)), np.ones(len(signal.stamp), dtype=bool)
     direction, travel = reversals(angle)
-    return direction, travel > SLID * float(np.ptp(angle))
+    return direction, travel > JUST * float(np.ptp(angle))
 
 
 def _moves(signal: Signal) -> np.ndarray:
@@ -142,7 +142,7 @@ def _moves(signal: Signal) -> np.ndarray:
     if signal.velocity is None:
         return np.ones(len(signal.stamp), dtype=bool)
     speed = np.abs(signal.velocity)
-    return np.asarray(speed > STANDS * float(np.quantile(speed, 0.99)))
+    return np.asarray(speed > STILL * float(np.quantile(speed, 0.99)))
 
 
 def _window(view: View, signal: Signal, part: Array) -> np.ndarray:

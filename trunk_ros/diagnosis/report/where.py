@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from trunk_ros.diagnosis.report.errors import Ratio, ratios
+from trunk_ros.diagnosis.report.errors import ABOVE, Ratio, ratios
 from trunk_ros.diagnosis.report.signals import concerns, entries, largest
 from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
-from trunk_ros.diagnosis.report.verdict import ABOVE
 from trunk_ros.diagnosis.verdict.answer import Answer
 
-HEAT = (1.15, 2.0, 4.0, 8.0, 16.0)  # times the noise, where the next shade begins
+HEAT = (ABOVE, 2.0, 4.0, 8.0, 16.0)  # times the noise, where the next shade begins
 SILENT = "hardly moves or is hardly measured: nothing can be said"
 MEANING = {"servo": "setpoint to gearbox", "wire": "gearbox to joint", "arm": "joint to tip"}
 

@@ -10,14 +10,14 @@ import numpy as np
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
+from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.score import CLEARLY, beats, score
+from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.guards import TINY
 
 LARGE = 0.5  # of what is left: what explains so much comes before anything is mended
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
-TURNS = 4  # of fitting values and the drives' arrivals: a ratio of 1 % and these have parted by then
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
@@ -78,7 +78,7 @@ class Desk:
 
     def pays(self, gain: float, best: Fit) -> bool:
         """Whether a gain is worth a step: more than rounding, and large things first."""
-        return gain > max(CLEARLY, self.share * sum(map(best.rest, best.cost)))
+        return gain > max(BETTER, self.share * sum(map(best.rest, best.cost)))
 
 
 def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:

@@ -9,25 +9,23 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, MOVES
 from trunk_ros.diagnosis.search.moves.add import additions
-from trunk_ros.diagnosis.search.moves.curve import CLEARER
-from trunk_ros.diagnosis.search.moves.restart import FIRSTS
 from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 
-def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
+def search(context: Context, desk: Desk) -> Fit:
     """The hypothesis that no single change improves by what is needed; what would not be claimed is left out
     even where the work that was granted is done.
     """
-    first = renewed(begun(context, start))
+    first = renewed(begun(context))
     best = descend(first, MOVES, desk)
-    others = sorted(additions(first, desk), key=score)[1:FIRSTS] if incomplete(best) else []
+    others = sorted(additions(first, desk), key=score)[1:REFITTED] if incomplete(best) else []
     for other in others:
         if incomplete(best):
             best = better_of(best, descend(renewed(other), MOVES, Desk(desk.say, vain=desk.vain)))
@@ -43,7 +41,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
 def incomplete(best: Fit) -> bool:
     """Whether something is left that is as strong as the noise, and more than formulas may be off by."""
     nominal = costed(best.context, best.context.known)
-    least = {c: max(STRONG * best.context.count(c), CLEARER * nominal.rest(c)) for c in best.cost}
+    least = {c: max(STRONG * best.context.count(c), LITTLE * nominal.rest(c)) for c in best.cost}
     return any(best.rest(c) > least[c] for c in best.cost)
 
 
@@ -53,10 +51,9 @@ def better_of(best: Fit, other: Fit) -> Fit:
     return other if beats(costed(alike, other.hypothesis), best) else best
 
 
-def begun(context: Context, start: Hypothesis | None = None) -> Fit:
+def begun(context: Context) -> Fit:
     """What is known, fitted; all else is measured by what it leaves."""
-    known = start or context.known
-    first = refit(arrived(context, known), known)
+    first = refit(arrived(context, context.known), context.known)
     misfit = {c: first.rest(c) for c in first.cost}
     return replace(first, context=replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first)))
 

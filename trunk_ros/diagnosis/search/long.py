@@ -17,10 +17,10 @@ from trunk_ros.diagnosis.search.greedy import begun, plain, search
 from trunk_ros.diagnosis.search.moves import ADD, DROP, ONSET
 from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats
+from trunk_ros.diagnosis.search.windows import EDGES
 from trunk_ros.diagnosis.work import Work
 
 WORK = 4e8  # simulated joint-steps that a search may take: half a minute of one core
-SCAN = 160  # moments over the whole recording, then as many between two of them
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ def _anywhere(now: Fit) -> Fit:
     """What happens at one moment, moved to where it fits best: an excerpt only shows between which blocks."""
     grids = [view.span.grid for view in now.context.views]
     first, end = min(float(grid[0]) for grid in grids), max(float(grid[-1]) for grid in grids)
-    step = (end - first) / SCAN
-    every = np.linspace(first, end, SCAN + 1)[1:-1]
+    step = (end - first) / EDGES
+    every = np.linspace(first, end, EDGES + 1)[1:-1]
     for name, column, moment in list(moments(now)):
         rough = _better(now, moved(now, name, column, moment, every))
         term = rough.hypothesis[name]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import log
+
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
@@ -9,7 +11,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
-from trunk_ros.effects import effect
+from trunk_ros.effects import effect, registry
 from trunk_ros.effects.curve import OVER_TIME, Curve
 
 SIGNIFICANT = 60.0
@@ -29,23 +31,15 @@ STRONG = 1.0
 """Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
 FURTHER = 20.0
 """Price of each further value of an effect, in white noise."""
-NAME = 6.0
-"""Of a name among some twenty: the logarithm of so many, twice. On several joints it is chosen once."""
-CHOICE = 3.0
-"""Of a source among the joints: the logarithm of so many, twice."""
-LIKELY = 5.0
-"""In favour of each joint for what acts on all joints alike."""
 FORMULAS = 0.001
 """Of a joint's misfit: what the formulas of named effects may be off by, 3 % of their size. On arms that go
 by other laws, what was said beside the right names explained up to 0.0008.
 """
-CURVED = 0.002
-"""Likewise, by what is smooth."""
 FAR_OFF = 0.2
 """Of a ratio: so far off it was not known, and what it makes is no misfit of formulas."""
 CURVE = 2.5
 """Price of a curve without a name, in effects."""
-CLEARLY = 2.0
+BETTER = 2.0
 """Squared unit-noise residuals by which a change has to be better."""
 UNSHOWN = 1e12
 """Price of an effect on a joint whose motion cannot show it: more than any residual."""
@@ -63,7 +57,7 @@ def priced(fit: Fit) -> float:
 
 def beats(trial: Fit, best: Fit) -> bool:
     """Whether a fit is better by more than rounding."""
-    return score(trial) < score(best) - CLEARLY
+    return score(trial) < score(best) - BETTER
 
 
 def need(context: Context, column: int, rest: float = 0.0) -> float:
@@ -76,6 +70,16 @@ def need(context: Context, column: int, rest: float = 0.0) -> float:
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
     return max(SIGNIFICANT * chance(context, column), least, formulas, SHARE * rest)
+
+
+def choice(among: int) -> float:
+    """Price of choosing one of so many: what chance gains by it, the logarithm twice."""
+    return 2.0 * log(max(among, 1))
+
+
+def naming(stage: str) -> float:
+    """Price of a name among those of a stage; on several joints it is chosen once."""
+    return choice(sum(kind.stage == stage and kind.named and kind.tried for kind in registry().values()))
 
 
 def chance(context: Context, column: int) -> float:
@@ -94,6 +98,7 @@ def price(fit: Fit, term: Term) -> float:
     What the model has already costs nothing.
     """
     context, kind = fit.context, effect(term.effect)
+    name, source = naming(kind.stage), choice(len(context.joints) - 1)
     known = context.known[term.effect].columns if term.effect in context.known else []
     columns = [c for c in term.columns if c in context.columns and c not in known]
     if not columns:
@@ -106,14 +111,14 @@ def price(fit: Fit, term: Term) -> float:
     if kind.everywhere:
         usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
         alike = not any(term.moments(c) for c in columns)
-        each = value * max(len(free) - 1, 0) - alike * LIKELY * len(needs)
-        return NAME + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
+        each = value * max(len(free) - 1, 0) - alike * name * len(needs)
+        return name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
-    words = sum(needs[c] * max(count - 1, 0) + CHOICE * count for c, count in said.items())
+    words = sum(needs[c] * max(count - 1, 0) + source * count for c, count in said.items())
     further = value * max(sum(f.column is not None for f in free) - len(needs), 0)
     return (
-        NAME
+        name
         + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items())
         + words
         + further
@@ -129,7 +134,7 @@ def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
     kind = effect(term.effect)
     over = kind.leaves(term.words.get(column, {})) if issubclass(kind, Curve) else 1.0
     left = fit.beyond_noise(column)
-    return max(CURVE * need, CURVED * fit.context.misfit.get(column, 0.0), left * (1 / over - 1))
+    return max(CURVE * need, CURVE * FORMULAS * fit.context.misfit.get(column, 0.0), left * (1 / over - 1))
 
 
 def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.fit import Residuals
 from trunk_ros.diagnosis.search.score import need
@@ -20,10 +21,8 @@ from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, 
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
 
-NEAR = 0.85  # of the best form's gain: forms that are refitted as well
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 PROMISED = 0.5  # of what a fit gains: a linear look does not see all of it
-REFITTED = 2  # of the best by a linear look that are fitted in full
 BAGS = 2  # of an arm's recordings that give an effect its starts
 
 Products = dict[int, tuple[float, float]]
@@ -113,7 +112,7 @@ class Screen:
         """The best start of each form that comes near the best one."""
         found = [c for c in (self.local_form(kind, form, column) for form in self._forms(kind, column)) if c]
         best = max((c.gain for c in found), default=0.0)
-        near = [c for c in found if c.gain > NEAR * best]
+        near = [c for c in found if c.gain > NEARLY * best]
         some = [lasting for c in near if (lasting := self.lasting(c, [column])) is not None]
         return some if kind.everywhere else [*near, *some]
 

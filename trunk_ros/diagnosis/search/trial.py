@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
@@ -45,6 +46,20 @@ def looks(
     for candidate in screen.ranked(kinds, column, most, always):
         there = extended(best.context, bare, candidate)
         yield Look(there, left, candidate.gain, candidate.effect in always)
+
+
+def begun_on(
+    context: Context, bare: Hypothesis, kind: type[Effect], form: str, columns: Iterable[int]
+) -> Hypothesis | None:
+    """An effect on further joints, each at what a linear look finds best; None where one does not show it."""
+    columns = list(columns)
+    screen, out = Screen(context, bare, columns), bare
+    for column in columns:
+        start = screen.local_form(kind, form, column)
+        if start is None:
+            return None
+        out = extended(context, out, start)
+    return out
 
 
 def most_promising(best: Fit, column: int, found: Iterable[Look], most: int) -> list[Look]:

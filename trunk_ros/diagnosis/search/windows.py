@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.parameter import FROM, GROWN, UNTIL
 
-EDGES = 100  # moments that are looked at
+EDGES = 100  # moments of a recording that are looked at
 INSIDE = 0.03  # of a recording: nothing is said of a beginning nearer to its ends
 
 Gain = Callable[[Array, Array], Array]

@@ -19,8 +19,8 @@ from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
 from trunk_ros.recording.signal.encoder import counts
 from trunk_ros.recording.signal.resample import longest_gap
 
-SIGNALS = ("x", "y", "z", "roll", "pitch", "yaw")
 UNITS = {"x": "m", "y": "m", "z": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}
+SIGNALS = tuple(UNITS)
 IN_PLANE = ("y", "z", "roll")
 LEAST = 4  # poses of a recording
 

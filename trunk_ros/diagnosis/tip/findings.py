@@ -9,11 +9,12 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, likely
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted
+from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.tip.data import UNITS
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, of_sensors, owner, parameter_of
-from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
-from trunk_ros.diagnosis.verdict.findings import ARM, SURE, statement_of, unchanged, value_of
+from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
+from trunk_ros.diagnosis.verdict.findings import ARM, statement_of, unchanged, value_of
 from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
 
@@ -149,7 +150,7 @@ def _evidence(
 ) -> dict[str, Any]:
     gain = sum(done.gain[k] for k in mine)
     strength = float(np.sqrt(gain / (len(problem.signals) * problem.count)))
-    return {"strength": strength, "gain": {ARM: gain}, "rivals": rivals, "form": "", "signature": signature}
+    return evidence_of(strength, signature, gain={ARM: gain}, rivals=rivals)
 
 
 def _varies(problem: ArmProblem, off: Array, angles: Array) -> Array:
@@ -182,11 +183,5 @@ def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
         parameters={},
         depends_on=["position", *varies],
         statement=f"{said}; {share:.0%} of it is left by lengths and tilt.",
-        evidence={
-            "strength": float(np.sqrt(np.mean(off**2))),
-            "gain": {},
-            "rivals": {},
-            "form": "",
-            "signature": "The tip is not where the joints put it.",
-        },
+        evidence=evidence_of(float(np.sqrt(np.mean(off**2))), "The tip is not where the joints put it."),
     )

@@ -8,7 +8,9 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import LEAST
+from trunk_ros.diagnosis.data.motion_content import APART
 from trunk_ros.diagnosis.evidence.residual_dependence import goes_on
+from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.tip.data import UNITS, tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
@@ -19,9 +21,6 @@ from trunk_ros.effect_values import Values
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.resample import SLOW
-
-APART = 5  # poses: between its readings a joint's noise is interpolated
-SHARE = 0.02  # of the misfit, likewise
 
 Told = tuple[dict[str, Any], list[Finding], dict[str, Values]]
 
@@ -61,7 +60,7 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
     misfit, rest = (float(np.mean((off / problem.noise) ** 2)) - 1.0 for off in (before, after))
     joints = len(problem.arm.joints)
     stage = {"compared": True, "tip": tip, "strays": problem.strays}
-    if rest > STRONG and rest > SHARE * misfit and _goes_on(problem, after):
+    if rest > STRONG and rest > LITTLE * misfit and _goes_on(problem, after):
         said = unknown_arm_finding(problem, rest / max(misfit, rest))
         return stage, [said], model_effects(problem.known, joints)
     return stage, arm_findings(problem, done), model_effects(problem.known | done.values, joints)

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.guards import TINY
-
-BLIND = 1e-10  # of the largest curvature: the data do not see it
+from trunk_ros.guards import BLIND, TINY
 
 
 class Linear:

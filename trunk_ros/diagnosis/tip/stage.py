@@ -13,10 +13,12 @@ from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import changed
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
-from trunk_ros.diagnosis.data.sensor_faults import FEW
+from trunk_ros.diagnosis.data.sensor_faults import BESIDE, FAR, FEW
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
-from trunk_ros.diagnosis.evidence.evidence import ROUGH, SCATTER
-from trunk_ros.diagnosis.search.score import CURVE, FURTHER, NAME, RELEVANT, SIGNIFICANT
+from trunk_ros.diagnosis.evidence.evidence import SCATTER
+from trunk_ros.diagnosis.levels import ROUGH, TURNS
+from trunk_ros.diagnosis.search.fit import ENOUGH
+from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT, naming
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
 from trunk_ros.diagnosis.tip.linear import Linear, Normal
 from trunk_ros.diagnosis.tip.slopes import Slopes
@@ -40,11 +42,6 @@ from trunk_ros.effects.effect import Now
 from trunk_ros.stage import core_of
 
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
-LINK = 1.001  # of the price of a frame
-TURNS = 4
-SETTLED = 0.1  # squared unit-noise residual: what a further turn would remove less than is left
-FAR = 8.0  # times the noise that a single pose is off those beside it
-BESIDE = 5
 
 
 @dataclass
@@ -101,8 +98,8 @@ class ArmProblem:
         dearer; a frame that is off comes before a link that looks the same.
         """
         causes = {(owner(key), key[1]) for key in keys}
-        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else LINK for name, c in causes)
-        further = FURTHER * (len(keys) - len(causes)) + NAME * len({name for name, _ in causes})
+        dear = sum(CURVE if name in NAMELESS else 1.0 if c < 0 else 1.0 + ROUGH for name, c in causes)
+        further = FURTHER * (len(keys) - len(causes)) + naming("arm") * len({name for name, _ in causes})
         return self.need * dear + self.alike * further
 
     # Noise
@@ -122,7 +119,7 @@ class ArmProblem:
         """Poses that are far from those beside them do not count, unless that is the sensor's noise; whether
         there are any.
         """
-        off = [np.abs(rest - median_filter(rest, (BESIDE, 1))) / self.noise for rest in rests]
+        off = [np.abs(rest - median_filter(rest, (2 * BESIDE + 1, 1))) / self.noise for rest in rests]
         stray = [np.any(each > FAR, axis=1) for each in off]
         self.strays = int(sum(each.sum() for each in stray))
         if self.strays > FEW * self.count:
@@ -228,7 +225,7 @@ class ArmProblem:
         for _ in range(TURNS):
             self.linearise(values)
             before, values = values, self.solve(self.candidates)[0]
-            if self._moved(before, values) < SETTLED:
+            if self._moved(before, values) < ENOUGH:
                 break
         return values
 
@@ -243,7 +240,7 @@ class ArmProblem:
         for _ in range(TURNS):
             before, keys = self.origin, self._chosen()
             values, covariance, cost = self.solve(keys)
-            if self._moved(before, values) < SETTLED:
+            if self._moved(before, values) < ENOUGH:
                 break
             self.linearise(values)
         power = self.alike * max(1.0, cost / (len(self.signals) * self.count))

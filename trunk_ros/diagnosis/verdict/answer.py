@@ -11,10 +11,11 @@ from typing import Any
 from trunk_ros.diagnosis.verdict.events import Event, events
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.model import Model, save_model
+from trunk_ros.recording.topics import COMPARED
 from trunk_ros.trajectory import Trajectory, save_trajectory
 
 SCHEMA = "trunk_ros/diagnosis/1"
-STAGES = ("servo", "wire", "arm")  # in the order of the signal
+STAGES = tuple(COMPARED)
 
 
 @dataclass

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.diagnosis.evidence.evidence import SUREST
-from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.levels import ROUGH
+from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, title, unchanged
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.verdict.units import unit_of
@@ -84,7 +85,7 @@ def _by_owner(model: Model, values: Values, lead: Parameter) -> dict[str, float]
 
 def _said(owner: str, lead: Parameter, unit: str, theirs: float, seen: float) -> str:
     """What the simulator has and what the recording shows, in words."""
-    if seen == lead.null or abs(seen) < 1e-3 * abs(theirs):
+    if seen == lead.null or abs(seen) < ROUGH * abs(theirs):
         return f"{owner}: your simulation has {_sized(theirs, unit)}, the recording shows none"
     if theirs == lead.null:
         return f"{owner}: your simulation has none, the recording shows {_sized(seen, unit)}"
@@ -104,7 +105,7 @@ def _sized(value: float, unit: str) -> str:
 
 def _unseen(kind: type[Effect], confidence: float) -> Finding:
     """A finding on an effect that the recording does not show at all."""
-    evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": kind.forms[0], "signature": kind.signature}
+    evidence = evidence_of(signature=kind.signature, form=kind.forms[0])
     return Finding(
         kind.id, kind.stage, [], kind.regime, confidence, [], {}, list(VARIES_WITH[kind.regime]), "", evidence
     )

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
 from trunk_ros.parameter import FROM, GROWN, UNTIL
 
-TOGETHER = 0.5  # s, or SPREADS: joints on which the same begins so near to each other
-SPREADS = 3.0
+TOGETHER = 0.5  # s, or surely not apart by their spreads: joints on which the same begins
 ARM = "arm"
 BEGINS, ENDS, GROWS = FROM.name, UNTIL.name, GROWN.name
 WORDS = {BEGINS: "begins at", ENDS: "ends at", GROWS: "has its full size at"}
@@ -84,7 +84,7 @@ def _together(by_joint: dict[str, Times]) -> list[list[str]]:
 def _same(one: Times, other: Times) -> bool:
     return one.keys() == other.keys() and all(
         abs(one[name][0] - other[name][0])
-        <= max(TOGETHER, SPREADS * (one[name][1] or 0.0), SPREADS * (other[name][1] or 0.0))
+        <= max(TOGETHER, SURE * (one[name][1] or 0.0), SURE * (other[name][1] or 0.0))
         for name in one
     )
 

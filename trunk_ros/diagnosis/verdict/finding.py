@@ -10,6 +10,12 @@ from trunk_ros.effects.wire.unknown import Unknown
 UNKNOWN = Unknown.id  # what a finding is called that no name fits, in any stage
 
 
+def evidence_of(strength: float = 0.0, signature: str = "", **more: Any) -> dict[str, Any]:
+    """What speaks for a finding, in the words of ``diagnosis.json``; by default nothing does."""
+    nothing: dict[str, Any] = {"gain": {}, "rivals": {}, "form": ""}
+    return {"strength": strength, **nothing, "signature": signature, **more}
+
+
 @dataclass
 class Finding:
     """One effect that the recordings show and the simulation leaves out; see docs for the JSON."""

@@ -13,9 +13,10 @@ from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import LITTLE, MOST, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
-from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding
+from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
 from trunk_ros.diagnosis.verdict.units import unit_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
@@ -33,10 +34,7 @@ VARIES_WITH: dict[str, list[str]] = {
 }
 ARM = "arm"
 UNCHANGED = 0.05  # of a value that a model has: a change that is none
-SURE = 4.0  # spreads that the size of an effect must have on one joint
-MOSTLY = 0.5  # share of the misfit
 NO_CURVE = "No effect and no curve explains it."
-LITTLE = 0.01  # share of the misfit that forms of the same physics may differ by
 
 Spreads = dict[tuple[str, str, int | None], float]
 
@@ -79,14 +77,14 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         parameters=parameters,
         depends_on=varies,
         statement=statement,
-        evidence={
-            "strength": found.strength,
-            "gain": {context.joints[c]: g for c, g in found.gain.items()},
-            "rivals": found.rivals,
-            "form": term.form,
-            "signature": kind.signature,
+        evidence=evidence_of(
+            found.strength,
+            kind.signature,
+            gain={context.joints[c]: g for c, g in found.gain.items()},
+            rivals=found.rivals,
+            form=term.form,
             **asdict(told),
-        },
+        ),
         curve=curve,
     )
 
@@ -214,7 +212,7 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
     """Rests that are most of the misfit are a finding, even where no curve could stand in for them; they
     add to what is ``known`` of the same stage to have no name.
     """
-    rests = [rest for rest in rests if rest.share >= MOSTLY]
+    rests = [rest for rest in rests if rest.share > MOST]
     if not rests:
         return known
     joints = sorted({joint for rest in rests for joint in rest.joints})
@@ -228,7 +226,6 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
             said = f"{finding.statement} {statement}"
             joined = replace(finding, joints=both, depends_on=on, statement=said)
             return [*known[:number], joined, *known[number + 1 :]]
-    evidence = {"strength": 0.0, "gain": {}, "rivals": {}, "form": "", "signature": NO_CURVE}
-    stage, regime = rests[0].stage, rests[0].regime
+    stage, regime, evidence = rests[0].stage, rests[0].regime, evidence_of(signature=NO_CURVE)
     told = Finding(UNKNOWN, stage, joints, regime, UNNAMED, [], {}, varies, statement, evidence)
     return [*known, told]

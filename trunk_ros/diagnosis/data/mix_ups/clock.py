@@ -6,14 +6,14 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.mix_ups.pair import FEWEST, correlation
+from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, correlation
+from trunk_ros.diagnosis.levels import FEWEST
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.signal.fill import fill
 
 LEAST = 0.6  # s: less is a delay
 COARSE = 0.05  # s: as exactly as it is needed
 SAMPLES = 1 << 16  # of the longer topic at most
-ALIKE, UNLIKE = 0.97, 0.9  # correlation of the angles with the clocks set right, and as they are
 BANDS = np.linspace(0.02, 0.48, 16)  # half-widths of dead bands, of the motion
 COMMON = 0.3  # of the shorter topic: less of it is no comparison
 
@@ -22,7 +22,7 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
     """Seconds by which ``target`` (m, joints) at stamps ``second`` (m,) is later than ``source`` (n, joints)
     at ``first`` (n,); 0 where it fits as it is, or where no shift makes it fit.
     """
-    if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > UNLIKE:
+    if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > FOLLOWS:
         return 0.0
     usual = max(float(np.median(np.diff(stamp))) for stamp in (first, second))
     step = max(COARSE, usual, np.ptp(first) / SAMPLES, np.ptp(second) / SAMPLES)
@@ -30,7 +30,7 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
     off = float(second[0] - first[0]) + step * lag
     if abs(off) <= LEAST:
         return 0.0
-    least = max(ALIKE, _alike_by_a_play(first, source, second, target))
+    least = max(FOLLOWS, _alike_by_a_play(first, source, second, target))
     return off if _alike(first + off, source, second, target) > least else 0.0
 
 

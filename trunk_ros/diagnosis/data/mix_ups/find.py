@@ -9,21 +9,19 @@ import numpy as np
 from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
-from trunk_ros.diagnosis.data.mix_ups.pair import PAIRS, MixUp, pair_of
+from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
 from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.topics import TOPICS
-
-IN_ORDER = (counts, swapped, degrees, turned_signs)
+from trunk_ros.recording.topics import COMPARED, TOPICS
 
 
 def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
     """What is mixed up between the topics of each stage; nothing where the joints are not the model's."""
     out: list[MixUp] = []
-    for stage, keys in PAIRS.items():
-        if all(key in recording.series for key in keys):
+    for stage in ("wire", "servo"):
+        if all(key in recording.series for key in COMPARED[stage]):
             out += _of_stage(recording, model, stage)
     return out
 
@@ -45,7 +43,7 @@ def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
 
 
 def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
-    source, target = (recording.series[key] for key in PAIRS[stage])
+    source, target = (recording.series[key] for key in COMPARED[stage])
     try:
         joints = common_joints(recording, model, source, target)
     except RecordingError:  # is said where it matters
@@ -60,14 +58,14 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     found: list[MixUp] = []
     if pair is None:
         return found
-    for look in IN_ORDER:
+    for look in (counts, swapped, degrees, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
     return found
 
 
 def _clock(stage: str, joints: tuple[str, ...], off: float) -> MixUp:
-    source, target = (TOPICS[key] for key in PAIRS[stage])
+    source, target = (TOPICS[key] for key in COMPARED[stage])
     way = "late" if off > 0 else "early"
     said = (
         f"the clocks of {source} and {target} are {abs(off):.3g} s apart: {target} is {way} by "

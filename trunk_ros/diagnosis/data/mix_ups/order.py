@@ -7,9 +7,9 @@ from scipy.optimize import linear_sum_assignment
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, correlation, own_correlation
+from trunk_ros.diagnosis.data.motion_content import STILL
 
 STRANGE = 0.7  # correlation of a joint with what cannot be turning it
-STANDS = 0.02  # of the largest motion
 
 
 def swapped(pair: Pair) -> list[MixUp]:
@@ -54,7 +54,7 @@ def likeness(driven: Array, shown: Array) -> Array:
     is like what stands.
     """
     out = np.zeros((shown.shape[1], driven.shape[1]))
-    moved, turned = (np.ptp(each, axis=0) > STANDS * np.ptp(each, axis=0).max() for each in (shown, driven))
+    moved, turned = (np.ptp(each, axis=0) > STILL * np.ptp(each, axis=0).max() for each in (shown, driven))
     for i, reading in enumerate(shown.T):
         for j, drive in enumerate(driven.T):
             both = moved[i] and turned[j]

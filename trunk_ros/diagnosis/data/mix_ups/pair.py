@@ -9,16 +9,14 @@ import numpy as np
 
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import FEWEST, ROWS
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
-from trunk_ros.recording.topics import TOPICS
+from trunk_ros.recording.topics import COMPARED, TOPICS
 
 Kind = Literal["unit", "counts", "sign", "order", "clock"]
 
-PAIRS = {"wire": ("gearbox_states", "joint_states"), "servo": ("setpoints", "gearbox_states")}
 FOLLOWS = 0.95  # correlation of a joint with what turns it, wide loops and long lags included
-ROWS = 5000  # samples are enough for a correlation
-FEWEST = 10  # samples
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,7 @@ class Pair:
     @property
     def topics(self) -> tuple[str, str]:
         """Names of the two topics."""
-        source, target = PAIRS[self.stage]
+        source, target = COMPARED[self.stage]
         return TOPICS[source], TOPICS[target]
 
     @property

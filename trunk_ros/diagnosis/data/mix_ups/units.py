@@ -6,12 +6,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, own_correlation
+from trunk_ros.diagnosis.data.sensing.wraps import TURN
 from trunk_ros.recording.signal.encoder import count
 
-PER_RADIAN = 180.0 / np.pi
 CLOSE, CLOSER = np.log(1.15), np.log(1.03)  # to that factor: where the ratio is known, and where it is not
 SEVERAL = 10.0  # times the limits: no arm goes there
-TURN = 2.0 * np.pi  # rad: joints that state no limits stay within about one turn
 FAR = 100.0  # rad: a joint that goes so far does not read whole radians only
 TO_DO = "Convert it to rad (unit: deg in a mapping) and diagnose again."
 
@@ -45,9 +44,10 @@ def degrees(pair: Pair) -> list[MixUp]:
         return []
     with np.errstate(divide="ignore", invalid="ignore"):
         times = np.log(_spread(pair.target) / _spread(pair.driven))
+    degree = np.log(np.degrees(1.0))
     near = CLOSE if pair.ratio_known else CLOSER
-    large_target = moves & (np.abs(times - np.log(PER_RADIAN)) < near)
-    large_source = moves & (np.abs(times + np.log(PER_RADIAN)) < near)
+    large_target = moves & (np.abs(times - degree) < near)
+    large_source = moves & (np.abs(times + degree) < near)
     if not pair.ratio_known:  # one joint with a gear of 57 to 1 is one with a gear
         large_target, large_source = (w & bool((w == moves).all()) for w in (large_target, large_source))
     both = moves & (np.abs(times) < CLOSE) & (np.abs(pair.target).max(axis=0) > SEVERAL * pair.limit)
@@ -60,7 +60,7 @@ def degrees(pair: Pair) -> list[MixUp]:
 
 def _one(pair: Pair, which: np.ndarray, values: Array, large: str, small: str) -> MixUp:
     """``values`` (n, joints): of the topic with the larger numbers, on the target's side."""
-    bound = np.where(np.isfinite(pair.limit), 2.0 * pair.limit, TURN)
+    bound = np.where(np.isfinite(pair.limit), 2.0 * pair.limit, TURN)  # joints without limits: about a turn
     beyond = (np.abs(values).max(axis=0) > bound)[which].any()
     other = "" if beyond else f", or {small} like radians that were taken for degrees"
     said = (

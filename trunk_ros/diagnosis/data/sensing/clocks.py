@@ -11,14 +11,13 @@ from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, wit
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import sliding, waited
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.model import Model
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import TOPICS
 
 SHOWN, DRIVEN, ASKED = TOPICS["joint_states"], TOPICS["gearbox_states"], TOPICS["setpoints"]
-ROUNDS = 3  # of looking for skew: what is left of a large one shows when most of it is gone
-PPM = 1e6
 
 
 def clocks_put_right(recording: Recording, model: Model) -> Recording:
@@ -38,18 +37,18 @@ def _at_one_pace(recording: Recording, model: Model) -> Recording:
         return recording
     runs = "fast" if found.rate > 0.0 else "slow"
     said = (
-        f"the clock of {SHOWN} runs {PPM * abs(found.rate):.0f} ± {PPM * found.std:.1f} ppm {runs} beside "
+        f"the clock of {SHOWN} runs {1e6 * abs(found.rate):.0f} ± {1e6 * found.std:.1f} ppm {runs} beside "
         f"that of {DRIVEN}: its stamps were corrected from the beginning on. It would have looked like "
         "friction_wear, thermal_drift or a sensor_delay that changes. Synchronise the clocks (chrony, PTP)"
     )
-    looks, value = ("friction_wear", "thermal_drift", "sensor_delay"), PPM * found.rate
-    observed = Observed("skew", SHOWN, both[1].joints, value, PPM * found.std, "ppm", True, looks, said)
+    looks, value = ("friction_wear", "thermal_drift", "sensor_delay"), 1e6 * found.rate
+    observed = Observed("skew", SHOWN, both[1].joints, value, 1e6 * found.std, "ppm", True, looks, said)
     return seen(recording, observed, joint_states=without_skew(recording.series["joint_states"], found))
 
 
 def _whole_skew(gearbox: JointSeries, shown: JointSeries, model: Model) -> Skew | None:
     arm, whole = model.for_joints(shown.joints).loaded_arm().only(shown.joints), None
-    for _ in range(ROUNDS):
+    for _ in range(TURNS):  # what is left of a large one shows when most of it is gone
         found = skew(gearbox, shown if whole is None else without_skew(shown, whole), arm)
         if found is None:
             return whole

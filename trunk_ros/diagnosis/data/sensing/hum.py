@@ -14,21 +14,16 @@ from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import CHANCE, FEWEST, basis, motion_of, scaled
+from trunk_ros.diagnosis.data.sensing.physics import FEWEST, basis, motion_of, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.guards import TINY
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, NEARLY, SURE
+from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
 JOINTS = 3  # of which one size says something
-SURE = 6.0  # standard deviations that a tone stands out of what is beside it
-EACH = 3.0  # the same of the tone of each joint
-SHARP = 0.2  # of the size: its std, so that being alike says something
-IN_STEP = 0.9  # of phases: how nearly they are one, from 0 to 1
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
-HALF = 0.5  # of the sampling rate: up to there
-NOTHING = 1e-5  # of what the motion says most
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
 def _spanned(features: Array) -> Array:
     """Orthonormal features (n, fewer) that say the same as features (n, k)."""
     u, size, _ = np.linalg.svd(features, full_matrices=False)
-    return np.asarray(u[:, size > NOTHING * size[0]])
+    return np.asarray(u[:, size**2 > BLIND * size[0] ** 2])
 
 
 def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | None:
@@ -82,7 +77,7 @@ def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | No
     lines = []
     for one, u in zip(rest, says, strict=True):
         wave, spread = _line(frequency, stamp, one[:, None], u)
-        if not np.all(np.hypot(*wave) > EACH * spread):
+        if not np.all(np.hypot(*wave) > SURE * spread):
             return None
         lines.append((wave, spread))
     waves, std = (np.concatenate(each, axis=-1) for each in zip(*lines, strict=True))
@@ -90,9 +85,9 @@ def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | No
     weight = std**-2.0
     mean, known = float(sizes @ weight / weight.sum()), float(weight.sum() ** -0.5)
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
-    if mean < SURE * known or float(np.median(std)) > SHARP * mean:
+    if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
         return None
-    if unlike > chi2.ppf(CHANCE, len(sizes) - 1) or _driven(frequency, stamp, waves, asked):
+    if unlike > chi2.isf(CHANCE, len(sizes) - 1) or _driven(frequency, stamp, waves, asked):
         return None
     return Hum(frequency, mean, known, waves)
 
@@ -101,7 +96,7 @@ def _shared(stamp: Array, rest: list[Array], says: list[Array]) -> float:
     """The frequency near that of the middle joint's strongest line by which most of the rests (n,) is
     explained beside features (n, k); 0 where there is no line.
     """
-    first = float(np.median([spectrum(stamp, one, HALF)[0] for one in rest]))
+    first = float(np.median([spectrum(stamp, one)[0] for one in rest]))
     if first <= 0.0:
         return 0.0
 
@@ -124,7 +119,7 @@ def _driven(frequency: float, stamp: Array, waves: Array, asked: Array) -> bool:
     own, beside = _line(frequency, stamp, asked, np.empty((len(stamp), 0)))
     behind = np.angle(np.exp(1j * (np.arctan2(*waves) - np.arctan2(*own))) ** 2)
     in_step = float(np.abs(np.mean(np.exp(1j * behind))))
-    return bool(np.all(np.hypot(*own) > SURE * beside)) and in_step > IN_STEP
+    return bool(np.all(np.hypot(*own) > CERTAIN * beside)) and in_step > NEARLY
 
 
 def _line(frequency: float, stamp: Array, signals: Array, besides: Array) -> tuple[Array, Array]:

@@ -12,21 +12,16 @@ from scipy.stats import chi2
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import CHANCE, FEWEST, Motion, basis, motion_of, scaled
-from trunk_ros.guards import ROUNDED
+from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, basis, motion_of, scaled
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, NEARLY, ROWS, SURE
+from trunk_ros.guards import BLIND, ROUNDED
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
-SURE = 8.0  # standard deviations
-EVENLY = 0.8  # of what grows in any way
 LARGEST = 5e-3  # s/s: no clock is worse
-TELLS = 0.25  # of the skew: the std of a joint that says something
-AGREES = 4.0  # standard deviations from what all joints say, or as much of the skew as below
-ALIKE, ALIKER = 0.25, 0.1
-DIFFER = 1.3  # times the speed of the slowest: joints of one speed are late alike for other reasons
-ROWS = 6000  # samples that are enough
+ALIKE, ALIKER = 0.25, 0.1  # of the skew: so far off a joint may surely be from what all say
 IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
-BLOCK = 50  # of them may depend on each other
+BLOCK = 50  # samples may depend on each other
 WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
 
 
@@ -61,9 +56,9 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     return _said(motion_of(gearbox, shown, arm))
 
 
-def without_skew(shown: JointSeries, found: Skew, begin: float = 0.0) -> JointSeries:
-    """The series with stamps of the gearbox's clock, which agreed with its own at ``begin`` s."""
-    return replace(shown, stamp=begin + (shown.stamp - begin) / (1.0 + found.rate))
+def without_skew(shown: JointSeries, found: Skew) -> JointSeries:
+    """The series with stamps of the gearbox's clock, which agreed with its own at 0 s."""
+    return replace(shown, stamp=shown.stamp / (1.0 + found.rate))
 
 
 @dataclass(frozen=True)
@@ -84,7 +79,7 @@ class _Told:
     @property
     def able(self) -> np.ndarray:
         """(joints,) that can tell."""
-        return np.asarray(self.std < TELLS * abs(self.together[0]))
+        return np.asarray(SURE * self.std < abs(self.together[0]))
 
     @property
     def off(self) -> Array:
@@ -101,10 +96,10 @@ class _Told:
     def agree(self) -> bool:
         """Whether those that can tell say the same, and it is a clock's way to grow."""
         alike = (ALIKE if self.wear else ALIKER) * abs(self.together[0])
-        near = (self.off < np.maximum(AGREES * self.std, alike))[self.able]
+        near = (self.off < np.maximum(SURE * self.std, alike))[self.able]
         share = self.together**2 * WINDING
-        sure = SURE * self.skew.std < abs(self.together[0]) < LARGEST
-        return bool(near.all() and sure and share[0] > EVENLY * share.sum())
+        sure = CERTAIN * self.skew.std < abs(self.together[0]) < LARGEST
+        return bool(near.all() and sure and share[0] > NEARLY * share.sum())
 
 
 def _said(motion: Motion) -> Skew | None:
@@ -113,11 +108,12 @@ def _said(motion: Motion) -> Skew | None:
     whole, bare = _told(motion, True), _told(motion, False)
     if whole.agree and whole.able.sum() >= min(2, len(motion.joints)):
         return whole.skew
-    both = AGREES * np.hypot(whole.skew.std, bare.skew.std) + ALIKE * abs(bare.skew.rate)
+    both = SURE * np.hypot(whole.skew.std, bare.skew.std) + ALIKE * abs(bare.skew.rate)
     if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
         return _from_joint_to_joint(motion)
     speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
-    return bare.skew if np.ptp(np.log(speeds)) > np.log(DIFFER) else None
+    # joints of one speed are late alike for other reasons
+    return bare.skew if speeds.max() > CLEARLY * speeds.min() else None
 
 
 def _from_joint_to_joint(motion: Motion) -> Skew | None:
@@ -133,9 +129,9 @@ def _from_joint_to_joint(motion: Motion) -> Skew | None:
     covariance = np.linalg.pinv(line.T @ line)
     found = covariance @ (line.T @ (lag / std))
     rate, spread, off = float(found[1]), float(np.sqrt(covariance[1, 1])), lag / std - line @ found
-    on_line = float(off @ off) < chi2.ppf(CHANCE, len(lag) - 2)
+    on_line = float(off @ off) < chi2.isf(CHANCE, len(lag) - 2)
     apart = np.ptp(when) > APART * np.ptp(motion.stamp)
-    return Skew(rate, spread) if on_line and apart and SURE * spread < abs(rate) < LARGEST else None
+    return Skew(rate, spread) if on_line and apart and CERTAIN * spread < abs(rate) < LARGEST else None
 
 
 def _lag(motion: Motion, joint: int) -> tuple[float, float]:
@@ -166,7 +162,7 @@ def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
 def _fitted(features: Array, off: Array) -> tuple[Array, Array]:
     """Shares (features,) of features (n, features) in ``off`` (n,), and their std from blocks of samples."""
     features, size = scaled(features)
-    inverse = np.linalg.pinv(features.T @ features, rcond=1e-10, hermitian=True)
+    inverse = np.linalg.pinv(features.T @ features, rcond=BLIND, hermitian=True)
     values = inverse @ (features.T @ off)
     left = features * (off - features @ values)[:, None]
     blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)

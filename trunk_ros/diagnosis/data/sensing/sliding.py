@@ -10,24 +10,19 @@ from functools import cached_property
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import MOVES, scaled
-from trunk_ros.diagnosis.data.sensing.thinned import SETTLED
+from trunk_ros.diagnosis.data.align import SETTLING
+from trunk_ros.diagnosis.data.sensing.physics import FEWEST, MOVES, scaled
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
+from trunk_ros.diagnosis.levels import MOST, ROWS
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.servo_course import servo_course
 
-FEWEST = 500  # samples
-BEGINS = 60.0  # s in which a saw is searched for
-ROWS = 20_000  # samples that are enough
 LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
 PHASES = 16
-SURE = 0.6  # of the power of all that makes joints late or early, but for constant lags and servos
-SIZE = (0.6, 1.4)  # of the setpoints' period
-LEAVES = 0.6  # of that power, when setpoints are moved to when they acted
 
 
 @dataclass(frozen=True)
@@ -62,7 +57,7 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     follows = 1.0 / arm.kp + arm.tau_v  # s after a setpoint has acted, the shaft shows it
     found = replace(found, phase=found.phase + follows / found.takes)
     left = _late(waited(setpoints, found), gearbox, model)
-    return found if left is not None and left.able < LEAVES * late.able else None
+    return found if left is not None and left.able < MOST * late.able else None
 
 
 def waited(setpoints: JointSeries, found: Sliding) -> JointSeries:
@@ -129,7 +124,7 @@ class _Lags:
 def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags | None:
     """How late the gearbox is behind the nominal servo's course."""
     course = servo_course(setpoints, gearbox.stamp, model)
-    kept = course.stamp > course.stamp[0] + SETTLED
+    kept = course.stamp > course.stamp[0] + SETTLING
     stamp, said = course.stamp[kept], course.position[kept]
     at = np.searchsorted(gearbox.stamp, stamp)
     off = fill(gearbox.position)[at] - said
@@ -177,7 +172,7 @@ def _fitted(late: _Lags, takes: float) -> tuple[float, Sliding]:
 def _over_all(late: _Lags, period: float) -> Sliding | None:
     """The saw of a whole recording: searched for at its beginning, then followed further and further."""
     stamp = late.stamp
-    end, found = min(BEGINS, float(np.ptp(stamp))), None
+    end, found = min(SLIDES[1], float(np.ptp(stamp))), None
     while True:
         seen = stamp <= stamp[0] + end
         some = late.rows(seen)
@@ -197,6 +192,6 @@ def _finer(late: _Lags, start: Sliding, period: float) -> Sliding | None:
         for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
     (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
-    if not SIZE[0] * period < size < SIZE[1] * period or power < SURE * late.able:
+    if abs(size - period) > (1.0 - MOST) * period or power < MOST * late.able:
         return None
     return Sliding(float(takes), float(phase), period)  # the servo rounds the teeth, which makes them smaller

@@ -10,9 +10,7 @@ from trunk_ros.recording.signal.encoder import count
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.resample import resample
 
-RESTS = 0.5  # of the time in which a joint moves by less than a step
 WITHIN = 0.2  # s
-WIDE = 2.0  # dead bands, that a step has to be to hide them
 
 
 def coarse_steps(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> dict[str, float]:
@@ -28,6 +26,7 @@ def coarse_steps(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> dict[str
     for j, joint in enumerate(shown.joints):
         step = count(readings[:, j])
         moved = np.abs(u[apart:, j] - u[:-apart, j])
-        if step > WIDE * arm.dead_band[j] > 0.0 and float(np.mean(moved < step)) > RESTS:
+        whole = 2.0 * arm.dead_band[j]  # from one side to the other: a larger step hides it
+        if step > whole > 0.0 and float(np.median(moved)) < step:
             out[joint] = step
     return out

@@ -9,17 +9,16 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import uniform_filter1d
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import ENOUGH
+from trunk_ros.diagnosis.data.align import SETTLING
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.encoder import EVEN
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.servo_course import servo_course
 
 TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
-EVEN = 0.2  # of the usual time between setpoints
 STEPS = 3.0  # times as much of the stairs that the kept ones alone would make
-BETTER = 1.5  # times as near: from here on one number of setpoints is better than another
-SETTLED = 0.5  # s in which a servo forgets how it began
 
 
 @dataclass(frozen=True)
@@ -28,8 +27,6 @@ class Thinned:
 
     times: int
     setpoints: JointSeries
-    stairs: float
-    """Rms [rad] of the stairs at the shaft that the kept setpoints alone would have made."""
 
 
 def thinned(
@@ -50,8 +47,8 @@ def thinned(
     if kept < STEPS * least:
         return None
     shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
-    _, times, whole = min(tried, key=lambda one: (one[0] > BETTER * least, one[1] != shown, one[0]))
-    return Thinned(times, whole, kept)
+    _, times, whole = min(tried, key=lambda one: (one[0] > CLEARLY * least, one[1] != shown, one[0]))
+    return Thinned(times, whole)
 
 
 def _usual(stamp: Array) -> float:
@@ -103,5 +100,5 @@ def _stairs(setpoints: JointSeries, gearbox: JointSeries, model: Model, period: 
     off = course.position - fill(gearbox.position)[at]
     size = max(round(period / _usual(gearbox.stamp)), 2)
     fast = off - uniform_filter1d(off, size, axis=0)
-    settled = course.stamp > course.stamp[0] + SETTLED
+    settled = course.stamp > course.stamp[0] + SETTLING
     return float(np.sqrt(np.mean(fast[settled] ** 2)))

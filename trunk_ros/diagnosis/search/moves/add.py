@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import MOST, REFITTED
 from trunk_ros.diagnosis.search.candidates import (
     Candidate,
     breaking_kinds,
@@ -27,10 +28,7 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
 
-PROMISING_EVERYWHERE = 2  # likewise, on all joints at once
-NEAR_BEST = 0.6  # an effect takes a joint along if it explains this share of what the best one does there
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
-MAJORITY = 0.6  # of the joints
 
 Trials = dict[str, tuple[float, Hypothesis, float]]
 """By effect: the gain in score on a joint, the hypothesis and the joint's squared residuals."""
@@ -57,7 +55,7 @@ def on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
             tried.setdefault(name, {})[column] = trial
     most = {c: max((t[c][0] for t in tried.values() if c in t), default=0.0) for c in best.context.columns}
     for name, by in tried.items():
-        chosen = {c: t for c, t in by.items() if t[0] >= NEAR_BEST * most[c]}
+        chosen = {c: t for c, t in by.items() if t[0] >= MOST * most[c]}
         if chosen:
             yield _merged(best, name, chosen)
     yield from lines(best, most)
@@ -138,7 +136,7 @@ def everywhere(best: Fit) -> Iterator[Fit]:
         return
     screen = Screen(context, best.hypothesis)
     found = [c for k in kinds for c in screen.all_everywhere(k) if c.gain > SIGNIFICANT]
-    most = PROMISING_EVERYWHERE if local_kinds(context) else len(found)  # a servo's lags hide each other
+    most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
         trial = dated(refit(context, extended(context, best.hypothesis, candidate)), candidate.effect)
         trial = descend_with(shown_again(best, trial, candidate.effect), (MEMBER, EVENT))
@@ -169,8 +167,8 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
         if size > need(context, column, best.rest(column)):
             gain = best.cost[column] - trial.cost[column]
             left = best.cost[column] - context.count(column)
-            sides.append(gain > EXPECTED * size or gain > MAJORITY * left)
-    return sum(sides) > MAJORITY * len(sides)
+            sides.append(gain > EXPECTED * size or gain > MOST * left)
+    return sum(sides) > MOST * len(sides)
 
 
 ADD = Move("add", groups, grows=True)

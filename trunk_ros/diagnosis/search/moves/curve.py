@@ -9,15 +9,14 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, promised
+from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.candidates import MOST, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, state_of
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 
-CLEARER = 0.02  # of what the names explain: what a curve must explain beyond them
 FEW = 2  # effects of a joint's own from which on a curve may do instead
-KEPT = 1  # effects beside which a curve is drawn in full
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -81,7 +80,7 @@ def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:
     if not local or len(local) > FEW:
         return True
     without = fit(now.context, now.hypothesis.less(local, column), [column]).cost[column]
-    return now.cost[column] - trial.cost[column] > CLEARER * (without - now.cost[column])
+    return now.cost[column] - trial.cost[column] > LITTLE * (without - now.cost[column])
 
 
 def _curved(best: Fit, column: int, local: list[str]) -> Iterator[Fit]:
@@ -94,7 +93,7 @@ def _curved(best: Fit, column: int, local: list[str]) -> Iterator[Fit]:
     ]
     first, *others = (bare.hypothesis for bare in bares)
     others.sort(key=lambda bare: promised(best.context, bare, column))
-    for bare in [first, *others[:KEPT]]:
+    for bare in [first, *others[:1]]:
         trial = curve_fit(best.context, bare, column)
         if trial is not None:
             yield Fit(trial.hypothesis, best.cost | trial.cost, best.context)

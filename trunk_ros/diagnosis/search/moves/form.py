@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import extended, shown_forms
+from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.score import score
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
 
 
@@ -71,13 +70,9 @@ def _reformed(now: Fit, name: str, form: str) -> Fit | None:
 def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
     """Each joint at what a linear look finds best."""
     kind, old = effect(name), now.hypothesis[name]
-    out = bare = now.hypothesis.without(name)
-    screen = Screen(now.context, bare, old.columns)
-    for column in old.columns:
-        candidate = screen.local_form(kind, form, column)
-        if candidate is None:
-            return None
-        out = extended(now.context, out, replace(candidate, column=None, columns=(column,)))
+    out = begun_on(now.context, now.hypothesis.without(name), kind, form, old.columns)
+    if out is None:
+        return None
     out[name].shared |= {
         p.name: old.shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in old.shared
     }

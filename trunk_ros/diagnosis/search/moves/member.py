@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import extended, taken
+from trunk_ros.diagnosis.search.candidates import taken
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
 
 
@@ -45,10 +44,7 @@ def _joined(now: Fit, name: str, column: int) -> Hypothesis | None:
         return out
     if taken(kind, out, column):
         return None
-    start = Screen(now.context, now.hypothesis, [column]).local_form(kind, form, column)
-    if start is None:
-        return None
-    return extended(now.context, now.hypothesis, replace(start, column=None, columns=(column,)))
+    return begun_on(now.context, now.hypothesis, kind, form, [column])
 
 
 MEMBER = Move("member", groups)

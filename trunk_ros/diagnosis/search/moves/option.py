@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import extended, given, shown_forms
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import score
-from trunk_ros.diagnosis.search.screen import PROMISED, REFITTED, Screen
+from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 

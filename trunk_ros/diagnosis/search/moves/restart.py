@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
+from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.moves.add import trials
 from trunk_ros.diagnosis.search.score import beats, score
-
-FIRSTS = 3  # first steps that are gone
-MOST = 3  # effects that are then chosen
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -25,7 +23,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def _anew(best: Fit, desk: Desk, column: int, own: list[str]) -> Iterator[Fit]:
     bare = refit_column(best, best.hypothesis.less(own, column), column)
-    for first in _further(bare, desk, column)[:FIRSTS]:
+    for first in _further(bare, desk, column)[:REFITTED]:
         yield _grown(first, desk, column)
 
 
@@ -37,10 +35,7 @@ def _further(now: Fit, desk: Desk, column: int) -> list[Fit]:
 
 def _grown(now: Fit, desk: Desk, column: int) -> Fit:
     """With what then explains most of the joint, as long as that pays."""
-    for _ in range(MOST - 1):
-        best = min(_further(now, desk, column), key=score, default=now)
-        if not beats(best, now):
-            break
+    while beats(best := min(_further(now, desk, column), key=score, default=now), now):
         now = best
     return now
 

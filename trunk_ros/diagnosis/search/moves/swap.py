@@ -9,11 +9,8 @@ from itertools import combinations
 from trunk_ros.diagnosis.search.candidates import open_kinds, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.trial import Look, looks, most_promising, refitted
+from trunk_ros.diagnosis.search.trial import PROMISING, Look, looks, most_promising, refitted
 from trunk_ros.effects import confused
-
-EACH = 5  # effects that are looked at in the place of the same ones
-REFITTED = 8  # of all of them that are refitted in full
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -24,7 +21,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def _swapped(best: Fit, column: int) -> Iterator[Fit]:
-    found = most_promising(best, column, _looks(best, column), REFITTED)
+    found = most_promising(best, column, _looks(best, column), 2 * PROMISING)
     yield from refitted(best, column, found)
 
 
@@ -33,7 +30,7 @@ def _looks(best: Fit, column: int) -> Iterator[Look]:
     for gone in [*((a,) for a in local), *combinations(local, 2)]:
         bare = best.hypothesis.less(gone, column)
         like = {other for name in gone for other in confused(name)}
-        yield from looks(best, bare, column, open_kinds(best.context, bare, column), EACH, like)
+        yield from looks(best, bare, column, open_kinds(best.context, bare, column), PROMISING, like)
 
 
 SWAP = Move("swap", groups)

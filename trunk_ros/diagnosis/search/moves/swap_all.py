@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds, replaced, taken, usable
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -19,10 +20,6 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
 from trunk_ros.effects import Effect, effect
-
-REFITTED = 3  # starts of an effect of the same kind that are fitted in full
-ALONE = 2  # joints that what acts on all must explain by itself
-SEEN = 0.2  # of what the one in its place explains: a linear look sees less of what bends
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -42,7 +39,7 @@ def _swapped(best: Fit, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
             continue
         again = kind.regime == effect(name).regime
         for candidate in screen.all_everywhere(kind):
-            if candidate.gain > SEEN * min(sum(lost.values()), SIGNIFICANT):
+            if candidate.gain > PROMISED * min(sum(lost.values()), SIGNIFICANT):
                 trial = dated(refit(best.context, extended(best.context, bare, candidate)), kind.id)
                 if _promises(trial, screen, lost, again):
                     yield _polished(best, trial, name, again)
@@ -95,7 +92,7 @@ def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -
     gained = {c: screen.left(c) - trial.cost[c] for c in lost}
     if not again:
         return sum(gained.values()) > PROMISED * sum(lost.values())
-    return sum(gained[c] > max(PROMISED * loss, SIGNIFICANT) for c, loss in lost.items()) >= ALONE
+    return sum(gained[c] > max(PROMISED * loss, SIGNIFICANT) for c, loss in lost.items()) >= SEVERAL
 
 
 def _polished(best: Fit, trial: Fit, name: str, again: bool) -> Fit:
@@ -116,7 +113,7 @@ def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:
     left = [c for c in was.hypothesis[name].columns if not taken(kind, trial.hypothesis, c)]
     left = [c for c in left if c in context.columns]
     alone = len(context.columns) - len(left)
-    while left and len(left) + alone > ALONE:
+    while left and len(left) + alone > SEVERAL:
         needy = max(left, key=lambda c: trial.cost[c] - was.cost[c])
         if trial.cost[needy] - was.cost[needy] < need(context, needy, was.rest(needy)):
             break

@@ -7,16 +7,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import extended, local_kinds
+from trunk_ros.diagnosis.search.candidates import local_kinds
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.drop import DROP
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import Effect, confused, effect
-
-MOST = 0.5  # of the joints: an effect on as many may be one of all
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -33,7 +30,7 @@ def on_most(best: Fit, name: str) -> bool:
     """Whether an effect acts on all joints, or is on most of them."""
     columns = best.context.columns
     there = set(best.hypothesis[name].columns) & set(columns)
-    return effect(name).everywhere or len(there) > MOST * len(columns)
+    return effect(name).everywhere or 2 * len(there) > len(columns)
 
 
 def _on_the_same(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
@@ -43,24 +40,14 @@ def _on_the_same(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
     for other in [t.effect for t in less.values() if effect(t.effect).regime == kind.regime]:
         alone = alone.without(other)
     for bare in (less, alone) if len(alone) < len(less) else (less,):
-        out = _with(best, bare, kind, [c for c in columns if c in best.context.columns])
+        form = bare[kind.id].form if kind.id in bare else kind.forms[0]
+        there = bare[kind.id].own if kind.id in bare else {}
+        new = [c for c in columns if c in best.context.columns and c not in there]
+        out = begun_on(best.context, bare, kind, form, new)
         if out is not None:
             trial = refit(best.context, out)
             if not unshown(trial.context, trial.hypothesis):
                 yield descend_with(trial, (DROP,))
-
-
-def _with(best: Fit, bare: Hypothesis, kind: type[Effect], columns: list[int]) -> Hypothesis | None:
-    """An effect on further joints, in one form; None where one of them does not show it."""
-    screen, out = Screen(best.context, bare, columns), bare
-    form = bare[kind.id].form if kind.id in bare else kind.forms[0]
-    for column in columns:
-        if kind.id not in bare or column not in bare[kind.id].own:
-            start = screen.local_form(kind, form, column)
-            if start is None:
-                return None
-            out = extended(best.context, out, start)
-    return out
 
 
 SWAP_MANY = Move("swap_many", groups)

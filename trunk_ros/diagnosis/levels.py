@@ -1,0 +1,34 @@
+"""What counts as certain, as enough and as little: levels that many files judge by, each once."""
+
+CHANCE = 0.01
+"""Probability with which chance may pass for something, over all places where it was looked for."""
+NOTABLE = 2.0
+"""Standard deviations that chance seldom makes: enough where little is lost by an error."""
+SURE = 4.0
+"""Standard deviations that chance does not make, also where they are only roughly known."""
+CERTAIN = 6.0
+"""Standard deviations from which on a recording is changed: nobody looks at it unchanged afterwards."""
+OUTLIERS = 0.01
+"""Share of samples at an end of a range that may be outliers."""
+FEWEST = 20
+"""Readings: of fewer nothing is told of a sensor."""
+ENOUGH = 100
+"""Samples: of fewer nothing is told of a motion."""
+ROWS = 5000
+"""Samples that are enough: of more some are looked at."""
+ROUGH = 1e-3
+"""Of a size: fits, integration and interpolation are no more exact."""
+LITTLE = 0.02
+"""Of a misfit: forms of the same physics differ by so much."""
+SEVERAL = 2
+"""Joints that show the same, each by itself: from then on it may be of all joints."""
+REFITTED = 3
+"""Of the best by a first look that are fitted in full, where a fit is dear."""
+TURNS = 4
+"""Of what is fitted alternately: each leaves little of what the other had to follow."""
+MOST = 0.6
+"""Share that is most of something: more than half, so that little does not tip it."""
+NEARLY = 0.9
+"""Share that is nearly all of something."""
+CLEARLY = 1.5
+"""Times as much as a level: clearly more than that."""
