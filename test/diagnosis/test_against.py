@@ -29,9 +29,9 @@ TRUTH = {
 
 
 def run(effects: dict[str, Any], noise: float, seed: int = 0) -> Recording:
-    """A minute of an arm whose joints have names of their own, motor side and joint side."""
+    """20 s of an arm whose joints have names of their own, motor side and joint side."""
     direct = load_model("direct").for_joints(JOINTS)
-    phi = setpoints_of(40.0, len(JOINTS))
+    phi = setpoints_of(20.0, len(JOINTS))
     stamp = np.arange(len(phi)) / 100
     theta, _ = Chain(Model(direct.arm, effects), "wire").run(phi, stamp)
     theta = theta + noise * np.random.default_rng(seed).standard_normal(theta.shape)
