@@ -16,6 +16,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 ROOT = Path(__file__).parent
 LONG = (
+    "diagnosis/test_labelled.py",
     "diagnosis/test_against.py",
     "diagnosis/test_experiment.py",
     "diagnosis/test_real.py",
@@ -28,7 +29,6 @@ LONG = (
     "diagnosis/test_real_sheath.py",
     "diagnosis/test_events.py",
     "diagnosis/test_swinging.py",
-    "diagnosis/test_labelled.py",
     "diagnosis/test_stations.py",
     "test_effort.py",
     "effects/test_conformance.py",
