@@ -37,8 +37,8 @@ lint: setup
 
 # The nodes' tests start many processes, so only two of them run at a time.
 pytest: setup
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n auto --maxprocesses 4 --dist loadfile --ignore test/nodes
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n 2 --dist loadfile test/nodes
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --ignore test/nodes
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n 2 --dist loadfile --no-loadscope-reorder test/nodes
 
 # Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
 coverage: setup

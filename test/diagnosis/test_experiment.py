@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -78,11 +80,23 @@ def proposed(path: Path) -> Array:
 
 
 @pytest.fixture(scope="module")
-def ambiguous(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Diagnosis]:
-    folder = tmp_path_factory.mktemp("ambiguous")
-    result = diagnose([made(folder / "bag", TRUTHS[0], all_joints_alike(), 0)])
-    result.save(folder)
-    return folder, result
+def doubtful(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Path, Diagnosis]]:
+    """doubtful(effect) -> what is said of an arm that has it and whose joints move alike, and its folder."""
+
+    @cache
+    def once(effect: str) -> tuple[Path, Diagnosis]:
+        folder = tmp_path_factory.mktemp(effect)
+        (truth,) = (each for each in TRUTHS if each.effect == effect)
+        result = diagnose([made(folder / "bag", truth, all_joints_alike(), 0)])
+        result.save(folder)
+        return folder, result
+
+    return once
+
+
+@pytest.fixture(scope="module")
+def ambiguous(doubtful: Callable[[str], tuple[Path, Diagnosis]]) -> tuple[Path, Diagnosis]:
+    return doubtful(TRUTHS[0].effect)
 
 
 @pytest.fixture(scope="module")
@@ -96,14 +110,14 @@ def designed(ambiguous: tuple[Path, Diagnosis]) -> tuple[Context, Experiment]:
 
 
 @pytest.mark.parametrize("truth", TRUTHS, ids=lambda h: h.effect)
-def test_the_proposed_run_on_the_same_arm_ends_the_ambiguity(truth: Hidden, tmp_path: Path) -> None:
-    first = made(tmp_path / "first", truth, all_joints_alike(), 0)
-    doubtful = diagnose([first])
-    (found,) = doubtful.findings
+def test_the_proposed_run_on_the_same_arm_ends_the_ambiguity(
+    truth: Hidden, doubtful: Callable[[str], tuple[Path, Diagnosis]], tmp_path: Path
+) -> None:
+    folder, first = doubtful(truth.effect)
+    (found,) = first.findings
     assert {found.effect, *found.equivalents} >= {"ratio_error", "joint_coupling"}
-    doubtful.save(tmp_path)
-    second = made(tmp_path / "second", truth, proposed(tmp_path / FILE), 1)
-    settled = diagnose([first, second])
+    second = made(tmp_path / "second", truth, proposed(folder / FILE), 1)
+    settled = diagnose([folder / "bag", second])
     assert [(f.effect, f.joints, f.equivalents) for f in settled.findings] == [
         (truth.effect, ["joint_3"], [])
     ]

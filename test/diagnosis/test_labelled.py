@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 
 import pytest
 
+from test.diagnosis.test_report import pictures
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.report import write
+from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 FOLDER = Path(__file__).parents[3] / "shared" / "concealed"
 LABELS = {c["name"]: c for c in json.loads((FOLDER / "labels.json").read_text())} if FOLDER.is_dir() else {}
@@ -15,10 +19,15 @@ LABELS = {c["name"]: c for c in json.loads((FOLDER / "labels.json").read_text())
 pytestmark = pytest.mark.skipif(not LABELS, reason="no labelled recordings here")
 
 
+@cache
+def diagnosed(name: str) -> Diagnosis:
+    """What is found on a recording."""
+    return diagnose([FOLDER / name / "train"])
+
+
 @pytest.mark.parametrize("name", sorted(LABELS))
 def test_what_was_hidden_is_named_and_placed(name: str) -> None:
-    result = diagnose([FOLDER / name / "train"])
-    found = {(f.effect, f.stage, tuple(f.joints)) for f in result.findings}
+    found = {(f.effect, f.stage, tuple(f.joints)) for f in diagnosed(name).findings}
     hidden = {
         (
             t["effect"] if LABELS[name]["known"] else "unknown",
@@ -28,3 +37,11 @@ def test_what_was_hidden_is_named_and_placed(name: str) -> None:
         for t in LABELS[name]["truth"]
     }
     assert found == hidden
+
+
+def test_a_real_diagnosis_fills_the_page(tmp_path: Path) -> None:
+    result = diagnosed("dev_two_0")
+    write(result, tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert len(pictures(page)) == 2 + len(result.findings)
+    assert all(f.effect.replace("_", " ") in page for f in result.findings)

@@ -23,8 +23,6 @@ from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.recording.topics import TOPICS
 
-TRAIN = Path(__file__).parents[3] / "shared" / "concealed" / "dev_two_0" / "train"
-
 PARTS = [
     "What to do next", "Where", "Before and after", "Over time", "What was found", "Still unexplained",
     "Decisive motion", "Quality of the data", "To reproduce",
@@ -360,14 +358,3 @@ def test_five_joints_with_three_findings_are_drawn_in_three_seconds_and_two_mega
     page = render(result)
     assert time.process_time() - start < 3.0
     assert len(page) < 2_000_000
-
-
-@pytest.mark.skipif(not TRAIN.exists(), reason="the labelled recordings are not here")
-def test_a_real_diagnosis_fills_the_page(tmp_path: Path) -> None:
-    from trunk_ros.diagnosis import diagnose
-
-    result = diagnose([TRAIN])
-    write(result, tmp_path / "report.html")
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert len(pictures(page)) == 2 + len(result.findings)
-    assert all(f.effect.replace("_", " ") in page for f in result.findings)

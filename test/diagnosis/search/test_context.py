@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import FrozenInstanceError, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,9 +11,19 @@ import pytest
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import Desk
+from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.work import Work
+
+
+def searched() -> tuple[Fit, Work]:
+    """A whole search, and the work of it."""
+    work = Work()
+    return search(replace(context("two"), work=work), Desk()), work
+
+
+once = cache(searched)
 
 
 def test_a_context_cannot_be_changed() -> None:
@@ -54,7 +65,7 @@ def test_a_prediction_costs_its_steps() -> None:
 def test_a_search_that_runs_out_of_work_gives_the_best_so_far() -> None:
     start = context("two")
     steps = len(start.views[0].span.grid)
-    whole = search(replace(start, work=Work()), Desk())
+    whole, _ = once()
     short = search(replace(start, work=Work(150 * steps)), Desk())
     nothing = search(replace(start, work=Work(0)), Desk())
     assert short.context.work.over
@@ -63,9 +74,5 @@ def test_a_search_that_runs_out_of_work_gives_the_best_so_far() -> None:
 
 
 def test_the_same_search_takes_the_same_steps_again() -> None:
-    found = []
-    for _ in range(2):
-        work = Work()
-        state = search(replace(context("two"), work=work), Desk())
-        found.append((work.done, state.hypothesis.key(2), state.total))
+    found = [(work.done, state.hypothesis.key(2), state.total) for state, work in (once(), searched())]
     assert found[0] == found[1]
