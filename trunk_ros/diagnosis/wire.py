@@ -41,6 +41,10 @@ class WireStage(Stage):
         span = sight.views[index].span
         return _besides(span, column, now, blocks, shown[:, 0].take(span.rows))
 
+    def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        """(m,) the joint's own angle that a hypothesis predicts, at all steps of a span."""
+        return np.ascontiguousarray(self._passed(sight, index, hypothesis, column)[1][:, 0])
+
     def _passed(
         self, sight: Sight, index: int, hypothesis: Hypothesis, column: int
     ) -> tuple[Array, Array, Now, list[Effect]]:

@@ -20,6 +20,8 @@ WEIGHTS = 8  # of each source, where a bank does not say otherwise
 # Of a joint's own motion: what follows it more closely has no inverse that settles. Below it the inverse is
 # right up to this share of a dead band, within which a bank moves the joint and the wire does not.
 STEEPEST = 0.9
+PATH_OF = "path of "  # a joint: where the names before a bank take it, its neighbours' drags included
+SAME, ROUNDS = 1e-9, 100  # rad, times: back from where a joint's own path led it to
 
 
 def parameters_of(
@@ -50,7 +52,7 @@ def words_of(sources: int) -> tuple[str, ...]:
 
 class Bank(Effect):
     """theta += sum of weight x shape(s), s the motor side's angle (ratio phi) of a joint, or the sum or the
-    difference of two.
+    difference of two, or the joint's own angle as the effects before it have it (``PATH_OF``).
     """
 
     regime: ClassVar[Regime] = "posture"
@@ -67,12 +69,18 @@ class Bank(Effect):
     """Whether it can follow nearly anything that is smooth: weighed once the names have been."""
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        moved, state = self.moved(now, state, range(len(self._links)))
+        moved, state = self.moved(now, state, range(len(self._links)), x)
         return x + moved, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        moved, state = self.moved(now, state, self._invertible)
-        return y - moved, state
+        along = any(word.startswith(PATH_OF) for _, word, *_ in self._links)
+        x = y
+        for _ in range(ROUNDS if along else 1):
+            moved, after = self.moved(now, state, self._invertible, x)
+            before, x = x, y - moved
+            if not along or np.abs(x - before).max() < SAME:
+                break
+        return x, after
 
     @classmethod
     @abstractmethod
@@ -129,13 +137,15 @@ class Bank(Effect):
                         f"choose from {', '.join(choice) or 'nothing: there is no other joint'}"
                     )
 
-    def moved(self, now: Now, state: Any, links: Any) -> tuple[Array, Any]:
-        """(n, columns) rad that some of the sources add, and the memory of all."""
+    def moved(self, now: Now, state: Any, links: Any, x: Array) -> tuple[Array, Any]:
+        """(n, columns) rad that some of the sources add to ``x`` (n, columns), and the memory of all."""
         out = np.zeros((len(now.ratio), len(now.stamp)))
         memory = [None] * len(self._links) if state is None else list(state)
         for k, (column, word, _, ready) in enumerate(self._links):
             if k in links:
-                memory[k] = self.add(motion(word, now), ready, memory[k], out[column])
+                path = word.startswith(PATH_OF)
+                s = np.ascontiguousarray(x[:, column]) if path else motion(word, now)
+                memory[k] = self.add(s, ready, memory[k], out[column])
         return out.T, memory
 
     @cached_property

@@ -15,8 +15,11 @@ from trunk_ros.diagnosis.data.motion_content import comes_back
 from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.bank_weights import Cuts, Source, Sums, chosen_of, thinned
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect, registry
-from trunk_ros.effects.bank import Bank, motion, words_of
+from trunk_ros.effects.bank import PATH_OF, Bank, motion, words_of
+from trunk_ros.effects.wire.joint_coupling import JointCoupling
+from trunk_ros.stage import SENSOR
 
 AGAIN = 2  # times, since what sources leave tells how many samples are worth one
 
@@ -32,10 +35,9 @@ def without_banks(hypothesis: Hypothesis, column: int) -> Hypothesis:
     return hypothesis.less(there, column)
 
 
-def sources(context: Context, column: int, like: Hypothesis | None = None) -> list[Source]:
-    """What may be in the banks of a column; those that an hypothesis ``like`` has where there is one."""
-    chosen = None if like is None else list(_used(like, column))
-    found = _possible(context, column) if chosen is None else chosen
+def sources(context: Context, column: int) -> list[Source]:
+    """What may be in the banks of a column."""
+    found = _possible(context, column)
     return [s for kind, word in found if (s := _source(context, column, kind, word)) is not None]
 
 
@@ -44,7 +46,8 @@ def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]
     alike_ = tuple(j for j in context.joints if unit.get(j, "rad") == unit.get(joint, "rad"))
     for kind in banks():
         for word in kind.choices(alike_ if kind.own else context.joints, joint):
-            yield kind, word
+            if not word.startswith(PATH_OF):  # it takes the place of the joint's own
+                yield kind, word
 
 
 def _used(like: Hypothesis, column: int) -> Iterator[tuple[type[Bank], str]]:
@@ -55,8 +58,32 @@ def _used(like: Hypothesis, column: int) -> Iterator[tuple[type[Bank], str]]:
                 yield kind, word
 
 
-def _source(context: Context, column: int, kind: type[Bank], word: str) -> Source | None:
-    signals = [motion(word, context.now(i, column)) for i in range(len(context.views))]
+def _along(context: Context, bare: Hypothesis, column: int, source: Source) -> Source | None:
+    """The source as it is, but loops that change with the posture on a joint that a neighbour is known to
+    drag follow where the names take it: contacts rub wherever the wire is dragged, whoever drags it.
+    """
+    dragged = source.kind.by_posture and JointCoupling.id in bare and column in bare[JointCoupling.id].own
+    if not dragged:
+        return source
+    return _source(context, column, source.kind, PATH_OF + context.joints[column], bare)
+
+
+def _signals(context: Context, column: int, kind: type[Bank], word: str, bare: Hypothesis) -> list[Array]:
+    """A source's motion, one (m,) a span."""
+    if not word.startswith(PATH_OF):
+        return [motion(word, context.now(i, column)) for i in range(len(context.views))]
+    later = [term.effect for term in bare.on(column) if effect(term.effect).place > kind.place]
+    before = bare.less([name for name in later if effect(name).place < SENSOR], column)
+    stage = context.stage
+    assert isinstance(stage, WireStage)
+    return [stage.path(context, i, before, column) for i in range(len(context.views))]
+
+
+def _source(
+    context: Context, column: int, kind: type[Bank], word: str, bare: Hypothesis | None = None
+) -> Source | None:
+    """A source with its design; ``bare``: the names, where it follows what they do."""
+    signals = _signals(context, column, kind, word, Hypothesis() if bare is None else bare)
     together = np.concatenate(signals)
     turns = any(comes_back(s) for s in signals)
     if np.ptp(together) < STILL or (kind.remembers and not turns):
@@ -86,6 +113,7 @@ def in_banks(
 
 def drawn(context: Context, bare: Hypothesis, column: int, found: Sequence[Source]) -> Hypothesis:
     """The hypothesis with the banks that its rest on a column needs."""
+    found = [s for source in found if (s := _along(context, bare, column, source)) is not None]
     rest = context.whitened(bare, column)
     sums, worth = Sums.of(found, rest, Cuts.on(context, column)), alike([rest])
     for _ in range(AGAIN):
@@ -96,7 +124,8 @@ def drawn(context: Context, bare: Hypothesis, column: int, found: Sequence[Sourc
 
 def redrawn_banks(context: Context, bare: Hypothesis, column: int, like: Hypothesis) -> Hypothesis:
     """The hypothesis with the banks of another one, weighed anew."""
-    found = sources(context, column, like)
+    used = [_source(context, column, kind, word, bare) for kind, word in _used(like, column)]
+    found = [source for source in used if source is not None]
     rest = context.whitened(bare, column)
     if not found or not len(rest):
         return bare

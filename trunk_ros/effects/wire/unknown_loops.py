@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial.legendre import legder, legval, legvander
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.bank import Bank, parameters_of
+from trunk_ros.effects.bank import PATH_OF, Bank, parameters_of
 from trunk_ros.effects.curve import KNOTS
 from trunk_ros.effects.drags import NARROWEST, WIDEST, drag
 from trunk_ros.effects.effect import Regime
@@ -21,7 +21,8 @@ FINE = 200  # postures at which a slope is looked at
 
 
 class UnknownLoops(Bank):
-    """theta += c_0(s) + sum of c_i(s) (s - play(s, reach_i)) / reach_i, s = r phi of the joint itself.
+    """theta += c_0(s) + sum of c_i(s) (s - play(s, reach_i)) / reach_i, s = r phi of the joint itself, or
+    the angle that the effects before it give, where neighbours drag the joint along.
 
     Each c is a sum of the first 24 Legendre polynomials from low to high, constant beyond, but for the
     line in c_0; reaches in even ratios from 0.015 to 0.4 of that range. A wire in a bent guide is pressed
@@ -30,7 +31,7 @@ class UnknownLoops(Bank):
     """
 
     id = "unknown_loops"
-    stage, place = "wire", 253
+    stage, place = "wire", 244
     regime: ClassVar[Regime] = "reversal"
     remembers = True
     signature = (
@@ -66,7 +67,7 @@ class UnknownLoops(Bank):
 
     @classmethod
     def choices(cls, joints: tuple[str, ...], joint: str) -> list[str]:
-        return [joint]
+        return [joint, PATH_OF + joint]
 
     @classmethod
     def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, float, Array, Array]:
