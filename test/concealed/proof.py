@@ -179,7 +179,8 @@ def _cases(asked: argparse.Namespace, console: Console) -> list[dict[str, Any]]:
     for left in ("open", "sealed", "answers"):  # of a round that was stopped
         shutil.rmtree(asked.output / left, ignore_errors=True)
     tasks = [Task(kind, seed, asked.output) for kind, seed in in_turn(asked.full)][: asked.cases]
-    seconds = asked.seconds or (float("inf") if asked.full else PART_SECONDS)
+    usual = float("inf") if asked.full else PART_SECONDS
+    seconds = usual if asked.seconds is None else asked.seconds
     return prove(tasks, asked.workers, seconds, console)
 
 

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.guards import TINY
 
-LARGE = 0.5  # of what is left: what explains so much comes before anything is mended
+LARGE = 0.5  # of what is left: what explains so much of it, and much of all, comes before anything is mended
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
@@ -78,7 +78,8 @@ class Desk:
 
     def pays(self, gain: float, best: Fit) -> bool:
         """Whether a gain is worth a step: more than rounding, and large things first."""
-        return gain > max(BETTER, self.share * sum(map(best.rest, best.cost)))
+        whole = COARSE[0] * sum(best.context.misfit.values()) if self.share == LARGE else 0.0
+        return gain > max(BETTER, self.share * sum(map(best.rest, best.cost)), whole)
 
 
 def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
