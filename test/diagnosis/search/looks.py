@@ -71,8 +71,7 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
 def context(arm: str) -> Context:
     """The wires of an arm, weighed by what the nominal model leaves."""
     model = load_model("trunk")
-    made = recorded(ARMS[arm], 40.0 if arm in ("rough", "two") else 30.0)  # long enough for a curve
-    return begun(Context.of(WireStage([wire_span(made, model)], model))).context
+    return begun(Context.of(WireStage([wire_span(recorded(ARMS[arm]), model)], model))).context
 
 
 def fitted(arm: str, *terms: Term) -> Fit:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -19,11 +20,11 @@ from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 
-def search(context: Context, desk: Desk) -> Fit:
+def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
     """The hypothesis that no single change improves by what is needed; what would not be claimed is left out
     even where the work that was granted is done.
     """
-    first = renewed(begun(context))
+    first = renewed(begun(context, start))
     best = descend(first, MOVES, desk)
     others = sorted(additions(first, desk), key=score)[1:REFITTED] if incomplete(best) else []
     for other in others:
@@ -51,9 +52,10 @@ def better_of(best: Fit, other: Fit) -> Fit:
     return other if beats(costed(alike, other.hypothesis), best) else best
 
 
-def begun(context: Context) -> Fit:
+def begun(context: Context, start: Hypothesis | None = None) -> Fit:
     """What is known, fitted; all else is measured by what it leaves."""
-    first = refit(arrived(context, context.known), context.known)
+    known = start or context.known
+    first = refit(arrived(context, known), known)
     misfit = {c: first.rest(c) for c in first.cost}
     return replace(first, context=replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first)))
 
