@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm.pinocchio import library
-from trunk_ros.arm.weight import Tree, tree_of, weigh
+from trunk_ros.arm.weight import Tree, frames, tree_of, weigh
 from trunk_ros.compiled import Array
 
 KEPT = 8  # models with a payload that are kept
@@ -189,15 +189,14 @@ class Body:
         """Positions (n, joints + 1, 3) and rotations (n, joints + 1, 3, 3) of the joints' frames and the tip,
         in the base link.
         """
-        pin, own, back = library(), self.own, self.base.inverse()
-        model, data, _ = self._with(0.0, True)
-        q = self._whole(theta) + self.offset
-        place, turn = np.empty((len(q), len(own) + 1, 3)), np.empty((len(q), len(own) + 1, 3, 3))
-        for k in range(len(q)):
-            pin.framesForwardKinematics(model, data, q[k])
-            for j, i in enumerate(own):
-                place[k, j], turn[k, j] = data.oMi[i].translation, data.oMi[i].rotation
-            place[k, -1], turn[k, -1] = data.oMf[self.tip].translation, data.oMf[self.tip].rotation
+        model, _, tree = self._with(0.0, True)
+        q, back, tip = self._whole(theta) + self.offset, self.base.inverse(), model.frames[self.tip]
+        turn, place = np.empty((len(q), model.njoints, 3, 3)), np.empty((len(q), model.njoints, 3))
+        frames(q, tree, turn, place)
+        last, rows = tip.parentJoint, list(self.own)
+        end = place[:, last] + turn[:, last] @ tip.placement.translation
+        place = np.concatenate([place[:, rows], end[:, None]], axis=1)
+        turn = np.concatenate([turn[:, rows], (turn[:, last] @ tip.placement.rotation)[:, None]], axis=1)
         return place @ back.rotation.T + back.translation, back.rotation @ turn
 
     def frames(self, theta: Array, ids: list[int]) -> list[Any]:

@@ -1,7 +1,7 @@
-"""What the weight of a tree of links does to its joints, over whole recordings.
+"""Where a tree of links is and what its weight does to its joints, over whole recordings.
 
-The links are those of Pinocchio's model, and so is the formula: of all that a recording asks of rigid bodies
-this is asked most, and through the library a posture takes more than twice as long.
+The links are those of Pinocchio's model, and so are the formulas: of all that a recording asks of rigid bodies
+this is asked most, and through the library a posture takes twice to twenty times as long.
 """
 
 from __future__ import annotations
@@ -49,42 +49,58 @@ def tree_of(model: Any) -> Tree:
 
 
 @compiled
+def forward(q: Array, tree: Tree, turn: Array, at: Array, axis: Array) -> None:
+    """Where the joints' frames are at ``q`` (joints,), in the root's axes: ``turn`` (joints + 1, 3, 3), ``at``
+    (joints + 1, 3) and, along or about which each moves, ``axis`` likewise; the root comes first.
+    """
+    row = np.empty(3)
+    for d in range(3):
+        for e in range(3):
+            turn[0, d, e] = 1.0 if d == e else 0.0
+        at[0, d] = 0.0
+    for i in range(1, len(q) + 1):
+        a, one = tree.parent[i - 1], tree.axis[i - 1]
+        move = q[i - 1] if tree.slides[i - 1] else 0.0
+        c, s = (1.0, 0.0) if tree.slides[i - 1] else (np.cos(q[i - 1]), np.sin(q[i - 1]))
+        for d in range(3):
+            at[i, d] = at[a, d]
+            for e in range(3):
+                at[i, d] += turn[a, d, e] * tree.place[i - 1, e]
+                row[e] = (
+                    turn[a, d, 0] * tree.turn[i - 1, 0, e]
+                    + turn[a, d, 1] * tree.turn[i - 1, 1, e]
+                    + turn[a, d, 2] * tree.turn[i - 1, 2, e]
+                )
+            along = row[0] * one[0] + row[1] * one[1] + row[2] * one[2]
+            axis[i, d] = along
+            at[i, d] += along * move
+            turn[i, d, 0] = c * row[0] + s * (row[1] * one[2] - row[2] * one[1]) + (1 - c) * along * one[0]
+            turn[i, d, 1] = c * row[1] + s * (row[2] * one[0] - row[0] * one[2]) + (1 - c) * along * one[1]
+            turn[i, d, 2] = c * row[2] + s * (row[0] * one[1] - row[1] * one[0]) + (1 - c) * along * one[2]
+
+
+@compiled
+def frames(q: Array, tree: Tree, turn: Array, at: Array) -> None:
+    """The same over a recording ``q`` (n, joints): ``turn`` (n, joints + 1, 3, 3) and ``at``
+    (n, joints + 1, 3).
+    """
+    axis = np.empty((q.shape[1] + 1, 3))
+    for k in range(len(q)):
+        forward(q[k], tree, turn[k], at[k], axis)
+
+
+@compiled
 def weigh(q: Array, gravity: Array, tree: Tree, out: Array) -> None:
     """Moment or force of the weight on each joint, ``out`` (n, joints), positive where it tends to increase
     the joint's value ``q`` (n, joints); ``gravity`` (3,) m/s^2 in the root's axes.
     """
     steps, joints = q.shape
-    turn, at, axis = np.zeros((joints + 1, 3, 3)), np.zeros((joints + 1, 3)), np.zeros((joints + 1, 3))
+    turn, at, axis = np.empty((joints + 1, 3, 3)), np.empty((joints + 1, 3)), np.empty((joints + 1, 3))
     mass, first = np.empty(joints + 1), np.empty((joints + 1, 3))  # of all that hangs on a joint
-    row = np.empty(3)
-    for d in range(3):
-        turn[0, d, d] = 1.0
     for k in range(steps):
+        forward(q[k], tree, turn, at, axis)
         for i in range(1, joints + 1):
-            a, one = tree.parent[i - 1], tree.axis[i - 1]
-            move = q[k, i - 1] if tree.slides[i - 1] else 0.0
-            c, s = (1.0, 0.0) if tree.slides[i - 1] else (np.cos(q[k, i - 1]), np.sin(q[k, i - 1]))
             for d in range(3):
-                at[i, d] = at[a, d]
-                for e in range(3):
-                    at[i, d] += turn[a, d, e] * tree.place[i - 1, e]
-                    row[e] = (
-                        turn[a, d, 0] * tree.turn[i - 1, 0, e]
-                        + turn[a, d, 1] * tree.turn[i - 1, 1, e]
-                        + turn[a, d, 2] * tree.turn[i - 1, 2, e]
-                    )
-                along = row[0] * one[0] + row[1] * one[1] + row[2] * one[2]
-                axis[i, d] = along
-                at[i, d] += along * move
-                turn[i, d, 0] = (
-                    c * row[0] + s * (row[1] * one[2] - row[2] * one[1]) + (1 - c) * along * one[0]
-                )
-                turn[i, d, 1] = (
-                    c * row[1] + s * (row[2] * one[0] - row[0] * one[2]) + (1 - c) * along * one[1]
-                )
-                turn[i, d, 2] = (
-                    c * row[2] + s * (row[0] * one[1] - row[1] * one[0]) + (1 - c) * along * one[2]
-                )
                 centre = at[i, d]
                 for e in range(3):
                     centre += turn[i, d, e] * tree.centre[i - 1, e]

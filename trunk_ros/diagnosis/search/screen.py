@@ -38,6 +38,7 @@ class Screen:
         self.base = {c: context.predictions(hypothesis, c) for c in columns}
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
         self.basis = {c: self._basis(c) for c in columns}
+        self._residuals: dict[tuple[int, int], Array] = {}
 
     def left(self, column: int) -> float:
         """Squared residual of a column once the values that are there have followed, linearly."""
@@ -226,10 +227,13 @@ class Screen:
 
     def _residual(self, column: int, index: int) -> Array:
         """(m,) residual of a recording over its whole grid."""
-        span = self.context.views[index].span
-        valid = span.valid[:, column]
-        off = span.target[valid, column] - self.base[column][index][valid]
-        return np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
+        if (column, index) not in self._residuals:
+            span = self.context.views[index].span
+            valid = span.valid[:, column]
+            off = span.target[valid, column] - self.base[column][index][valid]
+            found = np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
+            self._residuals[column, index] = found
+        return self._residuals[column, index]
 
     def _starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
         """Where an effect may begin on a column, by the recordings with most to explain."""

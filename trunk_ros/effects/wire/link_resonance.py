@@ -63,7 +63,6 @@ class LinkResonance(Effect):
             typical=0.1,
             null=0.1,
             scale="log",
-            scan=(0.05, 0.2),
         ),
         Parameter(
             "share",
@@ -120,11 +119,7 @@ class LinkResonance(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        """A beam rings long: only the lines of what is left are near enough to its frequency. Links cost a
-        hundred times a single joint: their damping is left to the fit.
-        """
-        if self.form == "links" and parameter.name == "damping":
-            return (parameter.typical,)
+        """A beam rings long: only the lines of what is left are near enough to its frequency."""
         if self.form != "beam" or parameter.name == "share":
             return super().grid(parameter, now, column, rest)
         if rest is None or not len(stops(now.stamp, np.ascontiguousarray(now.gearbox[:, column]))):

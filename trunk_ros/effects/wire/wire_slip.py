@@ -9,6 +9,9 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 RISE = 0.02  # s, so that a fit can move the onset
+MOMENTS = 80  # of a recording, in which a jump is looked for
+LIKELY = 6  # of them that a fit may start from
+NEAR = 1.0  # s before and after a jump by which it shows where other things move the mean as well
 
 
 class WireSlip(Effect):
@@ -49,4 +52,24 @@ class WireSlip(Effect):
         if parameter.name != "onset":
             return super().grid(parameter, now, column, rest)
         span = now.stamp[-1] - now.stamp[0]
-        return tuple(now.stamp[0] + span * np.linspace(0.04, 0.97, 80))
+        moments = now.stamp[0] + span * np.linspace(0.04, 0.97, MOMENTS)
+        if rest is None:
+            return tuple(moments.tolist())
+        likely = {k for reach in (NEAR, np.inf) for k in _steepest(now.stamp, rest, moments, reach)}
+        return tuple(moments[sorted(likely)].tolist())
+
+
+def _steepest(stamp: Array, rest: Array, moments: Array, reach: float) -> list[int]:
+    """At which of the ``moments`` the mean of ``rest`` (n,) jumps more than around them, the most first, by what that explains of so many
+    seconds before and after.
+    """
+    sums = np.concatenate([[0.0], np.cumsum(rest)])
+    low, middle, high = (
+        np.searchsorted(stamp, np.clip(t, stamp[0], stamp[-1]))
+        for t in (moments - reach, moments, moments + reach)
+    )
+    before, after = np.maximum(middle - low, 1), np.maximum(high - middle, 1)
+    jump = (sums[high] - sums[middle]) / after - (sums[middle] - sums[low]) / before
+    gain = np.pad(jump**2 * before * after / (before + after), 1)
+    peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] > gain[2:]))
+    return peaks[np.argsort(-gain[1 + peaks], kind="stable")][:LIKELY].tolist()
