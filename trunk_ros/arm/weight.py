@@ -1,7 +1,7 @@
 """Where a tree of links is and what its weight does to its joints, over whole recordings.
 
-The links are those of Pinocchio's model, and so are the formulas: of all that a recording asks of rigid bodies
-this is asked most, and through the library a posture takes twice to twenty times as long.
+The links are those of Pinocchio's model, and so are the formulas: of all that a recording asks of rigid
+bodies this is asked most, and through the library a posture takes twice to twenty times as long.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ def tree_of(model: Any) -> Tree:
 
 @compiled
 def forward(q: Array, tree: Tree, turn: Array, at: Array, axis: Array) -> None:
-    """Where the joints' frames are at ``q`` (joints,), in the root's axes: ``turn`` (joints + 1, 3, 3), ``at``
-    (joints + 1, 3) and, along or about which each moves, ``axis`` likewise; the root comes first.
+    """Where the joints' frames are at ``q`` (joints,), in the root's axes: ``turn`` (joints + 1, 3, 3) and
+    ``at`` (joints + 1, 3), the root first, and ``axis`` likewise, along or about which each moves.
     """
     row = np.empty(3)
     for d in range(3):

@@ -51,6 +51,9 @@ def parser() -> Parser:
     out.add_argument("--until", metavar="T", help="end there: in s, or in %% of the recording")
     add_namespace(out)
     add_settle(out)
+    out.add_argument(
+        "--cores", type=int, metavar="N", help="cores to use, all by default; the answer is the same"
+    )
     out.add_argument("--overwrite", action="store_true", help="replace DIR if it holds an earlier diagnosis")
     return out
 
@@ -64,6 +67,7 @@ def main(argv: list[str]) -> int:
         raise
     refuse_tables([*asked.bag, *([asked.against] if asked.against else [])])
     from trunk_ros.arm.files import urdf_text
+    from trunk_ros.diagnosis.cores import available, on_cores
     from trunk_ros.diagnosis.diagnose import diagnose
     from trunk_ros.model import load_model
     from trunk_ros.recording.output import new_folder, prepare_output
@@ -71,7 +75,7 @@ def main(argv: list[str]) -> int:
     prepare_output(asked.output, asked.overwrite, FILES)
     model = None if asked.model is None else load_model(asked.model)
     urdf = urdf_text(asked.urdf) if asked.urdf else ""
-    with progress(SHARES) as step:
+    with progress(SHARES) as step, on_cores(asked.cores or available()):
         step("reading")
         result = diagnose(
             asked.bag,

@@ -18,7 +18,6 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.bank import PATH_OF, Bank, motion, words_of
-from trunk_ros.effects.wire.joint_coupling import JointCoupling
 from trunk_ros.stage import SENSOR
 
 AGAIN = 2  # times, since what sources leave tells how many samples are worth one
@@ -59,11 +58,12 @@ def _used(like: Hypothesis, column: int) -> Iterator[tuple[type[Bank], str]]:
 
 
 def _along(context: Context, bare: Hypothesis, column: int, source: Source) -> Source | None:
-    """The source as it is, but loops that change with the posture on a joint that a neighbour is known to
-    drag follow where the names take it: contacts rub wherever the wire is dragged, whoever drags it.
+    """The source as it is, but loops that change with the posture on a joint of which a name says which
+    neighbour drags it follow where the names take it: contacts rub wherever the wire is dragged, whoever
+    drags it.
     """
-    dragged = source.kind.by_posture and JointCoupling.id in bare and column in bare[JointCoupling.id].own
-    if not dragged:
+    dragged = any(effect(term.effect).named and column in term.words for term in bare.on(column))
+    if not (dragged and source.kind.by_posture):
         return source
     return _source(context, column, source.kind, PATH_OF + context.joints[column], bare)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, REFITTED, ROUGH
 from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
@@ -135,7 +136,9 @@ def evidence(state: Fit, whole: Fit | None = None) -> dict[str, Evidence]:
     """Evidence for each effect of a hypothesis; ``whole``: a fit of the same to more, for effects of which
     ``state`` shows nothing.
     """
-    return {name: one_evidence(_showing(state, whole, name), name) for name in state.hypothesis}
+    names = list(state.hypothesis)
+    told = each(state.context.work, lambda name: one_evidence(_showing(state, whole, name), name), names)
+    return dict(zip(names, told, strict=True))
 
 
 def banks_evidence(state: Fit, found: Mapping[str, Evidence]) -> dict[str, Evidence]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
@@ -45,7 +46,8 @@ def harmless(state: Fit) -> Fit:
 
 
 def _worst(state: Fit) -> tuple[str, int | None] | None:
-    harm = {which: _harm(state, *which) for which in _removable(state)}
+    some = list(_removable(state))
+    harm = dict(zip(some, each(state.context.work, lambda which: _harm(state, *which), some), strict=True))
     worst = max(harm, key=harm.__getitem__, default=None)
     return worst if worst is not None and harm[worst] > 0.0 else None
 

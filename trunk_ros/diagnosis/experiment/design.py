@@ -7,7 +7,7 @@ is refitted to the new motion together with the recordings at hand.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import Any
 
@@ -15,15 +15,19 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.experiment.discrimination import AMPLE, Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.trajectory import Trajectory
 
+WORK = 1e7  # simulated joint-steps after which no further pair and no further motion is tried
 LIKELIEST = 2  # equivalents of a finding that it is to be told from: each costs as much as the first
+TOGETHER = 4  # stretches that are tried before the work is looked at
 MOST = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
 
 
@@ -40,16 +44,18 @@ class Experiment:
 
 
 def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
-    """The motion that best tells the effects found from their likeliest equivalents; None where there are
-    none.
+    """The motion that best tells the effects found from their likeliest equivalents, as far as the work that
+    is granted goes; None where there are none.
     """
-    sides = [
-        sides_of(state, name, rival, evidence)
-        for name, evidence in found.items()
-        for rival in evidence.equivalents[:LIKELIEST]
-    ]
-    sides = [duels for duels in ([d for d in side if d.columns] for side in sides) if duels]
-    return Design(state.context, sides).run() if sides else None
+    work = Work(WORK)
+    state = replace(state, context=replace(state.context, work=work))
+    pairs = [(name, k) for k in range(LIKELIEST) for name, e in found.items() if k < len(e.equivalents)]
+    sides: list[list[Duel]] = []
+    for name, k in pairs:
+        if not (sides and work.over):
+            duels = sides_of(state, name, found[name].equivalents[k], found[name])
+            sides += [some] if (some := [d for d in duels if d.columns]) else []
+    return Design(replace(state.context, work=Work(WORK)), sides).run() if sides else None
 
 
 class Design:
@@ -100,10 +106,13 @@ class Design:
         """
         candidates = stretches(len(self.context.joints), self.own)
         self.duels = [duel for duels in self.sides for duel in duels]
-        seen = [self.ratios([part]) for part in candidates]
-        best = sorted(range(len(candidates)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOST]
+        seen = self.shown(candidates)
+        best = sorted(range(len(seen)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOST]
         moved = [there for k in best for there in elsewhere(candidates[k])]
-        candidates, ratios = candidates + moved, np.array(seen + [self.ratios([part]) for part in moved])
+        candidates, ratios = candidates[: len(seen)], np.array(seen)
+        if not self.context.work.over:
+            more = self.shown(moved)
+            candidates, ratios = candidates + moved[: len(more)], np.array(seen + more)
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
         told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
         faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
@@ -111,10 +120,18 @@ class Design:
         order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
         return [candidates[k] for k in order[:MOST]], faced
 
+    def shown(self, candidates: list[Stretch]) -> list[Array]:
+        """What the first ones of single stretches tell of each pair: all, or as many as the work allows."""
+        out: list[Array] = []
+        while len(out) < len(candidates) and not (out and self.context.work.over):
+            some = candidates[len(out) : len(out) + TOGETHER]
+            out += each(self.context.work, lambda part: self.ratios([part]), some)
+        return out
+
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
         parts = ranked[:1]
-        while len(parts) < MOST and self.ratios(parts).min() < AMPLE:
+        while len(parts) < MOST and not self.context.work.over and self.ratios(parts).min() < AMPLE:
             parts = max(([*parts, part] for part in ranked), key=self.score)
         return parts
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -55,8 +56,10 @@ class Desk:
     """Of what is left above the noise: what a change has to gain to be taken."""
     vain: dict[Hashable, float] = field(default_factory=dict)
     """By move, group and state: what its best trial gained there."""
-    kept: dict[Hashable, object] = field(default_factory=dict)
-    """Results of trials on single columns, by all that they depend on."""
+    kept: set[Hashable] = field(default_factory=set)
+    """What was tried once and for all."""
+    tried: dict[Hashable, dict[str, Any]] = field(default_factory=dict)
+    """Effects that would help single columns, by all that this depends on."""
     been: dict[Hashable, Hypothesis] = field(default_factory=dict)
     """By structure: how the search last stood on it."""
 

@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.search.score import beats
 from trunk_ros.diagnosis.search.windows import EDGES
 from trunk_ros.diagnosis.work import Work
 
-WORK = 4e8  # simulated joint-steps that a search may take: half a minute of one core
+WORK = 2e8  # simulated joint-steps that a search may take: half a minute of one core
 
 
 @dataclass(frozen=True)

@@ -60,8 +60,8 @@ class WireSlip(Effect):
 
 
 def _steepest(stamp: Array, rest: Array, moments: Array, reach: float) -> list[int]:
-    """At which of the ``moments`` the mean of ``rest`` (n,) jumps more than around them, the most first, by what that explains of so many
-    seconds before and after.
+    """At which of the ``moments`` the mean of ``rest`` (n,) jumps more than around them, the most first,
+    by what that explains of so many seconds before and after.
     """
     sums = np.concatenate([[0.0], np.cumsum(rest)])
     low, middle, high = (
@@ -72,4 +72,5 @@ def _steepest(stamp: Array, rest: Array, moments: Array, reach: float) -> list[i
     jump = (sums[high] - sums[middle]) / after - (sums[middle] - sums[low]) / before
     gain = np.pad(jump**2 * before * after / (before + after), 1)
     peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] > gain[2:]))
-    return peaks[np.argsort(-gain[1 + peaks], kind="stable")][:LIKELY].tolist()
+    likeliest = np.argsort(-gain[1 + peaks], kind="stable")[:LIKELY]
+    return [int(k) for k in peaks[likeliest]]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
+from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import MOST, REFITTED
 from trunk_ros.diagnosis.search.candidates import (
@@ -50,8 +51,8 @@ def on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
     best.
     """
     tried: dict[str, dict[int, tuple[float, Hypothesis, float]]] = {}
-    for column in best.context.columns:
-        for name, trial in trials(best, desk, column).items():
+    for column, found in zip(best.context.columns, trials(best, desk, best.context.columns), strict=True):
+        for name, trial in found.items():
             tried.setdefault(name, {})[column] = trial
     most = {c: max((t[c][0] for t in tried.values() if c in t), default=0.0) for c in best.context.columns}
     for name, by in tried.items():
@@ -81,15 +82,14 @@ def lines(best: Fit, most: dict[int, float]) -> Iterator[Fit]:
         yield found
 
 
-def trials(best: Fit, desk: Desk, column: int) -> Trials:
-    """The effects that would help a column; kept while nothing that bears on it changes."""
+def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
+    """The effects that would help each of the columns; kept while nothing that bears on it changes."""
     context = best.context
-    key = ("add", column, context.look, context.noise[column], best.hypothesis.key(column))
-    found = desk.kept.get(key)
-    if found is None:
-        found = desk.kept[key] = _tried(best, column)
-    assert isinstance(found, dict)
-    return found
+    keys = {c: ("add", c, context.look, context.noise[c], best.hypothesis.key(c)) for c in columns}
+    new = [c for c, key in keys.items() if key not in desk.tried]
+    found = each(context.work, partial(_tried, best), new)
+    desk.tried |= dict(zip((keys[c] for c in new), found, strict=True))
+    return [desk.tried[key] for key in keys.values()]
 
 
 def _tried(best: Fit, column: int) -> Trials:
@@ -135,7 +135,8 @@ def everywhere(best: Fit) -> Iterator[Fit]:
     if not kinds:
         return
     screen = Screen(context, best.hypothesis)
-    found = [c for k in kinds for c in screen.all_everywhere(k) if c.gain > SIGNIFICANT]
+    looked = each(context.work, screen.all_everywhere, kinds)
+    found = [c for some in looked for c in some if c.gain > SIGNIFICANT]
     most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
         trial = dated(refit(context, extended(context, best.hypothesis, candidate)), candidate.effect)

@@ -70,7 +70,7 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
             if beats(trial, now) and _is_clear(now, trial, column, local):
                 now = trial
             else:
-                desk.kept[key] = None
+                desk.kept.add(key)
     if now is not best:
         yield now
 

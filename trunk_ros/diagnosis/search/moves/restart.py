@@ -29,7 +29,7 @@ def _anew(best: Fit, desk: Desk, column: int, own: list[str]) -> Iterator[Fit]:
 
 def _further(now: Fit, desk: Desk, column: int) -> list[Fit]:
     """With each effect that helps a column, the best first."""
-    found = sorted(trials(now, desk, column).values(), key=lambda trial: -trial[0])
+    found = sorted(trials(now, desk, [column])[0].values(), key=lambda trial: -trial[0])
     return [Fit(there, now.cost | {column: cost}, now.context) for _, there, cost in found]
 
 
