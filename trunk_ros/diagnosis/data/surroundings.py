@@ -164,4 +164,7 @@ def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
     whole = ("joints", "ratio", "held", "columns", "arm", "dt")
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
-    return replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
+    out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
+    if isinstance(out, Seen):
+        out.known_masses = lambda: now.masses[rows]
+    return out

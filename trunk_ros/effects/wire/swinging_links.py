@@ -91,7 +91,7 @@ def swing_links(
     row, fixed = np.empty(joints), np.ones(joints, dtype=np.bool_)
     fixed[places] = False
     hold, damp = straight * omega**2, 2.0 * straight * zeta * omega
-    matrix, light, stiff = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
+    matrix, light, stiff, yielding = np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
     slope = np.empty(joints)
     push, ramp, wire, now, new = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     y, rate = before[1], before[2]
@@ -120,6 +120,7 @@ def swing_links(
                     stiff[a, a] += h / 2 * damp[a] + h * h / 4 * hold[a]
                 factor(matrix, light)
                 factor(stiff, stiff)
+                invert(stiff, yielding)
                 if part == 0:
                     solve(light, push)
                     for a in range(m):
@@ -133,11 +134,12 @@ def swing_links(
                         y[a] += h * rate[a] + h * h / 4 * now[a]
                         rate[a] += h / 2 * now[a]
                         new[a] = -damp[a] * (rate[a] - ramp[a]) - hold[a] * (y[a] - wire[a])
-                    solve(stiff, new)
                     for a in range(m):
-                        y[a] += h * h / 4 * new[a]
-                        rate[a] += h / 2 * new[a]
-                        now[a] = new[a]
+                        now[a] = 0.0
+                        for b in range(m):
+                            now[a] += yielding[a, b] * new[b]
+                        y[a] += h * h / 4 * now[a]
+                        rate[a] += h / 2 * now[a]
             for k in range(joints):
                 motion[1, k] = slope[k]
         motion[0] = angles[i]
@@ -198,6 +200,15 @@ def solve(lower: Array, b: Array) -> None:
         for k in range(i + 1, m):
             b[i] -= lower[k, i] * b[k]
         b[i] /= lower[i, i]
+
+
+@compiled
+def invert(lower: Array, out: Array) -> None:
+    """The inverse (m, m) of the factored matrix: where it meets many vectors, no division is left for each."""
+    out[:] = 0.0
+    for i in range(len(out)):
+        out[i, i] = 1.0
+        solve(lower, out[i])
 
 
 def pushed_back(acceleration: Array, places: np.ndarray, mass: Array, stiffness: Array) -> Array:

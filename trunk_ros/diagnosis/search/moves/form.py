@@ -8,8 +8,9 @@ from functools import partial
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
@@ -37,14 +38,16 @@ def _groups(best: Fit, shaking: bool) -> Iterator[Group]:
 
 
 def reforms(best: Fit, name: str, forms: Sequence[str]) -> Iterator[Fit]:
-    """An effect in each of some forms that its joints can show."""
+    """An effect in each of some forms that its joints can show, without what it then does by itself: a link
+    that swings behind a lag is one that is damped against the arm.
+    """
     kind = effect(name)
     shown = shown_forms(kind, best.context, best.hypothesis[name].columns)
     for form in forms:
         if form in shown and kind.own_parameters(form):
             trial = _reformed(best, name, form)
             if trial is not None:
-                yield trial
+                yield descend_with(trial, (DROP,))
 
 
 def _reformed(now: Fit, name: str, form: str) -> Fit | None:
