@@ -106,11 +106,11 @@ def _in_turn(move: Move, share: float) -> bool:
     return move.grows and not move.resort if share == LARGE else not move.resort or share < COARSE[0]
 
 
-def descend_with(best: Fit, moves: Sequence[Move]) -> Fit:
+def descend_with(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """A few steps that have to follow a change before it is judged, in what was seen before; what gains
-    little is left to the search.
+    little is left to the search of ``desk``, and what it tried in vain is not tried again.
     """
-    desk = Desk(share=COARSE[1])
+    desk = Desk(share=COARSE[1], vain=desk.vain)
     while (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
     return best

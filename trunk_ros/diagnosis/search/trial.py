@@ -79,6 +79,12 @@ def refitted(best: Fit, column: int, found: Iterable[Look]) -> Iterator[Fit]:
             yield trial
 
 
+def may_win(best: Fit, there: Hypothesis, screen: Screen, gain: float) -> bool:
+    """Whether a hypothesis on all joints may beat ``best``, by what a linear look from ``screen`` promises."""
+    left = sum(screen.left(c) for c in best.context.columns)
+    return left - gain / PROMISED + priced(Fit(there, {}, best.context)) <= score(best)
+
+
 def _goal(best: Fit, hypothesis: Hypothesis, column: int) -> float:
     """What a joint's squared residuals have to come to for the score to be as good as that of ``best``."""
     others = Fit(hypothesis, {c: cost for c, cost in best.cost.items() if c != column}, best.context)

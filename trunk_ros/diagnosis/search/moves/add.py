@@ -27,7 +27,7 @@ from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
+from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
 
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 
@@ -43,7 +43,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 def additions(best: Fit, desk: Desk) -> Iterator[Fit]:
     """For each further effect the hypothesis with it where it helps most."""
     yield from on_joints(best, desk)
-    yield from everywhere(best)
+    yield from everywhere(best, desk)
 
 
 def on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
@@ -128,7 +128,7 @@ def _merged(best: Fit, name: str, chosen: dict[int, tuple[float, Hypothesis, flo
     return refit(best.context, out) if shared else Fit(out, cost, best.context)
 
 
-def everywhere(best: Fit) -> Iterator[Fit]:
+def everywhere(best: Fit, desk: Desk) -> Iterator[Fit]:
     """Hypotheses with a further effect that acts on all joints alike."""
     context = best.context
     kinds = [k for k in usable(context) if k.everywhere and k.id not in best.hypothesis]
@@ -139,19 +139,22 @@ def everywhere(best: Fit) -> Iterator[Fit]:
     found = [c for some in looked for c in some if c.gain > SIGNIFICANT]
     most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
     for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
-        trial = dated(refit(context, extended(context, best.hypothesis, candidate)), candidate.effect)
-        trial = descend_with(shown_again(best, trial, candidate.effect), (MEMBER, EVENT))
+        there = extended(context, best.hypothesis, candidate)
+        if not may_win(best, there, screen, candidate.gain):
+            continue
+        trial = dated(refit(context, there), candidate.effect)
+        trial = descend_with(shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk)
         if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
             yield trial
 
 
-def shown_again(best: Fit, trial: Fit, name: str) -> Fit:
+def shown_again(best: Fit, desk: Desk, trial: Fit, name: str) -> Fit:
     """A trial that is better but for what the motion cannot show any more beside the new effect, such as a
     link that would no longer ring: with what looks like that in its place, or without it.
     """
     others = [term for term in trial.hypothesis.values() if term.effect != name]
     if priced(trial) < score(best) and any(hidden(trial.context, term) for term in others):
-        return descend_with(trial, (SWAP_ALL, SWAP_MANY, DROP))
+        return descend_with(trial, (SWAP_ALL, SWAP_MANY, DROP), desk)
     return trial
 
 

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.screen import Screen
-from trunk_ros.diagnosis.search.trial import Look, refitted
+from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
@@ -68,15 +68,16 @@ def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
         return
     there = bare.copy()
     there[name].shared[mass.name] = mass.typical
-    window = Screen(now.context, bare).window(there, now.context.columns, partial(_gained, mass), False)
-    if window is None:
+    screen = Screen(now.context, bare)
+    window = screen.window(there, now.context.columns, partial(_gained, mass), False)
+    if window is None or not may_win(now, there, screen, float(_gained(mass, window.rd, window.dd))):
         return
     there[name].shared[mass.name] = _mass(mass, window.rd, window.dd)
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
     yield dated(refit(now.context, there), name)
 
 
-def _gained(mass: Parameter, rd: Array, dd: Array) -> Array:
+def _gained(mass: Parameter, rd: Array | float, dd: Array | float) -> Array:
     """By the mass that gains most."""
     factor = np.clip(rd / np.maximum(dd, ROUNDED), 0.0, mass.bounds[1] / mass.typical)
     return np.asarray(factor * (2 * rd - factor * dd))

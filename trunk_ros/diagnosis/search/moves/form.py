@@ -18,26 +18,26 @@ from trunk_ros.effects import effect
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """The forms of each effect, but for those by which joints move each other."""
-    return _groups(best, shaking=False)
+    return _groups(best, desk, shaking=False)
 
 
 def shaking_groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Those by which joints move each other: as they take by far the most time, what else mends comes
     before.
     """
-    return _groups(best, shaking=True)
+    return _groups(best, desk, shaking=True)
 
 
-def _groups(best: Fit, shaking: bool) -> Iterator[Group]:
+def _groups(best: Fit, desk: Desk, shaking: bool) -> Iterator[Group]:
     for name, term in best.hypothesis.items():
         kind = effect(name)
         forms = [f for f in kind.forms if f != term.form and (f in kind.shaking) == shaking]
         columns = [c for c in term.columns if c in best.context.columns]
         if forms and columns:
-            yield Group(name, columns, partial(reforms, best, name, forms))
+            yield Group(name, columns, partial(reforms, best, desk, name, forms))
 
 
-def reforms(best: Fit, name: str, forms: Sequence[str]) -> Iterator[Fit]:
+def reforms(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator[Fit]:
     """An effect in each of some forms that its joints can show, without what it then does by itself: a link
     that swings behind a lag is one that is damped against the arm.
     """
@@ -47,7 +47,7 @@ def reforms(best: Fit, name: str, forms: Sequence[str]) -> Iterator[Fit]:
         if form in shown and kind.own_parameters(form):
             trial = _reformed(best, name, form)
             if trial is not None:
-                yield descend_with(trial, (DROP,))
+                yield descend_with(trial, (DROP,), desk)
 
 
 def _reformed(now: Fit, name: str, form: str) -> Fit | None:

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
+from trunk_ros.diagnosis.search.trial import may_win
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 
@@ -101,14 +102,19 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     bare, free, shared = now.hypothesis.without(name), not now.hypothesis[name].given, trial[name].shared
     screen = Screen(now.context, bare)
     begun = []
-    for form in shown_forms(effect(name), now.context, now.hypothesis[name].columns):
+    kind, old = effect(name), now.hypothesis[name]
+    for form in shown_forms(kind, now.context, old.columns):
+        if form in kind.shaking and form != old.form:
+            continue  # takes by far the most time: another move's
         others = {p.name: shared[p.name] for p in options_of(name, form) if p.name in shared}
         for size in SIZES:
             values = others | {parameter.name: size * parameter.typical}
-            found = screen.all_everywhere(effect(name), form, values)
+            found = screen.all_everywhere(kind, form, values)
             begun += ([c for c in found if c.free == free] or found)[:1]
     for candidate in sorted(begun, key=lambda c: -c.gain)[:REFITTED]:
-        yield refit(now.context, extended(now.context, bare, candidate))
+        there = extended(now.context, bare, candidate)
+        if may_win(now, there, screen, candidate.gain):
+            yield refit(now.context, there)
 
 
 OPTION = Move("option", groups)

@@ -26,10 +26,10 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect of most joints, by each that acts on all."""
     kinds = [k for k in usable(best.context) if k.everywhere and k.id not in best.hypothesis]
     for name in [name for name in best.hypothesis if kinds and on_most(best, name)]:
-        yield Group(name, best.context.columns, partial(_swapped, best, name, kinds))
+        yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
 
 
-def _swapped(best: Fit, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
+def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
     bare = best.hypothesis.without(name)
     screen = Screen(best.context, bare)
     lost = {c: screen.left(c) - best.cost[c] for c in best.context.columns}
@@ -42,7 +42,7 @@ def _swapped(best: Fit, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
             if candidate.gain > PROMISED * min(sum(lost.values()), SIGNIFICANT):
                 trial = dated(refit(best.context, extended(best.context, bare, candidate)), kind.id)
                 if _promises(trial, screen, lost, again):
-                    yield _polished(best, trial, name, again)
+                    yield _polished(best, desk, trial, name, again)
 
 
 def alike(kind: type[Effect], other: type[Effect]) -> bool:
@@ -95,12 +95,12 @@ def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -
     return sum(gained[c] > max(PROMISED * loss, SIGNIFICANT) for c, loss in lost.items()) >= SEVERAL
 
 
-def _polished(best: Fit, trial: Fit, name: str, again: bool) -> Fit:
+def _polished(best: Fit, desk: Desk, trial: Fit, name: str, again: bool) -> Fit:
     """With what usually follows: options and members of the new one, the old one back where it is needed."""
-    trial = descend_with(trial, (OPTION, MEMBER))
+    trial = descend_with(trial, (OPTION, MEMBER), desk)
     if again:
-        trial = descend_with(_with_some_back(best, trial, name), (FORM,))
-    return descend_with(trial, (DROP,)) if trial.total < score(best) else trial
+        trial = descend_with(_with_some_back(best, trial, name), (FORM,), desk)
+    return descend_with(trial, (DROP,), desk) if trial.total < score(best) else trial
 
 
 def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:

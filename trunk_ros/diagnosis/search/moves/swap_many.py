@@ -23,7 +23,9 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     for name in [name for name in best.hypothesis if on_most(best, name)]:
         for rival in map(effect, sorted(confused(name))):
             if rival in local_kinds(best.context):
-                yield Group((name, rival.id), best.context.columns, partial(_on_the_same, best, name, rival))
+                yield Group(
+                    (name, rival.id), best.context.columns, partial(_on_the_same, best, desk, name, rival)
+                )
 
 
 def on_most(best: Fit, name: str) -> bool:
@@ -33,7 +35,7 @@ def on_most(best: Fit, name: str) -> bool:
     return effect(name).everywhere or 2 * len(there) > len(columns)
 
 
-def _on_the_same(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
+def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterator[Fit]:
     """An effect in the place of another on all of its joints, and of all that these have of its regime."""
     columns, less = best.hypothesis[name].columns, best.hypothesis.without(name)
     alone = less
@@ -47,7 +49,7 @@ def _on_the_same(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
         if out is not None:
             trial = refit(best.context, out)
             if not unshown(trial.context, trial.hypothesis):
-                yield descend_with(trial, (DROP,))
+                yield descend_with(trial, (DROP,), desk)
 
 
 SWAP_MANY = Move("swap_many", groups)
