@@ -110,7 +110,7 @@ def descend_with(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """A few steps that have to follow a change before it is judged, in what was seen before; what gains
     little is left to the search of ``desk``, and what it tried in vain is not tried again.
     """
-    desk = Desk(share=COARSE[1], vain=desk.vain)
+    desk = Desk(share=max(desk.share, COARSE[1]), vain=desk.vain)
     while (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
     return best
