@@ -119,6 +119,19 @@ def test_the_jacobian_is_the_slope_of_the_tip(name: str) -> None:
         assert arm.body.jacobian(theta)[:, :3, j] == pytest.approx(slope, abs=1e-5)
 
 
+@pytest.mark.parametrize("name", sorted(URDFS))
+def test_places_of_joints_and_tip_are_those_of_the_library(name: str) -> None:
+    arm = arm_of(name)
+    body, theta = arm.body, postures(arm, 20)
+    place, turn = body.places(theta)
+    np.testing.assert_allclose(place[:, -1], body.poses(theta)[:, :3], atol=1e-12)
+    for k, one in enumerate(theta):
+        frames = body.frames(one, [body.model.getFrameId(body.model.names[i]) for i in body.own])
+        seen = [body.base.inverse() * frame for frame in [*frames, *body.frames(one, [body.tip])]]
+        np.testing.assert_allclose(place[k], [frame.translation for frame in seen], atol=1e-12)
+        np.testing.assert_allclose(turn[k], [frame.rotation for frame in seen], atol=1e-12)
+
+
 def test_the_weight_is_a_sum_of_its_shares() -> None:
     """So that torque tells the load whatever the masses are."""
     arm = arm_of("six")

@@ -60,6 +60,14 @@ def test_an_output_that_exists_is_refused(
     assert "exists" in refused(["diagnose", str(bag), "--output", str(tmp_path)], capsys)
 
 
+def test_a_number_of_cores_that_is_none_is_refused(
+    bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for cores in ("0", "-1", "two"):
+        said = refused(["diagnose", str(bag), "--cores", cores, "--output", str(tmp_path / "new")], capsys)
+        assert "whole number" in said
+
+
 def test_a_bag_without_the_topic_is_refused_naming_those_it_has(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

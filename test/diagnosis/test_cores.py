@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.cores import available, each, on_cores
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.work import Work
 
+
 def test_results_come_in_the_order_of_the_items_and_their_work_is_counted():
     work = Work()
 

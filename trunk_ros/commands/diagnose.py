@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from argparse import ArgumentTypeError
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -52,7 +53,7 @@ def parser() -> Parser:
     add_namespace(out)
     add_settle(out)
     out.add_argument(
-        "--cores", type=int, metavar="N", help="cores to use, all by default; the answer is the same"
+        "--cores", type=count, metavar="N", help="cores to use, all by default; the answer is the same"
     )
     out.add_argument("--overwrite", action="store_true", help="replace DIR if it holds an earlier diagnosis")
     return out
@@ -108,6 +109,13 @@ def main(argv: list[str]) -> int:
 def _default(result: Diagnosis) -> str:
     """What stood for a model that was not given."""
     return "trunk" if result.model.arm.description is None else "robot_description"
+
+
+def count(text: str) -> int:
+    """A number of cores."""
+    if not text.isdecimal() or int(text) < 1:
+        raise ArgumentTypeError(f"{text}: give a whole number from 1 on")
+    return int(text)
 
 
 def refuse_tables(paths: Sequence[str]) -> None:

@@ -204,7 +204,7 @@ def solve(lower: Array, b: Array) -> None:
 
 @compiled
 def invert(lower: Array, out: Array) -> None:
-    """The inverse (m, m) of the factored matrix: where it meets many vectors, no division is left for each."""
+    """The inverse (m, m) of the factored matrix: where it meets many vectors, no division is left."""
     out[:] = 0.0
     for i in range(len(out)):
         out[i, i] = 1.0
