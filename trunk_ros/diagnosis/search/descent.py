@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
+from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
 
 LARGE = 0.5  # of what is left: what explains so much of it, and much of all, comes before anything is mended
@@ -128,12 +129,37 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             if not desk.pays(promised, best):
                 desk.note(move, group, best, promised)
                 continue
-            trial = min(group.trials(), key=score, default=best)
+            trial = _plainest(list(group.trials()), best, desk)
             gain = score(best) - score(trial)
             if desk.pays(gain, best) and _is_new(trial, best, desk):
                 return move, trial
             desk.note(move, group, best, gain)
     return None
+
+
+def _plainest(trials: list[Fit], best: Fit, desk: Desk) -> Fit:
+    """The best trial; one whose effect it includes, where that pays as well and what it has more would not as
+    a step of its own: a law with more to it is bent to what is still missing beside it.
+    """
+    found = min(trials, key=score, default=best)
+    for other in sorted(trials, key=score):
+        step = score(other) - score(found)
+        if (
+            _includes(found, other)
+            and not desk.pays(step, other)
+            and desk.pays(score(best) - score(other), best)
+        ):
+            found = other
+    return found
+
+
+def _includes(fit: Fit, other: Fit) -> bool:
+    """Whether two hypotheses differ in one effect, and that of the first includes that of the other."""
+    more, less = (
+        list(a.keys() - b.keys())
+        for a, b in ((fit.hypothesis, other.hypothesis), (other.hypothesis, fit.hypothesis))
+    )
+    return len(more) == len(less) == 1 and less[0] in effect(more[0]).replaces
 
 
 def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
