@@ -5,9 +5,12 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from io import StringIO
+from itertools import takewhile
 from typing import Any, TypeVar
 
 from trunk_ros.diagnosis.work import Work
@@ -51,7 +54,8 @@ def each(work: Work, call: Callable[[Item], Result], items: Sequence[Item]) -> l
     children: list[tuple[int, int]] = []
     try:
         for _ in range(hands - 1):
-            children.append(_forked(queue, work, call, items))
+            with suppress(BlockingIOError, MemoryError):  # as many as the system grants
+                children.append(_forked(queue, work, call, items))
         done = {k: call(items[k]) for k in _taken(queue)}
         for _, answers in children:
             for k, result, simulated in _answered(answers):
@@ -63,9 +67,9 @@ def each(work: Work, call: Callable[[Item], Result], items: Sequence[Item]) -> l
         os.close(queue)
         for number, answers in children:
             os.close(answers)
-            with suppress(ProcessLookupError):
+            with suppress(ProcessLookupError, ChildProcessError):
                 os.kill(number, signal.SIGKILL)
-            os.waitpid(number, 0)
+                os.waitpid(number, 0)
     return [done[k] if k in done else call(items[k]) for k in range(len(items))]
 
 
@@ -77,14 +81,21 @@ def _taken(queue: int) -> Iterator[int]:
 
 def _forked(queue: int, work: Work, call: Callable[[Item], Any], items: Sequence[Item]) -> tuple[int, int]:
     """A process that does items, and where it answers."""
-    answers, told = os.pipe()
-    number = os.fork()
+    parent, (answers, told) = os.getpid(), os.pipe()
+    try:
+        number = os.fork()
+    except OSError:
+        os.close(answers)
+        os.close(told)
+        raise
     if number:
         os.close(told)
         return number, answers
     try:
         _cores.set(1)
-        done = [_outcome(k, work, call, items[k]) for k in _taken(queue)]
+        sys.stdout = sys.stderr = StringIO()  # a thread of the parent may have held the locks of its own
+        there = takewhile(lambda _: os.getppid() == parent, _taken(queue))
+        done = [_outcome(k, work, call, items[k]) for k in there]
         with os.fdopen(told, "wb") as stream:
             pickle.dump(done, stream)
     finally:
@@ -105,5 +116,7 @@ def _answered(answers: int) -> list[tuple[int, Any, int]]:
         told = stream.read()
     try:
         return list(pickle.loads(told))
-    except (pickle.UnpicklingError, EOFError):
+    except (
+        Exception
+    ):  # cut off, or an error that does not unpickle: it comes again where the item is done here
         return []

@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
@@ -136,8 +137,9 @@ def evidence(state: Fit, whole: Fit | None = None) -> dict[str, Evidence]:
     """Evidence for each effect of a hypothesis; ``whole``: a fit of the same to more, for effects of which
     ``state`` shows nothing.
     """
-    names = list(state.hypothesis)
-    told = each(state.context.work, lambda name: one_evidence(_showing(state, whole, name), name), names)
+    names, work = list(state.hypothesis), Work()
+    own, more = (replace(f, context=replace(f.context, work=work)) for f in (state, whole or state))
+    told = each(work, lambda name: one_evidence(_showing(own, more, name), name), names)
     return dict(zip(names, told, strict=True))
 
 
@@ -170,9 +172,9 @@ def doubt(state: Fit, columns: Iterable[int]) -> float:
     return sum(max(need(state.context, c, state.rest(c)), state.rest(c)) for c in columns)
 
 
-def _showing(state: Fit, whole: Fit | None, name: str) -> Fit:
+def _showing(state: Fit, whole: Fit, name: str) -> Fit:
     judged = set(state.hypothesis[name].columns) & state.cost.keys()
-    return state if whole is None or (judged and strength(state, name) > 0.0) else whole
+    return state if judged and strength(state, name) > 0.0 else whole
 
 
 def one_evidence(state: Fit, name: str) -> Evidence:

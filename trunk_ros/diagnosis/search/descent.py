@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, describe
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -39,13 +39,15 @@ class Group:
 @dataclass(frozen=True)
 class Move:
     """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
-    ``resort``: it waits until no other one gains much.
+    ``resort``: it waits until no other one gains much. ``descends``: its trials take steps of their own, so
+    that what they gain depends on what a step has to.
     """
 
     name: str
     groups: Callable[[Fit, Desk], Iterator[Group]]
     grows: bool = False
     resort: bool = False
+    descends: bool = False
 
 
 @dataclass
@@ -66,12 +68,21 @@ class Desk:
 
     def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
         """Whether a group was tried in a state that is nearly the same, and gained too little."""
-        gain = self.vain.get((move.name, group.what, state_of(best, group.columns)))
+        gain = self.vain.get(self._key(move, group, best))
         return gain is not None and not self.pays(gain, best)
 
     def note(self, move: Move, group: Group, best: Fit, gain: float) -> None:
         """A group was tried in vain: its best trial is better by no more than a ``gain``."""
-        self.vain[move.name, group.what, state_of(best, group.columns)] = gain
+        self.vain[self._key(move, group, best)] = gain
+
+    def _key(self, move: Move, group: Group, best: Fit) -> Hashable:
+        share = self.inner_share if move.descends else 0.0
+        return (move.name, group.what, share, state_of(best, group.columns))
+
+    @property
+    def inner_share(self) -> float:
+        """What a step within a move has to gain of what is left: large things first."""
+        return max(self.share, COARSE[1])
 
     def in_reach(self, group: Group, best: Fit) -> bool:
         """Whether a group would pay if it explained all that is left on its columns, and all names were
@@ -111,7 +122,7 @@ def descend_with(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """A few steps that have to follow a change before it is judged, in what was seen before; what gains
     little is left to the search of ``desk``, and what it tried in vain is not tried again.
     """
-    desk = Desk(share=max(desk.share, COARSE[1]), vain=desk.vain)
+    desk = Desk(share=desk.inner_share, vain=desk.vain)
     while (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
     return best
@@ -129,19 +140,19 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             if not desk.pays(promised, best):
                 desk.note(move, group, best, promised)
                 continue
-            trial = _plainest(list(group.trials()), best, desk)
-            gain = score(best) - score(trial)
-            if desk.pays(gain, best) and _is_new(trial, best, desk):
-                return move, trial
-            desk.note(move, group, best, gain)
+            trials = list(group.trials())
+            found = min(trials, key=score, default=best)
+            for trial in (_plainest(found, trials, best, desk), found):
+                if desk.pays(score(best) - score(trial), best) and _is_new(trial, best, desk):
+                    return move, trial
+            desk.note(move, group, best, score(best) - score(found))
     return None
 
 
-def _plainest(trials: list[Fit], best: Fit, desk: Desk) -> Fit:
+def _plainest(found: Fit, trials: list[Fit], best: Fit, desk: Desk) -> Fit:
     """The best trial; one whose effect it includes, where that pays as well and what it has more would not as
     a step of its own: a law with more to it is bent to what is still missing beside it.
     """
-    found = min(trials, key=score, default=best)
     for other in sorted(trials, key=score):
         step = score(other) - score(found)
         if (
@@ -224,16 +235,14 @@ def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
         columns = sorted({c for term in hypothesis.values() for c in term.columns})
         return tuple((c, structure(hypothesis, c)) for c in columns)
     return tuple(
-        (
-            t.effect,
-            t.form,
-            tuple(sorted(t.shared)),
-            t.given,
-            t.moments(column),
-            tuple(sorted(t.words.get(column, {}).items())),
-        )
+        (structure_of(t), t.moments(column), tuple(sorted(t.words.get(column, {}).items())))
         for t in hypothesis.on(column)
     )
+
+
+def structure_of(term: Term) -> Hashable:
+    """An effect's form, what its joints share and what is stated of it."""
+    return (term.effect, term.form, tuple(sorted(term.shared)), term.given)
 
 
 def _level(value: float) -> int:

@@ -80,7 +80,11 @@ def refitted(best: Fit, column: int, found: Iterable[Look]) -> Iterator[Fit]:
 
 
 def may_win(best: Fit, there: Hypothesis, screen: Screen, gain: float) -> bool:
-    """Whether a hypothesis on all joints may beat ``best``, by what a linear look promises."""
+    """Whether a hypothesis on all joints may beat ``best``, by what a linear look promises; this does not see
+    how values follow that joints share.
+    """
+    if any(set(term.shared) - term.given for term in best.hypothesis.values()):
+        return True
     left = sum(screen.left(c) for c in best.context.columns)
     return left - gain / PROMISED + priced(Fit(there, {}, best.context)) <= score(best)
 

@@ -9,7 +9,6 @@ from trunk_ros.effects.periods import periods, positive
 from trunk_ros.parameter import Parameter
 
 MOST_CYCLES = 200.0
-LATE = 0.8  # rad that a swing may be seen before or behind its phase, as the loop follows it while it turns
 STEEPEST = 0.6  # of the angle: beyond 1 the shaft would snap from tooth to tooth
 
 
@@ -40,7 +39,7 @@ class Cogging(Effect):
             (-10.0, 10.0),
             "phase at motor-side angle 0",
             typical=1.0,
-            scan=(0.0, 0.785, 1.571, 2.356, 3.142, 3.927, 4.712, 5.498),
+            scan=(0.0, 1.571, 3.142, 4.712),
         ),
     )
     everywhere = True
@@ -53,18 +52,9 @@ class Cogging(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        if parameter.name == "amplitude" or rest is None:
+        if parameter.name != "cycles_per_rev" or rest is None:
             return super().grid(parameter, now, column, rest)
-        angle = now.gearbox[:, column]
-        found = periods(angle, rest, *self.parameters[1].bounds, most=1)
-        if parameter.name == "cycles_per_rev":
-            return found or (parameter.typical,)
-        if not found:
-            return super().grid(parameter, now, column, rest)
-        turned = found[0] * angle
-        sine, cosine = np.linalg.lstsq(np.column_stack([np.sin(turned), np.cos(turned)]), rest)[0]
-        seen = float(np.arctan2(cosine, sine))
-        return tuple((seen + off) % (2 * np.pi) for off in (-LATE, 0.0, LATE))
+        return periods(now.gearbox[:, column], rest, *parameter.bounds, most=1) or (parameter.typical,)
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """A swing that a servo can be held in, of a period that is not the shortest looked for."""

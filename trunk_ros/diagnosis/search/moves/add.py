@@ -85,7 +85,8 @@ def lines(best: Fit, most: dict[int, float]) -> Iterator[Fit]:
 def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
     """The effects that would help each of the columns; kept while nothing that bears on it changes."""
     context = best.context
-    keys = {c: ("add", c, context.look, context.noise[c], best.hypothesis.key(c)) for c in columns}
+    forms = frozenset((term.effect, term.form) for term in best.hypothesis.values())
+    keys = {c: (c, context.look, context.noise[c], forms, best.hypothesis.key(c)) for c in columns}
     new = [c for c, key in keys.items() if key not in desk.tried]
     found = each(context.work, partial(_tried, best), new)
     desk.tried |= dict(zip((keys[c] for c in new), found, strict=True))
@@ -175,4 +176,4 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
     return sum(sides) > MOST * len(sides)
 
 
-ADD = Move("add", groups, grows=True)
+ADD = Move("add", groups, grows=True, descends=True)

@@ -96,5 +96,5 @@ def refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypoth
         yield out
 
 
-FORM = Move("form", groups)
-SHAKE = Move("shake", shaking_groups)
+FORM = Move("form", groups, descends=True)
+SHAKE = Move("shake", shaking_groups, descends=True)

@@ -7,7 +7,7 @@ from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import taken
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, structure_of
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
@@ -21,7 +21,8 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
         for column in best.context.columns:
             change = joined if column not in term.columns else None if alike else left
             if change is not None:
-                yield Group((name, column), [column], partial(change, best, name, column))
+                what = (name, structure_of(term), column)
+                yield Group(what, [column], partial(change, best, name, column))
 
 
 def left(now: Fit, name: str, column: int) -> Iterator[Fit]:

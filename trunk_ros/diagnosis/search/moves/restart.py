@@ -30,7 +30,12 @@ def _anew(best: Fit, desk: Desk, column: int, own: list[str]) -> Iterator[Fit]:
 def _further(now: Fit, desk: Desk, column: int) -> list[Fit]:
     """With each effect that helps a column, the best first."""
     found = sorted(trials(now, desk, [column])[0].values(), key=lambda trial: -trial[0])
-    return [Fit(there, now.cost | {column: cost}, now.context) for _, there, cost in found]
+    out = []
+    for _, there, cost in found:
+        trial = now.hypothesis.copy()
+        trial.take(column, there)
+        out.append(Fit(trial, now.cost | {column: cost}, now.context))
+    return out
 
 
 def _grown(now: Fit, desk: Desk, column: int) -> Fit:

@@ -139,4 +139,4 @@ def _back(old: Term, now: Fit, column: int) -> Fit:
     return min((refit(now.context, trial) for trial in trials), key=score, default=now)
 
 
-SWAP_ALL = Move("swap_all", groups)
+SWAP_ALL = Move("swap_all", groups, descends=True)

@@ -52,4 +52,4 @@ def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterat
                 yield descend_with(trial, (DROP,), desk)
 
 
-SWAP_MANY = Move("swap_many", groups)
+SWAP_MANY = Move("swap_many", groups, descends=True)
