@@ -20,6 +20,7 @@ from trunk_ros.guards import TINY
 
 LARGE = 0.5  # of what is left: what explains so much of it, and much of all, comes before anything is mended
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
+FEW = 2  # such steps that a hypothesis may still need
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
@@ -57,6 +58,8 @@ class Desk:
     say: Callable[[str], None] = lambda _: None
     share: float = 0.0
     """Of what is left above the noise: what a change has to gain to be taken."""
+    goal: float = np.inf
+    """The score that a hypothesis has to come to in the end."""
     vain: dict[Hashable, float] = field(default_factory=dict)
     """By move, group and state: what its best trial gained there."""
     kept: set[Hashable] = field(default_factory=set)
@@ -118,11 +121,12 @@ def _in_turn(move: Move, share: float) -> bool:
     return move.grows and not move.resort if share == LARGE else not move.resort or share < COARSE[0]
 
 
-def descend_with(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
+def descend_with(best: Fit, moves: Sequence[Move], desk: Desk, goal: float = np.inf) -> Fit:
     """A few steps that have to follow a change before it is judged, in what was seen before; what gains
-    little is left to the search of ``desk``, and what it tried in vain is not tried again.
+    little is left to the search of ``desk``, and what it tried in vain is not tried again; nor is what, by its
+    promise, would not bring the score to a ``goal``.
     """
-    desk = Desk(share=desk.inner_share, vain=desk.vain)
+    desk = Desk(share=desk.inner_share, goal=goal, vain=desk.vain)
     while (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
     return best
@@ -139,6 +143,8 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             promised = group.promise()
             if not desk.pays(promised, best):
                 desk.note(move, group, best, promised)
+                continue
+            if score(best) - FEW * promised > desk.goal:
                 continue
             trials = list(group.trials())
             found = min(trials, key=score, default=best)

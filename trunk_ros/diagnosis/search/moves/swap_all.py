@@ -97,7 +97,7 @@ def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -
 
 def _polished(best: Fit, desk: Desk, trial: Fit, name: str, again: bool) -> Fit:
     """With what usually follows: options and members of the new one, the old one back where it is needed."""
-    trial = descend_with(trial, (OPTION, MEMBER), desk)
+    trial = descend_with(trial, (OPTION, MEMBER), desk, score(best))
     if again:
         trial = descend_with(_with_some_back(best, trial, name), (FORM,), desk)
     return descend_with(trial, (DROP,), desk) if trial.total < score(best) else trial
