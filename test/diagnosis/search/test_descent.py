@@ -10,7 +10,15 @@ import pytest
 
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.descent import COARSE, Desk, Group, Move, descend
+from trunk_ros.diagnosis.search.descent import (
+    COARSE,
+    Desk,
+    Group,
+    Move,
+    descend,
+    descend_with,
+    first_that_pays,
+)
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.work import Work
@@ -102,3 +110,56 @@ def test_what_promises_too_little_waits_until_little_is_asked_for() -> None:
     descend(nothing, [Move("any", groups)], Desk())
     assert COARSE[1] < little / nothing.rest(2) < COARSE[0]
     assert tried == [("much", COARSE[0]), ("little", COARSE[1])]
+
+
+def sagged(name: str, cost: dict[int, float], now: Fit) -> Fit:
+    """A law of the wire's stretch on all joints, stated to leave so much."""
+    values = {"load_elasticity": {"compliance": 0.05}, "wire_slack": {"compliance": 0.05, "moment": 0.01}}
+    return Fit(Hypothesis({name: Term(name, own={c: dict(values[name]) for c in cost})}), cost, now.context)
+
+
+@pytest.mark.parametrize(("share", "taken"), [(0.05, "load_elasticity"), (0.4, "wire_slack")])
+def test_a_law_that_includes_another_has_to_beat_it_as_a_step_would(share: float, taken: str) -> None:
+    now = fitted("sag")
+    noise = {c: float(now.context.count(c)) for c in now.cost}
+    plain, more = (
+        sagged(name, {c: noise[c] + part * now.rest(c) for c in noise}, now)
+        for name, part in (("load_elasticity", 0.2), ("wire_slack", 0.2 * (1.0 - share)))
+    )
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        yield Group("law", best.cost, lambda: [more, plain])
+
+    found = first_that_pays(now, [Move("law", groups)], Desk(share=COARSE[0]))
+    assert found is not None
+    assert list(found[1].hypothesis) == [taken]
+
+
+def test_what_was_tried_in_vain_within_a_move_is_not_tried_again() -> None:
+    now, desk, tried = fitted("backlash"), Desk(share=COARSE[0]), []
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        yield Group("width", [2], lambda: tried.append(desk.share) or [])
+
+    for _ in range(2):
+        descend_with(now, [Move("in vain", groups)], desk)
+    assert tried == [COARSE[0]]
+    desk.share = 0.0
+    descend_with(now, [Move("in vain", groups)], desk)
+    assert tried == [COARSE[0]]
+    for _ in range(2):
+        descend_with(now, [Move("in steps", groups, descends=True)], desk)
+    assert tried == [COARSE[0], COARSE[1]]
+
+
+def test_what_cannot_come_to_the_goal_is_not_tried() -> None:
+    now, tried = fitted("backlash"), []
+    promise = 0.3 * now.rest(2)
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        yield Group("width", [2], lambda: tried.append(desk.goal) or [], lambda: promise)
+
+    near, far = now.total - promise, now.total - 3.0 * promise
+    for goal in (far, near):
+        descend_with(now, [Move("any", groups)], Desk(share=COARSE[0]), goal)
+    assert tried == [near]
