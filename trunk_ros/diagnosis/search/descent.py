@@ -122,9 +122,10 @@ def _in_turn(move: Move, share: float) -> bool:
 
 
 def descend_with(best: Fit, moves: Sequence[Move], desk: Desk, goal: float = np.inf) -> Fit:
-    """A few steps that have to follow a change before it is judged, in what was seen before; what gains
-    little is left to the search of ``desk``. What that tried in vain is not tried again, nor what by its promise
-    would not bring the score to a ``goal``.
+    """A few steps that have to follow a change before it is judged, in what was seen before.
+
+    What gains little is left to the search of ``desk``. What that tried in vain is not tried again, nor what
+    by its promise would not bring the score to a ``goal``.
     """
     desk = Desk(share=desk.inner_share, goal=goal, vain=desk.vain)
     while (better := first_that_pays(best, moves, desk)) is not None:
