@@ -41,7 +41,7 @@ def test_an_error_is_raised_as_it_would_be_on_one_core(monkeypatch):
         return item
 
     started, fork = [], os.fork
-    monkeypatch.setattr(os, "fork", lambda: (number := fork()) and started.append(number) or number)
+    monkeypatch.setattr(os, "fork", lambda: ((number := fork()) and started.append(number)) or number)
     with on_cores(2), pytest.raises(ValueError, match="seven"):
         each(Work(), fails, range(12))
     assert len(started) == 1
