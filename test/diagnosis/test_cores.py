@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis.cores import available, each, on_cores
+from trunk_ros.diagnosis.cores import each, on_cores
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.work import Work
 
@@ -67,4 +67,3 @@ def test_a_diagnosis_is_the_same_on_two_cores():
     with on_cores(2):
         two = diagnose([run])
     assert one.to_json() == two.to_json()
-    assert available() >= 1

@@ -53,7 +53,7 @@ def parser() -> Parser:
     add_namespace(out)
     add_settle(out)
     out.add_argument(
-        "--cores", type=count, metavar="N", help="cores to use, all by default; the answer is the same"
+        "--cores", type=count, default=1, metavar="N", help="cores to use (1); the answer is the same"
     )
     out.add_argument("--overwrite", action="store_true", help="replace DIR if it holds an earlier diagnosis")
     return out
@@ -68,7 +68,7 @@ def main(argv: list[str]) -> int:
         raise
     refuse_tables([*asked.bag, *([asked.against] if asked.against else [])])
     from trunk_ros.arm.files import urdf_text
-    from trunk_ros.diagnosis.cores import available, on_cores
+    from trunk_ros.diagnosis.cores import on_cores
     from trunk_ros.diagnosis.diagnose import diagnose
     from trunk_ros.model import load_model
     from trunk_ros.recording.output import new_folder, prepare_output
@@ -76,7 +76,7 @@ def main(argv: list[str]) -> int:
     prepare_output(asked.output, asked.overwrite, FILES)
     model = None if asked.model is None else load_model(asked.model)
     urdf = urdf_text(asked.urdf) if asked.urdf else ""
-    with progress(SHARES) as step, on_cores(asked.cores or available()):
+    with progress(SHARES) as step, on_cores(asked.cores):
         step("reading")
         result = diagnose(
             asked.bag,

@@ -23,11 +23,6 @@ NUMBER = 4  # bytes
 _cores: ContextVar[int] = ContextVar("cores", default=1)
 
 
-def available() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextmanager
 def on_cores(most: int) -> Iterator[None]:
     """Lets what is diagnosed meanwhile use as many."""
