@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rosbags.rosbag2 import Reader
 
 from test.bench.row import Row
+from test.nodes.graph import size_of
 from trunk_ros.recording.bag.metadata import read_metadata
 
 Array = NDArray[np.float64]
@@ -127,7 +128,7 @@ def driven(rate: int, options: list[str]) -> Run:
 
 def wait_for_data(bag: Path, process: subprocess.Popen[bytes]) -> None:
     """Until the graph has run for a while."""
-    while not any(file.stat().st_size > 40_000 for file in bag.glob("*.mcap")):
+    while not any(size_of(file) > 40_000 for file in bag.glob("*.mcap")):
         if process.poll() is not None:
             raise RuntimeError(str(process.communicate()[1], "utf-8"))
         time.sleep(0.05)

@@ -5,13 +5,12 @@ import os
 import signal
 import subprocess
 import time
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from test.nodes.graph import JOINTS, bag_messages, ended, needs_ros, running, trunk
+from test.nodes.graph import JOINTS, bag_messages, ended, needs_ros, running, size_of, trunk
 from trunk_ros.model import load_model, save_model
 from trunk_ros.recording.bag.metadata import read_metadata
 from trunk_ros.recording.read import read_recording
@@ -217,13 +216,6 @@ def wait_for_data(path):
     while not any(size_of(file) > 40000 for file in path.glob("*.mcap")):
         assert time.monotonic() < end, "nothing recorded"
         time.sleep(0.05)
-
-
-def size_of(file):
-    """Bytes of a file; none of one that was renamed since it was listed, as the recorder's drafts are."""
-    with suppress(FileNotFoundError):
-        return file.stat().st_size
-    return 0
 
 
 def child(parent, name):

@@ -20,7 +20,7 @@ from trunk_ros.guards import TINY
 
 LARGE = 0.5  # of what is left: what explains so much of it, and much of all, comes before anything is mended
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
-FEW = 2  # such steps that a hypothesis may still need
+FEW = 2  # steps as large as promised that may follow before a trial is judged
 CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
