@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, describe
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.pace import paced
+from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.effects import effect
@@ -66,6 +67,8 @@ class Desk:
     """What was tried once and for all."""
     tried: dict[Hashable, dict[str, Any]] = field(default_factory=dict)
     """Effects that would help single columns, by all that this depends on."""
+    looked: dict[Hashable, list[Candidate]] = field(default_factory=dict)
+    """The same on all joints together, by a linear look."""
     been: dict[Hashable, Hypothesis] = field(default_factory=dict)
     """By structure: how the search last stood on it."""
 

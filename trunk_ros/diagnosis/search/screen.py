@@ -11,7 +11,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Free, Hypothesis
 from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.fit import Residuals
@@ -37,7 +37,9 @@ class Screen:
         columns = context.columns if columns is None else columns
         self.base = {c: context.predictions(hypothesis, c) for c in columns}
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
-        self.basis = {c: self._basis(c) for c in columns}
+        self.basis: dict[int, Array] = {}
+        self._shared: dict[int, Array] = {}
+        self._look_round()
         self._residuals: dict[tuple[int, int], Array] = {}
 
     def left(self, column: int) -> float:
@@ -56,14 +58,43 @@ class Screen:
         rd, dd = np.sum(looks, axis=0)
         return own + float(max(rd, 0.0) ** 2 / max(dd, ROUNDED))
 
-    def _basis(self, column: int) -> Array:
-        residuals = Residuals(self.context, self.hypothesis, [column])
-        local = self.hypothesis.free([column])
-        if not local:
-            return np.zeros((len(self.rest[column]), 0))
-        jacobian = residuals.jacobian(self.hypothesis.get(local))
-        size = np.linalg.norm(jacobian, axis=0)
-        return np.asarray(np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0])
+    def _look_round(self) -> None:
+        """Where each column's own values may go, and, beside that, those that columns share."""
+        residuals = Residuals(self.context, self.hypothesis, list(self.rest))
+        free = residuals.free
+        shared = [k for k, f in enumerate(free) if f.column is None and not self._of_one(f)]
+        for column, (moved, slopes) in zip(
+            self.rest, residuals.slopes(self.hypothesis.get(free)), strict=True
+        ):
+            own = slopes[:, [i for i, k in enumerate(moved) if k not in shared]]
+            size = np.linalg.norm(own, axis=0)
+            q = np.asarray(np.linalg.qr(own[:, size > 0] / size[size > 0])[0])
+            besides = np.zeros((len(self.rest[column]), len(shared)))
+            besides[:, [shared.index(k) for k in moved if k in shared]] = slopes[
+                :, [i for i, k in enumerate(moved) if k in shared]
+            ]
+            self.basis[column], self._shared[column] = q, besides - q @ (q.T @ besides)
+
+    def _of_one(self, free: Free) -> bool:
+        """Whether a value that joints may share is only of one."""
+        return len(self.hypothesis[free.effect].own) == 1 and not free.parameter.carried
+
+    def may_come_to(self, there: Hypothesis, gain: float) -> float:
+        """Squared residual of all columns at another hypothesis, by a linear look: all values, shared ones too,
+        follow, and the fit sees as much again as the look does, or as its ``gain`` on single joints.
+        """
+        changes = {c: self.change(there, c) for c in self.rest}
+        changes = {c: d - self.basis[c] @ (self.basis[c].T @ d) for c, d in changes.items()}
+        rd = sum(float(self.rest[c] @ d) for c, d in changes.items())
+        dd = sum(float(d @ d) for d in changes.values())
+        left = sum(map(self.left, self.rest))
+        if any(s.size for s in self._shared.values()):
+            normal = sum((s.T @ s for s in self._shared.values()), np.zeros(()))
+            along = sum((s.T @ self.rest[c] for c, s in self._shared.items()), np.zeros(()))
+            across = sum((s.T @ changes[c] for c, s in self._shared.items()), np.zeros(()))
+            step, bend = np.linalg.lstsq(normal, np.column_stack([along, across]), rcond=None)[0].T
+            left, rd, dd = left - along @ step, rd - along @ bend, dd - across @ bend
+        return float(left - max(gain, rd**2 / max(dd, ROUNDED)) / PROMISED)
 
     def products(self, candidate: Candidate, column: int) -> tuple[float, float]:
         """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot

@@ -80,13 +80,8 @@ def refitted(best: Fit, column: int, found: Iterable[Look]) -> Iterator[Fit]:
 
 
 def may_win(best: Fit, there: Hypothesis, screen: Screen, gain: float) -> bool:
-    """Whether a hypothesis on all joints may beat ``best``, by what a linear look promises; this does not see
-    how values follow that joints share.
-    """
-    if any(set(term.shared) - term.given for term in best.hypothesis.values()):
-        return True
-    left = sum(screen.left(c) for c in best.context.columns)
-    return left - gain / PROMISED + priced(Fit(there, {}, best.context)) <= score(best)
+    """Whether a hypothesis on all joints may beat ``best``, by what a linear look promises."""
+    return screen.may_come_to(there, gain) + priced(Fit(there, {}, best.context)) <= score(best)
 
 
 def _goal(best: Fit, hypothesis: Hypothesis, column: int) -> float:

@@ -28,6 +28,7 @@ from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
+from trunk_ros.effects import Effect
 
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 
@@ -41,9 +42,12 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def additions(best: Fit, desk: Desk) -> Iterator[Fit]:
-    """For each further effect the hypothesis with it where it helps most."""
-    yield from on_joints(best, desk)
-    yield from everywhere(best, desk)
+    """For each further effect the hypothesis with it where it helps most, but for what cannot win."""
+    leader = best
+    for trial in on_joints(best, desk):
+        leader = min(leader, trial, key=score)
+        yield trial
+    yield from everywhere(best, desk, leader)
 
 
 def on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
@@ -129,24 +133,33 @@ def _merged(best: Fit, name: str, chosen: dict[int, tuple[float, Hypothesis, flo
     return refit(best.context, out) if shared else Fit(out, cost, best.context)
 
 
-def everywhere(best: Fit, desk: Desk) -> Iterator[Fit]:
-    """Hypotheses with a further effect that acts on all joints alike."""
+def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
+    """Hypotheses with a further effect that acts on all joints alike, where they may beat a ``leader``."""
     context = best.context
     kinds = [k for k in usable(context) if k.everywhere and k.id not in best.hypothesis]
     if not kinds:
         return
     screen = Screen(context, best.hypothesis)
-    looked = each(context.work, screen.all_everywhere, kinds)
-    found = [c for some in looked for c in some if c.gain > SIGNIFICANT]
-    most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
-    for candidate in sorted(found, key=lambda c: -c.gain)[:most]:
+    for candidate in promising(best, desk, screen, kinds):
         there = extended(context, best.hypothesis, candidate)
-        if not may_win(best, there, screen, candidate.gain):
+        if not may_win(leader, there, screen, candidate.gain):
             continue
         trial = dated(refit(context, there), candidate.effect)
         trial = descend_with(shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk)
         if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
+            leader = min(leader, trial, key=score)
             yield trial
+
+
+def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) -> list[Candidate]:
+    """What a linear look finds on all joints, the best first; kept while nothing changes."""
+    context = best.context
+    key = (context.look, context.noise, *(best.hypothesis.key(c) for c in context.columns))
+    if key not in desk.looked:
+        looked = each(context.work, screen.all_everywhere, kinds)
+        found = sorted((c for some in looked for c in some if c.gain > SIGNIFICANT), key=lambda c: -c.gain)
+        desk.looked[key] = found[:REFITTED] if local_kinds(context) else found  # a servo's lags hide each other
+    return desk.looked[key]
 
 
 def shown_again(best: Fit, desk: Desk, trial: Fit, name: str) -> Fit:

@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.effects import effect
 
 REACH = 1.0  # s
-ROUGHLY, NEARBY = np.linspace(-REACH, REACH, 21), np.linspace(-0.1, 0.1, 21)  # s
+ROUGHLY, NEARBY = np.linspace(-REACH, REACH, 11), np.linspace(-0.2, 0.2, 11)  # s
 
 
 def moments(now: Fit) -> Iterator[tuple[str, int | None, str]]:

@@ -30,7 +30,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
-    bare = best.hypothesis.without(name)
+    bare, leader = best.hypothesis.without(name), best
     screen = Screen(best.context, bare)
     lost = {c: screen.left(c) - best.cost[c] for c in best.context.columns}
     for kind in kinds:
@@ -39,10 +39,21 @@ def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Ite
             continue
         again = kind.regime == effect(name).regime
         for candidate in screen.all_everywhere(kind):
-            if candidate.gain > PROMISED * min(sum(lost.values()), SIGNIFICANT):
-                trial = dated(refit(best.context, extended(best.context, bare, candidate)), kind.id)
-                if _promises(trial, screen, lost, again):
-                    yield _polished(best, desk, trial, name, again)
+            there = extended(best.context, bare, candidate)
+            least = PROMISED * min(sum(lost.values()), SIGNIFICANT)
+            if candidate.gain <= least or not (again or _may_promise(there, candidate.gain, screen, lost)):
+                continue
+            trial = refit(best.context, there)
+            if _promises(trial, screen, lost, again):
+                trial = _polished(best, desk, dated(trial, kind.id), name, score(leader), again)
+                leader = min(leader, trial, key=score)
+                yield trial
+
+
+def _may_promise(there: Hypothesis, gain: float, screen: Screen, lost: dict[int, float]) -> bool:
+    """Whether an effect may explain half of what the other one did, by a linear look."""
+    left = sum(screen.left(c) for c in lost)
+    return left - screen.may_come_to(there, gain) > PROMISED * sum(lost.values())
 
 
 def alike(kind: type[Effect], other: type[Effect]) -> bool:
@@ -95,12 +106,12 @@ def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -
     return sum(gained[c] > max(PROMISED * loss, SIGNIFICANT) for c, loss in lost.items()) >= SEVERAL
 
 
-def _polished(best: Fit, desk: Desk, trial: Fit, name: str, again: bool) -> Fit:
+def _polished(best: Fit, desk: Desk, trial: Fit, name: str, goal: float, again: bool) -> Fit:
     """With what usually follows: options and members of the new one, the old one back where it is needed."""
-    trial = descend_with(trial, (OPTION, MEMBER), desk, score(best))
+    trial = descend_with(trial, (OPTION, MEMBER), desk, goal)
     if again:
         trial = descend_with(_with_some_back(best, trial, name), (FORM,), desk)
-    return descend_with(trial, (DROP,), desk) if trial.total < score(best) else trial
+    return descend_with(trial, (DROP,), desk) if trial.total < goal else trial
 
 
 def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:
