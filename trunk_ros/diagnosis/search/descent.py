@@ -112,6 +112,8 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
+        if desk.share == COARSE[0]:
+            now.sort(key=lambda m: not m.grows)
         while (better := first_that_pays(best, now, desk)) is not None:
             move, found = better
             best = renewed(found) if move.grows else relooked(found)
