@@ -17,6 +17,7 @@ REQUIRES = [
     "PyYAML>=6.0",
     "Jinja2>=3.1",
     "matplotlib>=3.6",
+    "threadpoolctl>=3.1",
     "rich>=13.7",
     "argcomplete>=3.1",
     "rosbags>=0.10.11,<0.12",

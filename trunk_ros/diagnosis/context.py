@@ -54,6 +54,8 @@ class Context:
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
+    least_needs: dict[int, float] = field(default_factory=dict, init=False, repr=False)
+    """What an effect has to gain by column, computed once."""
     _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
         default_factory=dict, repr=False
     )

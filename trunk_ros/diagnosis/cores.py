@@ -15,12 +15,23 @@ from typing import Any, TypeVar
 
 from trunk_ros.diagnosis.work import Work
 
+try:
+    from threadpoolctl import threadpool_limits
+except ModuleNotFoundError:  # as where rosdep installed: it has no key for it
+    threadpool_limits = None
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Called = TypeVar("Called", bound=Callable[..., Any])
 
 NUMBER = 4  # bytes
 
 _cores: ContextVar[int] = ContextVar("cores", default=1)
+
+
+def one_thread(call: Called) -> Called:
+    """A function in which BLAS takes one thread: on matrices as small as these several wait for each other."""
+    return threadpool_limits.wrap(limits=1, user_api="blas")(call) if threadpool_limits else call
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from trunk_ros.diagnosis.against import identified, nominal_for
+from trunk_ros.diagnosis.cores import one_thread
 from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.other_simulator import completed
 from trunk_ros.diagnosis.data.put_right import put_right
@@ -21,6 +22,7 @@ from trunk_ros.recording.time_range import time_range
 from trunk_ros.start import SETTLE
 
 
+@one_thread
 def diagnose(
     recordings: Recording | str | Path | Sequence[Recording | str | Path],
     model: Model | str | Path | None = None,

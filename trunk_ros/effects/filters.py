@@ -137,36 +137,30 @@ def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tu
 def delayed(stamp: Array, x: Array, delay: Array, skip: int, out: Array) -> None:
     """``x`` (m, columns) as it was ``delay`` (columns,) s ago, from row ``skip`` on.
 
-    Cubic (Catmull-Rom), using the past alone; where two delays are the same, so are the weights. A time that
-    is a row's own gets that row alone.
+    Cubic (Catmull-Rom), using the past alone. A time that is a row's own gets that row alone.
     """
     rows, columns = x.shape
-    at = np.zeros(columns, dtype=np.int64)
-    alone, left, right, before, after = True, 0.0, 0.0, 0.0, 0.0
-    for k in range(skip, rows):
-        for j in range(columns):
-            if j > 0 and delay[j] == delay[j - 1]:
-                m = at[j - 1]
-            else:
-                t, m = stamp[k] - delay[j], at[j]
-                alone = t <= stamp[0] or t >= stamp[k]
-                if alone:
-                    m = 0 if t <= stamp[0] else k
-                else:
-                    while m + 1 < k and stamp[m + 1] < t:
-                        m += 1
-                    h = stamp[m + 1] - stamp[m]
-                    s = (t - stamp[m]) / h
-                    left = s * (1.0 - s) * (1.0 - s) * h / (stamp[m + 1] - stamp[max(m - 1, 0)])
-                    right = s * s * (s - 1.0) * h / (stamp[min(m + 2, k)] - stamp[m])
-                    before = (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s) - right
-                    after = s * s * (3.0 - 2.0 * s) + left
-            at[j] = m
-            if alone:
-                out[k - skip, j] = x[m, j]
-            else:
-                far, near = x[max(m - 1, 0), j], x[min(m + 2, k), j]
-                out[k - skip, j] = before * x[m, j] - left * far + after * x[m + 1, j] + right * near
+    for j in range(columns):
+        late, m = delay[j], 0
+        for k in range(skip, rows):
+            t = stamp[k] - late
+            if t <= stamp[0]:
+                out[k - skip, j] = x[0, j]
+                continue
+            if t >= stamp[k]:
+                out[k - skip, j] = x[k, j]
+                continue
+            while m + 1 < k and stamp[m + 1] < t:
+                m += 1
+            before, after = max(m - 1, 0), min(m + 2, k)
+            h = stamp[m + 1] - stamp[m]
+            s = (t - stamp[m]) / h
+            bend = s * (1.0 - s) * h
+            left = bend * (1.0 - s) / (stamp[m + 1] - stamp[before])
+            right = bend * s / (stamp[after] - stamp[m])
+            share = s * s * (3.0 - 2.0 * s)
+            near = (1.0 - share + right) * x[m, j] + (share + left) * x[m + 1, j]
+            out[k - skip, j] = near - left * x[before, j] - right * x[after, j]
 
 
 def rate(y: Array, dt: Array, state: Array | None) -> tuple[Array, Array]:

@@ -116,25 +116,26 @@ def fit(context: Context, hypothesis: Hypothesis, columns: list[int], goal: floa
     return Fit(hypothesis.put(residuals.free, x), cost, context)
 
 
-def refit(context: Context, hypothesis: Hypothesis) -> Fit:
+def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf) -> Fit:
     """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
-    postures.
+    postures. What joints share is given up where all squared residuals will not come down to ``goal``.
     """
-    done = _refit(context, hypothesis)
+    done = _refit(context, hypothesis, goal)
     if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
-        done = _refit(context.seen_with(done.hypothesis), done.hypothesis)
+        seen = context.seen_with(done.hypothesis)
+        done = done if seen is context else _refit(seen, done.hypothesis, goal)
     for _ in range(AGAIN if hypothesis.shakes else 0):
         seen = done.context.seen_with(done.hypothesis)
         if seen is done.context:
             break
-        done = _refit(seen, done.hypothesis)
+        done = _refit(seen, done.hypothesis, goal)
     return done
 
 
-def _refit(context: Context, hypothesis: Hypothesis) -> Fit:
+def _refit(context: Context, hypothesis: Hypothesis, goal: float) -> Fit:
     cost: dict[int, float] = {}
     for group in groups(context, hypothesis):
-        done = fit(context, hypothesis, group)
+        done = fit(context, hypothesis, group, goal - sum(cost.values()) if len(group) > 1 else np.inf)
         hypothesis = done.hypothesis
         cost |= done.cost
     return Fit(hypothesis, cost, context)

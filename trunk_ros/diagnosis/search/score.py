@@ -65,11 +65,17 @@ def need(context: Context, column: int, rest: float = 0.0) -> float:
 
     The encoders' steps are an error that stands still with the joint, so they are no noise to be averaged.
     """
+    if column not in context.least_needs:
+        context.least_needs[column] = _least_need(context, column)
+    return max(context.least_needs[column], SHARE * rest)
+
+
+def _least_need(context: Context, column: int) -> float:
     stage, noise = context.stage, context.noise[column]
     steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
-    return max(SIGNIFICANT * chance(context, column), least, formulas, SHARE * rest)
+    return max(SIGNIFICANT * chance(context, column), least, formulas)
 
 
 def choice(among: int) -> float:

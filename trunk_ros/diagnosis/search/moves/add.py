@@ -145,7 +145,7 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         if not may_win(leader, there, screen, candidate.gain):
             continue
         trial = dated(refit(context, there), candidate.effect)
-        trial = descend_with(shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk)
+        trial = descend_with(shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk, score(leader))
         if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
             leader = min(leader, trial, key=score)
             yield trial

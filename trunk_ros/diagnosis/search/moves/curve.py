@@ -6,14 +6,18 @@ It comes last, where names end; or before names are exchanged, where these will 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
+
+import numpy as np
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, promised
 from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.candidates import MOST, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, state_of
 from trunk_ros.diagnosis.search.fit import Fit, fit
-from trunk_ros.diagnosis.search.score import beats, score
+from trunk_ros.diagnosis.search.score import beats, priced, score
+from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.effects import effect
 
 FEW = 2  # effects of a joint's own from which on a curve may do instead
@@ -65,7 +69,8 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
         local = own_effects(now.hypothesis, column)
         named = all(effect(name).named for name in local)
         key = ("curve", column, *state_of(now, [column]))
-        if named and (now.beyond_noise(column) > 0.0 or len(local) >= FEW) and key not in desk.kept:
+        open_ = now.beyond_noise(column) > 0.0 or _may_replace(now, column, local)
+        if named and open_ and key not in desk.kept:
             trial = min(_curved(now, column, local), key=score, default=now)
             if beats(trial, now) and _is_clear(now, trial, column, local):
                 now = trial
@@ -73,6 +78,16 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
                 desk.kept.add(key)
     if now is not best:
         yield now
+
+
+def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
+    """Whether a curve may explain what several names do, by a linear look."""
+    if len(local) < FEW:
+        return False
+    bare = now.hypothesis.less(local, column)
+    saved = priced(replace(now, cost={})) - priced(Fit(bare, {}, now.context))
+    left = promised(now.context, bare, column)
+    return np.isinf(left) or PROMISED * left < now.rest(column) + saved
 
 
 def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:

@@ -8,12 +8,15 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
+from trunk_ros.diagnosis.search.windows import Window
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
@@ -25,10 +28,9 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
         return
     for name, term in best.hypothesis.items():
         alike = effect(name).begins and not any(term.moments(c) for c in term.columns)
-        for parameter in effect(name).carried() if alike else ():
-            yield Group(
-                (name, parameter.name), best.context.columns, partial(_taken_up, best, name, parameter)
-            )
+        for mass in effect(name).carried() if alike else ():
+            trials, promise = partial(_taken_up, best, name, mass), partial(_promise, best, name, mass)
+            yield Group((name, mass.name), best.context.columns, trials, promise)
         taken_up = any(m.name in term.shared for m in effect(name).moments())
         own = effect(name).begins and any(term.own.values()) and not taken_up
         for column in (c for c in term.columns if own and c in best.context.columns):
@@ -56,25 +58,48 @@ def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
             yield dated(trial, name, column)
 
 
+def _promise(now: Fit, name: str, mass: Parameter) -> float:
+    """What a mass for a time may gain, and all that may be saved."""
+    bare, carried = _without(now.hypothesis, name, mass)
+    if any(when in carried for when in _when(name, mass)):
+        return np.inf
+    _, window = _seen(Screen(now.context, bare), name, mass)
+    gain = 0.0 if window is None else float(_gained(mass, window.rd, window.dd))
+    return score(now) - now.total + gain / PROMISED
+
+
 def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
     """With a mass at the tip for the time in which that gains most, or always where it was for a time."""
-    moments = [m for m in effect(name).moments() if m.name.startswith(mass.name)]
-    bare = now.hypothesis.copy()
-    before = {m.name: bare[name].shared.pop(m.name, None) for m in (mass, *moments)}
-    if any(before[m.name] is not None for m in moments):
+    bare, carried = _without(now.hypothesis, name, mass)
+    if any(when in carried for when in _when(name, mass)):
         always = bare.copy()
-        always[name].shared[mass.name] = before[mass.name] or mass.typical
+        always[name].shared[mass.name] = carried.get(mass.name) or mass.typical
         yield refit(now.context, always)
         return
-    there = bare.copy()
-    there[name].shared[mass.name] = mass.typical
     screen = Screen(now.context, bare)
-    window = screen.window(there, now.context.columns, partial(_gained, mass), False)
+    there, window = _seen(screen, name, mass)
     if window is None or not may_win(now, there, screen, float(_gained(mass, window.rd, window.dd))):
         return
     there[name].shared[mass.name] = _mass(mass, window.rd, window.dd)
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
     yield dated(refit(now.context, there), name)
+
+
+def _when(name: str, mass: Parameter) -> list[str]:
+    return [m.name for m in effect(name).moments() if m.name.startswith(mass.name)]
+
+
+def _without(hypothesis: Hypothesis, name: str, mass: Parameter) -> tuple[Hypothesis, dict[str, float]]:
+    """A hypothesis in which an effect carries nothing, and what it carried."""
+    bare, names = hypothesis.copy(), (mass.name, *_when(name, mass))
+    return bare, {n: bare[name].shared.pop(n) for n in names if n in bare[name].shared}
+
+
+def _seen(screen: Screen, name: str, mass: Parameter) -> tuple[Hypothesis, Window | None]:
+    """With the usual mass, and the time in which it gains most by a linear look."""
+    there = screen.hypothesis.copy()
+    there[name].shared[mass.name] = mass.typical
+    return there, screen.window(there, screen.context.columns, partial(_gained, mass), False)
 
 
 def _gained(mass: Parameter, rd: Array | float, dd: Array | float) -> Array:

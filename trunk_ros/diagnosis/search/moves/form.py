@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
-from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
 
@@ -45,12 +45,21 @@ def reforms(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator[
     shown = shown_forms(kind, best.context, best.hypothesis[name].columns)
     for form in forms:
         if form in shown and kind.own_parameters(form):
-            trial = _reformed(best, name, form)
+            trial = _reformed(best, name, form, _goal(best, name, form))
             if trial is not None:
-                yield descend_with(trial, (DROP,), desk)
+                yield descend_with(trial, (DROP,), desk) if trial.total < score(best) else trial
 
 
-def _reformed(now: Fit, name: str, form: str) -> Fit | None:
+def _goal(best: Fit, name: str, form: str) -> float:
+    """What squared residuals have to come to, if all else on the effect's joints is not needed any more."""
+    there = best.hypothesis.copy()
+    there[name].form = form
+    for column in there[name].columns:
+        there = there.less([term.effect for term in there.on(column) if term.effect != name], column)
+    return score(best) - priced(Fit(there, {}, best.context))
+
+
+def _reformed(now: Fit, name: str, form: str, goal: float) -> Fit | None:
     """In another form on the joints that it is on; a refined one leaves the values of a joint as they are
     where its motion does not show more.
     """
@@ -58,10 +67,10 @@ def _reformed(now: Fit, name: str, form: str) -> Fit | None:
     begun = _begun(now, name, form)
     if begun is None:
         return None
-    trial = refit(context, begun)
+    trial = refit(context, begun, goal)
     if form not in kind.refined or old.form in kind.refined:
         return trial
-    others = [refit(context, h) for h in refinements(now.hypothesis, name, form)]
+    others = [refit(context, h, goal) for h in refinements(now.hypothesis, name, form)]
     trial = min([trial, *others], key=score)
     for column in hidden(trial.context, trial.hypothesis[name]):
         kept = trial.hypothesis.copy()
