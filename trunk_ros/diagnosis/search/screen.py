@@ -28,6 +28,9 @@ BAGS = 2  # of an arm's recordings that give an effect its starts
 Products = dict[int, tuple[float, float]]
 """By column: (rest . d, d . d) of a change d of the prediction."""
 
+Kept = dict[tuple[str, ...], list[Candidate]]
+"""By effect and the forms that it may have: its promising starts on a column."""
+
 
 class Screen:
     """What is left of each column, with the directions already fitted projected out."""
@@ -149,12 +152,22 @@ class Screen:
         return some if kind.everywhere else [*near, *some]
 
     def ranked(
-        self, kinds: list[type[Effect]], column: int, most: int, always: Collection[str] = ()
+        self,
+        kinds: list[type[Effect]],
+        column: int,
+        most: int,
+        always: Collection[str] = (),
+        kept: Kept | None = None,
     ) -> list[Candidate]:
-        """The most promising effects and those of ``always``, each in its promising forms."""
-        found = sorted(
-            (f for f in (self.forms(k, column) for k in kinds) if f), key=lambda f: -max(c.gain for c in f)
-        )
+        """The most promising effects and those of ``always``, each in its promising forms; those that are
+        ``kept`` are not looked at again.
+        """
+        kept = {} if kept is None else kept
+        keys = {kind.id: (kind.id, *self._forms(kind, column)) for kind in kinds}
+        for kind in kinds:
+            if keys[kind.id] not in kept:
+                kept[keys[kind.id]] = self.forms(kind, column)
+        found = sorted(filter(None, map(kept.get, keys.values())), key=lambda f: -max(c.gain for c in f))
         further = [forms for forms in found[most:] if forms[0].effect in always]
         return [candidate for forms in [*found[:most], *further] for candidate in forms]
 

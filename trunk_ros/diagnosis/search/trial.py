@@ -10,7 +10,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.score import priced, score
-from trunk_ros.diagnosis.search.screen import PROMISED, Screen
+from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.effects import Effect
 
 PROMISING = 4  # local candidates a joint that are refitted in full
@@ -30,20 +30,20 @@ class Look:
 
 
 def column_trials(
-    best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int
+    best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int, kept: Kept | None = None
 ) -> Iterator[Fit]:
     """The most promising effects on a joint of ``bare``, refitted there where they may beat ``best``."""
-    yield from refitted(best, column, looks(best, bare, column, kinds, most))
+    yield from refitted(best, column, looks(best, bare, column, kinds, most, kept=kept))
 
 
 def looks(
     best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int,
-    always: Collection[str] = (),
+    always: Collection[str] = (), kept: Kept | None = None,
 ) -> Iterator[Look]:  # fmt: skip
     """The most promising effects on a joint of ``bare`` and those of ``always``, in their promising forms."""
     screen = Screen(best.context, bare, [column])
     left = screen.left(column)
-    for candidate in screen.ranked(kinds, column, most, always):
+    for candidate in screen.ranked(kinds, column, most, always, kept):
         there = extended(best.context, bare, candidate)
         yield Look(there, left, candidate.gain, candidate.effect in always)
 

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.search.candidates import (
     usable,
 )
 from trunk_ros.diagnosis.search.credible import hidden
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, state_of
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
@@ -26,7 +26,7 @@ from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
 from trunk_ros.effects import Effect
 
@@ -92,21 +92,25 @@ def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
     forms = frozenset((term.effect, term.form) for term in best.hypothesis.values())
     keys = {c: (c, context.look, context.noise[c], forms, best.hypothesis.key(c)) for c in columns}
     new = [c for c, key in keys.items() if key not in desk.tried]
-    found = each(context.work, partial(_tried, best), new)
-    desk.tried |= dict(zip((keys[c] for c in new), found, strict=True))
+    states = {c: (c, state_of(best, [c])) for c in new}
+    kept = {c: desk.kept_looks.get(state, {}) for c, state in states.items()}
+    for column, (tried, looked) in zip(new, each(context.work, partial(_tried, best, kept), new), strict=True):
+        desk.tried[keys[column]] = tried
+        desk.kept_looks[states[column]] = looked
     return [desk.tried[key] for key in keys.values()]
 
 
-def _tried(best: Fit, column: int) -> Trials:
+def _tried(best: Fit, kept: dict[int, Kept], column: int) -> tuple[Trials, Kept]:
+    """The effects that would help a column, and all looks at it, those ``kept`` among them."""
     tried: Trials = {}
     kinds, before = open_kinds(best.context, best.hypothesis, column), score(best)
     kinds = [*kinds, *(breaking_kinds(best.context, best.hypothesis, column) if kinds else ())]
-    for trial in column_trials(best, best.hypothesis, column, kinds, PROMISING):
+    for trial in column_trials(best, best.hypothesis, column, kinds, PROMISING, kept[column]):
         gain = before - score(trial)
         name = _added(best.hypothesis, trial.hypothesis, column)
         if gain > (tried[name][0] if name in tried else 0.0):
             tried[name] = gain, trial.hypothesis, trial.cost[column]
-    return tried
+    return tried, kept[column]
 
 
 def _added(before: Hypothesis, after: Hypothesis, column: int) -> str:
