@@ -116,11 +116,16 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
         now = [m for m in moves if _in_turn(m, desk.share)]
         if desk.share == COARSE[0]:
             now.sort(key=lambda m: not m.grows)
-        while (better := first_that_pays(best, now, desk)) is not None:
+        while _is_large(best, desk.share) and (better := first_that_pays(best, now, desk)) is not None:
             move, found = better
             best = renewed(found) if move.grows else relooked(found)
             desk.say(f"so far {describe(best.hypothesis)}")
     return best
+
+
+def _is_large(best: Fit, share: float) -> bool:
+    """Whether a share of what is left may be more than noise; what any change gains always counts."""
+    return share == 0.0 or any(best.beyond_noise(c) > 0.0 for c in best.cost)
 
 
 def _in_turn(move: Move, share: float) -> bool:
