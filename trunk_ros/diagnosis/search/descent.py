@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,11 @@ class Move:
     grows: bool = False
     resort: bool = False
     descends: bool = False
+
+
+def only(move: Move, what: Hashable) -> Move:
+    """A move on one thing, such as an effect."""
+    return replace(move, groups=lambda best, desk: (g for g in move.groups(best, desk) if g.what == what))
 
 
 @dataclass

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended
-from trunk_ros.diagnosis.search.fit import Fit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.effects import Effect
@@ -82,6 +82,11 @@ def refitted(best: Fit, column: int, found: Iterable[Look]) -> Iterator[Fit]:
 def may_win(best: Fit, there: Hypothesis, screen: Screen, gain: float) -> bool:
     """Whether a hypothesis on all joints may beat ``best``, by what a linear look promises."""
     return screen.may_come_to(there, gain) + priced(Fit(there, {}, best.context)) <= score(best)
+
+
+def refit_to_win(best: Fit, there: Hypothesis) -> Fit:
+    """A hypothesis refitted on all joints, given up where it will not beat ``best``."""
+    return refit(best.context, there, score(best) - priced(Fit(there, {}, best.context)))
 
 
 def _goal(best: Fit, hypothesis: Hypothesis, column: int) -> float:

@@ -94,7 +94,9 @@ def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
     new = [c for c, key in keys.items() if key not in desk.tried]
     states = {c: (c, state_of(best, [c])) for c in new}
     kept = {c: desk.kept_looks.get(state, {}) for c, state in states.items()}
-    for column, (tried, looked) in zip(new, each(context.work, partial(_tried, best, kept), new), strict=True):
+    for column, (tried, looked) in zip(
+        new, each(context.work, partial(_tried, best, kept), new), strict=True
+    ):
         desk.tried[keys[column]] = tried
         desk.kept_looks[states[column]] = looked
     return [desk.tried[key] for key in keys.values()]
@@ -149,7 +151,9 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         if not may_win(leader, there, screen, candidate.gain):
             continue
         trial = dated(refit(context, there), candidate.effect)
-        trial = descend_with(shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk, score(leader))
+        trial = descend_with(
+            shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk, score(leader)
+        )
         if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
             leader = min(leader, trial, key=score)
             yield trial
@@ -162,7 +166,9 @@ def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) 
     if key not in desk.looked:
         looked = each(context.work, screen.all_everywhere, kinds)
         found = sorted((c for some in looked for c in some if c.gain > SIGNIFICANT), key=lambda c: -c.gain)
-        desk.looked[key] = found[:REFITTED] if local_kinds(context) else found  # a servo's lags hide each other
+        desk.looked[key] = (
+            found[:REFITTED] if local_kinds(context) else found
+        )  # a servo's lags hide each other
     return desk.looked[key]
 
 

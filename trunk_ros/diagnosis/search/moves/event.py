@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
-from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
+from trunk_ros.diagnosis.search.trial import Look, may_win, refit_to_win, refitted
 from trunk_ros.diagnosis.search.windows import Window
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
@@ -74,7 +74,7 @@ def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
     if any(when in carried for when in _when(name, mass)):
         always = bare.copy()
         always[name].shared[mass.name] = carried.get(mass.name) or mass.typical
-        yield refit(now.context, always)
+        yield refit_to_win(now, always)
         return
     screen = Screen(now.context, bare)
     there, window = _seen(screen, name, mass)

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
-from trunk_ros.diagnosis.search.trial import may_win
+from trunk_ros.diagnosis.search.trial import may_win, refit_to_win
 from trunk_ros.effects import effect
 from trunk_ros.parameter import Parameter
 
@@ -52,7 +52,7 @@ def _changed(now: Fit, name: str) -> Iterator[Fit]:
         yield from toggled(now, name, parameter)
     stated = given(effect(name), now.context)
     if term.given & set(stated):
-        yield refit(now.context, _freed(now, name))
+        yield refit_to_win(now, _freed(now, name))
     elif stated:
         yield from _as_stated(now, name)
 
@@ -94,9 +94,9 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     """
     trial = now.hypothesis.copy()
     if trial[name].shared.pop(parameter.name, None) is not None:
-        yield refit(now.context, trial)
+        yield refit_to_win(now, trial)
         return
-    yield refit(now.context, _with(now, name, parameter))
+    yield refit_to_win(now, _with(now, name, parameter))
     if not parameter.carried:
         return
     bare, free, shared = now.hypothesis.without(name), not now.hypothesis[name].given, trial[name].shared
@@ -114,7 +114,7 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     for candidate in sorted(begun, key=lambda c: -c.gain)[:REFITTED]:
         there = extended(now.context, bare, candidate)
         if may_win(now, there, screen, candidate.gain):
-            yield refit(now.context, there)
+            yield refit_to_win(now, there)
 
 
 OPTION = Move("option", groups)

@@ -8,7 +8,7 @@ from functools import partial
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds, replaced, taken, usable
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, only
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.form import FORM
@@ -110,7 +110,7 @@ def _polished(best: Fit, desk: Desk, trial: Fit, name: str, goal: float, again: 
     """With what usually follows: options and members of the new one, the old one back where it is needed."""
     trial = descend_with(trial, (OPTION, MEMBER), desk, goal)
     if again:
-        trial = descend_with(_with_some_back(best, trial, name), (FORM,), desk)
+        trial = descend_with(_with_some_back(best, trial, name), (only(FORM, name),), desk)
     return descend_with(trial, (DROP,), desk) if trial.total < goal else trial
 
 
