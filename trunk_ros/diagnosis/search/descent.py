@@ -41,6 +41,7 @@ class Group:
 @dataclass(frozen=True)
 class Move:
     """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
+    ``cheap``: its trials are few, or on one joint.
     ``resort``: it waits until no other one gains much. ``descends``: its trials take steps of their own, so
     that what they gain depends on what a step has to.
     """
@@ -50,6 +51,7 @@ class Move:
     grows: bool = False
     resort: bool = False
     descends: bool = False
+    cheap: bool = False
 
 
 def only(move: Move, what: Hashable) -> Move:
@@ -120,7 +122,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
         if desk.share == COARSE[0]:
-            now.sort(key=lambda m: not m.grows)
+            now.sort(key=lambda m: (not m.cheap, not m.grows))
         while _is_large(best, desk.share) and (better := first_that_pays(best, now, desk)) is not None:
             move, found = better
             best = renewed(found) if move.grows else relooked(found)

@@ -45,4 +45,4 @@ def dropped(now: Fit, name: str, column: int | None = None) -> Fit:
     return followed(refit(now.context, now.hypothesis.without(name, column)), columns)
 
 
-DROP = Move("drop", groups)
+DROP = Move("drop", groups, cheap=True)

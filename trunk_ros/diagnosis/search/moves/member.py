@@ -48,4 +48,4 @@ def _joined(now: Fit, name: str, column: int) -> Hypothesis | None:
     return begun_on(now.context, now.hypothesis, kind, form, [column])
 
 
-MEMBER = Move("member", groups)
+MEMBER = Move("member", groups, cheap=True)

@@ -68,4 +68,4 @@ def _home(hypothesis: Hypothesis, name: str, column: int | None) -> dict[str, fl
     return hypothesis[name].shared if column is None else hypothesis[name].own[column]
 
 
-ONSET = Move("onset", groups)
+ONSET = Move("onset", groups, cheap=True)
