@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtrc
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.levels import CHANCE
@@ -38,7 +38,7 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
     turns = stamp[turns_of(own, TURNED * float(np.ptp(own)))]
     near = np.abs(np.subtract.outer(moments, turns)).min(axis=1, initial=np.inf) < NEAR
     usual = min(2.0 * NEAR * len(turns) / float(np.ptp(stamp)), 1.0)
-    if binom.sf(near.sum() - 1, len(near), usual) < CHANCE:
+    if bdtrc(near.sum() - 1, len(near), usual) < CHANCE:
         return True
     levels = np.array([part.mean() for part in np.split(rest, np.searchsorted(stamp, moments))])
     up = np.diff(levels) > 0.0

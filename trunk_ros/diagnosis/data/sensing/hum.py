@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
@@ -87,7 +87,7 @@ def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | No
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
         return None
-    if unlike > chi2.isf(CHANCE, len(sizes) - 1) or _driven(frequency, stamp, waves, asked):
+    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, waves, asked):
         return None
     return Hum(frequency, mean, known, waves)
 

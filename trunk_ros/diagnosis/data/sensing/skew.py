@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
@@ -129,7 +129,7 @@ def _from_joint_to_joint(motion: Motion) -> Skew | None:
     covariance = np.linalg.pinv(line.T @ line)
     found = covariance @ (line.T @ (lag / std))
     rate, spread, off = float(found[1]), float(np.sqrt(covariance[1, 1])), lag / std - line @ found
-    on_line = float(off @ off) < chi2.isf(CHANCE, len(lag) - 2)
+    on_line = float(off @ off) < chdtri(len(lag) - 2, CHANCE)
     apart = np.ptp(when) > APART * np.ptp(motion.stamp)
     return Skew(rate, spread) if on_line and apart and CERTAIN * spread < abs(rate) < LARGEST else None
 
