@@ -4,9 +4,10 @@ import os
 import signal
 
 import pytest
+from threadpoolctl import threadpool_info
 
 from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis.cores import each, on_cores
+from trunk_ros.diagnosis.cores import each, on_cores, one_thread
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.work import Work
 
@@ -75,3 +76,15 @@ def test_a_diagnosis_is_the_same_on_two_cores():
         two = diagnose([run])
     assert [f.effect for f in one.findings] == ["backlash"]
     assert one.to_json() == two.to_json()
+
+
+def test_a_diagnosis_takes_one_thread_of_blas():
+    seen: list[int] = []
+
+    @one_thread
+    def look() -> None:
+        seen.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
+
+    look()
+    assert seen
+    assert set(seen) == {1}

@@ -2,9 +2,18 @@
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
 from trunk_ros.recording.recording import JointSeries
-from trunk_ros.recording.signal.encoder import HIDDEN, between_counts, count, noises
+from trunk_ros.recording.signal.encoder import (
+    CURVED,
+    HIDDEN,
+    WINDOWS,
+    between_counts,
+    count,
+    noises,
+    smoothed,
+)
 
 STEP = 2 * np.pi / 2**14
 T = np.arange(0.0, 40.0, 0.01)
@@ -69,3 +78,10 @@ def test_noise_is_smoothed_where_it_is_more_than_a_count_hides():
 def test_motion_is_no_noise():
     assert noises(series(moving()))[0] == 0.0
     assert noises(series(rounded(moving())))[0] < HIDDEN * STEP
+
+
+@pytest.mark.parametrize("window", WINDOWS)
+def test_parabolas_are_those_of_savitzky_and_golay(window: int):
+    readings = moving()[:400]
+    usual = savgol_filter(readings, window, CURVED, mode="interp")
+    assert smoothed(readings, window) == pytest.approx(usual, abs=1e-12)

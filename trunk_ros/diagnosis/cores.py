@@ -30,7 +30,7 @@ _cores: ContextVar[int] = ContextVar("cores", default=1)
 
 
 def one_thread(call: Called) -> Called:
-    """A function in which BLAS takes one thread: on matrices as small as these several wait for each other."""
+    """A function in which BLAS takes one thread: on matrices as small several wait for each other."""
     return threadpool_limits.wrap(limits=1, user_api="blas")(call) if threadpool_limits else call
 
 

@@ -12,12 +12,14 @@ from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import (
     COARSE,
+    LARGE,
     Desk,
     Group,
     Move,
     descend,
     descend_with,
     first_that_pays,
+    only,
 )
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import search
@@ -32,13 +34,13 @@ def with_width(best: Fit, half_width: float) -> Fit:
     )
 
 
-def to(half_width: float, resort: bool = False, grows: bool = False) -> Move:
+def to(half_width: float, **kind: bool) -> Move:
     """A change to one half-width."""
 
     def groups(best: Fit, desk: Desk) -> Iterator[Group]:
         yield Group("width", [2], lambda: [with_width(best, half_width)])
 
-    return Move(f"to {half_width}", groups, grows, resort)
+    return Move(f"to {half_width}", groups, **kind)
 
 
 def steps(*moves: Move) -> int:
@@ -62,6 +64,45 @@ def test_among_what_gains_much_the_first_one_is_taken() -> None:
 
 def test_what_explains_most_comes_before_anything_is_mended() -> None:
     assert steps(to(HALF), to(ALL, grows=True)) == 1
+
+
+def test_while_much_is_left_cheap_mends_come_before_what_explains_more_and_the_others_after_it() -> None:
+    tried: list[tuple[str, float]] = []
+
+    def noting(name: str, **kind: bool) -> Move:
+        def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+            yield Group(name, [2], lambda: tried.append((name, desk.share)) or [])
+
+        return Move(name, groups, **kind)
+
+    moves = [noting("swap"), noting("drop", cheap=True), noting("add", grows=True)]
+    descend(fitted("backlash"), moves, Desk())
+    large = [name for name, share in tried if share == COARSE[0]]
+    assert large == ["drop", "swap"]  # what explains more was tried before anything else, in the same state
+    assert tried[0] == ("add", LARGE)
+    tried.clear()
+    descend(fitted("backlash"), [*moves, to(HALF, cheap=True)], Desk())
+    large = [name for name, share in tried if share == COARSE[0]]
+    assert large[-3:] == ["drop", "add", "swap"]
+
+
+def test_where_nothing_but_noise_is_left_no_change_is_waited_for() -> None:
+    shares: list[float] = []
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        shares.append(desk.share)
+        return iter(())
+
+    descend(fitted("clean"), [Move("any", groups)], Desk())
+    assert shares == [0.0]
+
+
+def test_a_move_on_one_thing_alone_tries_nothing_else() -> None:
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        yield from (Group(what, [2], list) for what in ("this", "that"))
+
+    one = only(Move("any", groups), "that")
+    assert [group.what for group in one.groups(fitted("backlash"), Desk())] == ["that"]
 
 
 def test_a_last_resort_waits_for_what_gains_much() -> None:

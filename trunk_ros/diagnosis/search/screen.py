@@ -83,8 +83,8 @@ class Screen:
         return len(self.hypothesis[free.effect].own) == 1 and not free.parameter.carried
 
     def may_come_to(self, there: Hypothesis, gain: float) -> float:
-        """Squared residual of all columns at another hypothesis, by a linear look: all values, shared ones too,
-        follow, and the fit sees as much again as the look does, or as its ``gain`` on single joints.
+        """Squared residual of all columns at another hypothesis, by a linear look: all values follow, shared
+        ones too, and the fit sees as much again as the look does, or as its ``gain`` on single joints.
         """
         changes = {c: self.change(there, c) for c in self.rest}
         changes = {c: d - self.basis[c] @ (self.basis[c].T @ d) for c, d in changes.items()}

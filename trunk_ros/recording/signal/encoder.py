@@ -103,7 +103,7 @@ def _uneven(stamp: Floats) -> np.ndarray:
     return np.append(odd, False) | np.insert(odd, 0, False)
 
 
-def _smoothed(readings: Floats, window: int) -> Floats:
+def smoothed(readings: Floats, window: int) -> Floats:
     """Parabolas through each ``window`` of readings (n,), as scipy's ``savgol_filter``: importing that takes
     longer than most recordings do.
     """
@@ -118,7 +118,7 @@ def _within(readings: Floats, kept: np.ndarray) -> Floats:
     """What to add to readings (n,) in counts; 0 where they are ``kept``."""
     curve, fits = readings, ~kept
     for window in WINDOWS:
-        tried = _smoothed(readings, window)
+        tried = smoothed(readings, window)
         off = (np.abs(tried - readings) > NEAR) | kept
         fits = fits & ~maximum_filter1d(off, window)
         curve = np.where(fits, tried, curve)
