@@ -133,6 +133,8 @@ def test_a_folder_of_other_things_and_a_wrong_limit_are_refused(tmp_path, bags, 
     assert "holds other things too (thesis.tex)" in capsys.readouterr().err
     assert main(["fleet", str(bags), "--output", str(tmp_path / "x"), "--limit", "backlash.width=3"]) == 2
     assert "backlash has no parameter 'width'" in capsys.readouterr().err
+    assert main(["fleet", str(bags), "--output", str(tmp_path / "x"), "--workers", "0"]) == 2
+    assert "--workers: 0: give a whole number from 1 on" in capsys.readouterr().err
 
 
 def test_a_fleet_of_which_nothing_can_be_read_says_so(tmp_path, capsys):

@@ -104,3 +104,10 @@ def _seconds(text: str) -> float:
     if not 0.0 <= value < float("inf"):
         raise argparse.ArgumentTypeError(f"{text} is no length of time: give seconds, 0 or more")
     return value
+
+
+def count(text: str) -> int:
+    """A number of cores or processes."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text}: give a whole number from 1 on")
+    return int(text)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import shlex
 import sys
-from argparse import ArgumentTypeError
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser, add_namespace, add_settle
+from trunk_ros.commands.arguments import Parser, add_namespace, add_settle, count
 from trunk_ros.commands.console import say
 from trunk_ros.commands.progress import progress
 from trunk_ros.errors import ArgumentError
@@ -109,13 +108,6 @@ def main(argv: list[str]) -> int:
 def _default(result: Diagnosis) -> str:
     """What stood for a model that was not given."""
     return "trunk" if result.model.arm.description is None else "robot_description"
-
-
-def count(text: str) -> int:
-    """A number of cores."""
-    if not text.isdecimal() or int(text) < 1:
-        raise ArgumentTypeError(f"{text}: give a whole number from 1 on")
-    return int(text)
 
 
 def refuse_tables(paths: Sequence[str]) -> None:

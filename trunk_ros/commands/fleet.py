@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.commands.arguments import Parser, count
 from trunk_ros.errors import ArgumentError, RecordingError
 
 OURS = ("fleet.json", "fleet.html", "*.parquet", "parts", "arms", ".*")
@@ -114,7 +114,7 @@ def parser() -> Parser:
         "--scheduler", metavar="tcp://…", help="a Dask scheduler; by default one is started here"
     )
     out.add_argument(
-        "--workers", type=int, metavar="N", help="processes started here; by default one per core"
+        "--workers", type=count, metavar="N", help="processes started here; by default one per core"
     )
     out.add_argument("--retry-failed", action="store_true", help="try once more what could not be diagnosed")
     out.add_argument(
