@@ -24,6 +24,10 @@ PROVIDERS = {
     "zstandard": ("zstandard", "mcap-ros2-support"),
     "pinocchio": ("pin", "pinocchio"),
     "argcomplete": ("argcomplete", "python3-argcomplete"),
+    "threadpoolctl": (
+        "threadpoolctl",
+        None,
+    ),  # rosdep has no key; without it more CPU
     "pandas": ("pandas", None),  # the extra [tables]: pip's, not rosdep's
     "markupsafe": ("jinja2", "python3-jinja2"),
     "dask": ("distributed", None),  # the extra [fleet]: pip's, not rosdep's

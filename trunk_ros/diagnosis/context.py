@@ -54,8 +54,7 @@ class Context:
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
-    least_needs: dict[int, float] = field(default_factory=dict, init=False, repr=False)
-    """What an effect has to gain by column, computed once."""
+    least_needs: dict[int, float] = field(default_factory=dict, init=False, repr=False)  # score's, by column
     _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
         default_factory=dict, repr=False
     )
@@ -113,9 +112,8 @@ class Context:
         longest = strides_within(self.step)
         seen = []
         for column in range(len(self.joints)):
-            residuals = self.evened(hypothesis, column)
+            residuals, strides = self.evened(hypothesis, column), 1 if column in self.formed else longest
             masks = [view.span.valid[:, column] for view in self.views]
-            strides = 1 if column in self.formed else longest
             seen.append(differences_of(residuals, masks, strides, self.stage.steps[column]))
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.quantile(judged, PLAIN)) if judged else 0.0

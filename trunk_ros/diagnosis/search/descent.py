@@ -121,13 +121,22 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
-        if desk.share == COARSE[0]:
-            now.sort(key=lambda m: (not m.cheap, not m.grows))
-        while _is_large(best, desk.share) and (better := first_that_pays(best, now, desk)) is not None:
+        while _is_large(best, desk.share):
+            better = first_that_pays(best, _ordered(now, best, desk.share), desk)
+            if better is None:
+                break
             move, found = better
             best = renewed(found) if move.grows else relooked(found)
             desk.say(f"so far {describe(best.hypothesis)}")
     return best
+
+
+def _ordered(moves: Sequence[Move], best: Fit, share: float) -> Sequence[Move]:
+    """What explains more before all but cheap mends, while more is left than formulas are off by."""
+    much = sum(map(best.rest, best.cost)) > COARSE[1] * sum(best.context.misfit.values())
+    if share < COARSE[0] or not much:
+        return moves
+    return sorted(moves, key=lambda move: (not move.cheap, not move.grows))
 
 
 def _is_large(best: Fit, share: float) -> bool:

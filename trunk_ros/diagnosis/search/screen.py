@@ -11,10 +11,10 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Free, Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
-from trunk_ros.diagnosis.search.fit import Residuals
+from trunk_ros.diagnosis.search.followed import directions
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.size import different, gains, leading, merit, scaled, too_large
 from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
@@ -40,9 +40,7 @@ class Screen:
         columns = context.columns if columns is None else columns
         self.base = {c: context.predictions(hypothesis, c) for c in columns}
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
-        self.basis: dict[int, Array] = {}
-        self._shared: dict[int, Array] = {}
-        self._look_round()
+        self.basis, self._shared = directions(context, hypothesis, columns)
         self._residuals: dict[tuple[int, int], Array] = {}
 
     def left(self, column: int) -> float:
@@ -60,27 +58,6 @@ class Screen:
         looks = [self._look(self.change(there, c), c) for c in self.rest]
         rd, dd = np.sum(looks, axis=0)
         return own + float(max(rd, 0.0) ** 2 / max(dd, ROUNDED))
-
-    def _look_round(self) -> None:
-        """Where each column's own values may go, and, beside that, those that columns share."""
-        residuals = Residuals(self.context, self.hypothesis, list(self.rest))
-        free = residuals.free
-        shared = [k for k, f in enumerate(free) if f.column is None and not self._of_one(f)]
-        for column, (moved, slopes) in zip(
-            self.rest, residuals.slopes(self.hypothesis.get(free)), strict=True
-        ):
-            own = slopes[:, [i for i, k in enumerate(moved) if k not in shared]]
-            size = np.linalg.norm(own, axis=0)
-            q = np.asarray(np.linalg.qr(own[:, size > 0] / size[size > 0])[0])
-            besides = np.zeros((len(self.rest[column]), len(shared)))
-            besides[:, [shared.index(k) for k in moved if k in shared]] = slopes[
-                :, [i for i, k in enumerate(moved) if k in shared]
-            ]
-            self.basis[column], self._shared[column] = q, besides - q @ (q.T @ besides)
-
-    def _of_one(self, free: Free) -> bool:
-        """Whether a value that joints may share is only of one."""
-        return len(self.hypothesis[free.effect].own) == 1 and not free.parameter.carried
 
     def may_come_to(self, there: Hypothesis, gain: float) -> float:
         """Squared residual of all columns at another hypothesis, by a linear look: all values follow, shared
