@@ -2,12 +2,12 @@
 
 import os
 import signal
+import sys
 
 import pytest
-from threadpoolctl import threadpool_info
 
 from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis.cores import each, on_cores, one_thread
+from trunk_ros.diagnosis.cores import each, on_cores
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.work import Work
 
@@ -78,13 +78,15 @@ def test_a_diagnosis_is_the_same_on_two_cores():
     assert one.to_json() == two.to_json()
 
 
-def test_a_diagnosis_takes_one_thread_of_blas():
-    seen: list[int] = []
+def test_a_diagnosis_takes_one_thread_of_blas(monkeypatch):
+    pools = pytest.importorskip("threadpoolctl")
+    seen = []
 
-    @one_thread
-    def look() -> None:
-        seen.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
+    def looked(*_, **__):
+        seen.extend(pool["num_threads"] for pool in pools.threadpool_info() if pool["user_api"] == "blas")
+        raise InterruptedError
 
-    look()
-    assert seen
+    monkeypatch.setattr(sys.modules["trunk_ros.diagnosis.diagnose"], "put_right", looked)
+    with pools.threadpool_limits(2, "blas"), pytest.raises(InterruptedError):
+        diagnose([recorded({}, seconds=5.0)])
     assert set(seen) == {1}
