@@ -74,7 +74,7 @@ class Desk:
     """What was tried once and for all."""
     tried: dict[Hashable, dict[str, Any]] = field(default_factory=dict)
     """Effects that would help single columns, by all that this depends on."""
-    kept_looks: dict[Hashable, dict[tuple[str, ...], list[Candidate]]] = field(default_factory=dict)
+    kept_looks: dict[Hashable, dict[Hashable, list[Candidate]]] = field(default_factory=dict)
     """By column and a state that is nearly the same: what looks at each effect found."""
     looked: dict[Hashable, list[Candidate]] = field(default_factory=dict)
     """The same on all joints together, by a linear look."""

@@ -118,7 +118,7 @@ def fit(context: Context, hypothesis: Hypothesis, columns: list[int], goal: floa
 
 def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf) -> Fit:
     """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
-    postures. What joints share is given up where all squared residuals will not come down to ``goal``.
+    postures. Joints that share are given up where their squared residuals will not come down to ``goal``.
     """
     done = _refit(context, hypothesis, goal)
     if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
@@ -135,7 +135,7 @@ def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf) -> Fit
 def _refit(context: Context, hypothesis: Hypothesis, goal: float) -> Fit:
     cost: dict[int, float] = {}
     for group in groups(context, hypothesis):
-        done = fit(context, hypothesis, group, goal - sum(cost.values()) if len(group) > 1 else np.inf)
+        done = fit(context, hypothesis, group, goal if len(group) > 1 else np.inf)
         hypothesis = done.hypothesis
         cost |= done.cost
     return Fit(hypothesis, cost, context)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Hashable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -28,8 +28,8 @@ BAGS = 2  # of an arm's recordings that give an effect its starts
 Products = dict[int, tuple[float, float]]
 """By column: (rest . d, d . d) of a change d of the prediction."""
 
-Kept = dict[tuple[str, ...], list[Candidate]]
-"""By effect and the forms that it may have: its promising starts on a column."""
+Kept = dict[Hashable, list[Candidate]]
+"""By effect, the forms it may have and what it shares with other joints: promising starts on a column."""
 
 
 class Screen:
@@ -140,13 +140,17 @@ class Screen:
         ``kept`` are not looked at again.
         """
         kept = {} if kept is None else kept
-        keys = {kind.id: (kind.id, *self._forms(kind, column)) for kind in kinds}
+        keys = {kind.id: (kind.id, *self._forms(kind, column), *self._shared_of(kind)) for kind in kinds}
         for kind in kinds:
             if keys[kind.id] not in kept:
                 kept[keys[kind.id]] = self.forms(kind, column)
         found = sorted(filter(None, map(kept.get, keys.values())), key=lambda f: -max(c.gain for c in f))
         further = [forms for forms in found[most:] if forms[0].effect in always]
         return [candidate for forms in [*found[:most], *further] for candidate in forms]
+
+    def _shared_of(self, kind: type[Effect]) -> tuple[tuple[str, float], ...]:
+        """What an effect shares with the joints that have it already."""
+        return tuple(self.hypothesis[kind.id].shared.items()) if kind.id in self.hypothesis else ()
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""

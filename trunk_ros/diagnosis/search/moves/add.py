@@ -162,7 +162,8 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
 def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) -> list[Candidate]:
     """What a linear look finds on all joints, the best first; kept while nothing changes."""
     context = best.context
-    key = (context.look, context.noise, *(best.hypothesis.key(c) for c in context.columns))
+    given = tuple((term.effect, term.given) for term in best.hypothesis.values())
+    key = (context.look, context.noise, given, *(best.hypothesis.key(c) for c in context.columns))
     if key not in desk.looked:
         looked = each(context.work, screen.all_everywhere, kinds)
         found = sorted((c for some in looked for c in some if c.gain > SIGNIFICANT), key=lambda c: -c.gain)
