@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
+from trunk_ros.diagnosis.search.screen import Kept
 from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
 
@@ -74,10 +75,10 @@ class Desk:
     """What was tried once and for all."""
     tried: dict[Hashable, dict[str, Any]] = field(default_factory=dict)
     """Effects that would help single columns, by all that this depends on."""
-    kept_looks: dict[Hashable, dict[Hashable, list[Candidate]]] = field(default_factory=dict)
+    kept_looks: dict[Hashable, Kept] = field(default_factory=dict)
     """By column and a state that is nearly the same: what looks at each effect found."""
     looked: dict[Hashable, list[Candidate]] = field(default_factory=dict)
-    """The same on all joints together, by a linear look."""
+    """Candidates on all joints together, by all that a look at them depends on."""
     been: dict[Hashable, Hypothesis] = field(default_factory=dict)
     """By structure: how the search last stood on it."""
 

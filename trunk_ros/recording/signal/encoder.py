@@ -105,7 +105,7 @@ def _uneven(stamp: Floats) -> np.ndarray:
 
 def smoothed(readings: Floats, window: int) -> Floats:
     """Parabolas through each ``window`` of readings (n,), as scipy's ``savgol_filter``: importing that takes
-    longer than most recordings do.
+    half a second of every command.
     """
     half = window // 2
     basis = np.vander(np.arange(window) - half, CURVED + 1).astype(np.float64)

@@ -167,9 +167,8 @@ def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) 
     if key not in desk.looked:
         looked = each(context.work, screen.all_everywhere, kinds)
         found = sorted((c for some in looked for c in some if c.gain > SIGNIFICANT), key=lambda c: -c.gain)
-        desk.looked[key] = (
-            found[:REFITTED] if local_kinds(context) else found
-        )  # a servo's lags hide each other
+        most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
+        desk.looked[key] = found[:most]
     return desk.looked[key]
 
 
