@@ -42,7 +42,7 @@ class Group:
 @dataclass(frozen=True)
 class Move:
     """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
-    ``cheap``: its trials are few, or on one joint.
+    ``cheap``: its trials are few, or on one joint. ``settles``: it finds out how an effect is what it is.
     ``resort``: it waits until no other one gains much. ``descends``: its trials take steps of their own, so
     that what they gain depends on what a step has to.
     """
@@ -53,11 +53,12 @@ class Move:
     resort: bool = False
     descends: bool = False
     cheap: bool = False
+    settles: bool = False
 
 
-def only(move: Move, what: Hashable) -> Move:
-    """A move on one thing, such as an effect."""
-    return replace(move, groups=lambda best, desk: (g for g in move.groups(best, desk) if g.what == what))
+def only(move: Move, *what: Hashable) -> Move:
+    """A move on some things, such as an effect."""
+    return replace(move, groups=lambda best, desk: (g for g in move.groups(best, desk) if g.what in what))
 
 
 @dataclass
@@ -120,24 +121,32 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     make them anew, or make them up. For the same reason the largest effects are put in before anything is
     bent to do without them.
     """
+    newest: list[str] = []
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
         while _is_large(best, desk.share):
-            better = first_that_pays(best, _ordered(now, best, desk.share), desk)
+            better = first_that_pays(best, _ordered(now, best, desk.share, newest), desk)
             if better is None:
                 break
             move, found = better
+            if move.grows:
+                newest = [name for name in found.hypothesis if name not in best.hypothesis]
             best = renewed(found) if move.grows else relooked(found)
             desk.say(f"so far {describe(best.hypothesis)}")
     return best
 
 
-def _ordered(moves: Sequence[Move], best: Fit, share: float) -> Sequence[Move]:
-    """What explains more before all but cheap mends, while more is left than formulas are off by."""
+def _ordered(moves: Sequence[Move], best: Fit, share: float, newest: list[str]) -> Sequence[Move]:
+    """What explains more before all but cheap mends and how the ``newest`` effects are what they are, while
+    more is left than formulas are off by.
+    """
     much = sum(map(best.rest, best.cost)) > COARSE[1] * sum(best.context.misfit.values())
     if share < COARSE[0] or not much:
         return moves
-    return sorted(moves, key=lambda move: (not move.cheap, not move.grows))
+    settled = [only(move, *newest) for move in moves if move.settles]
+    ordered = sorted(moves, key=lambda move: (not move.cheap, not move.grows))
+    cheap = sum(move.cheap for move in moves)
+    return [*ordered[:cheap], *settled, *ordered[cheap:]]
 
 
 def _is_large(best: Fit, share: float) -> bool:

@@ -105,5 +105,5 @@ def refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypoth
         yield out
 
 
-FORM = Move("form", groups, descends=True)
+FORM = Move("form", groups, descends=True, settles=True)
 SHAKE = Move("shake", shaking_groups, descends=True)

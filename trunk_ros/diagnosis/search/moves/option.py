@@ -117,4 +117,4 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
             yield refit_to_win(now, there)
 
 
-OPTION = Move("option", groups)
+OPTION = Move("option", groups, settles=True)
