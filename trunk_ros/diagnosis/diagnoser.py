@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
-from trunk_ros.diagnosis.hypothesis import Hypothesis, on_the_arm
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.score import STRONG
@@ -163,7 +163,7 @@ class Diagnoser:
         done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
         state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
         effects = state.hypothesis.model_effects(len(stage.joints))
-        self.effects |= on_the_arm(effects, stage.joints, self.model.arm.joints)
+        self.effects |= _on_the_arm(effects, stage.joints, self.model.arm.joints)
         if stage.name == "wire":
             self.error = {stage.joints[c]: e.usual for c, e in errors.items()}
         self.result.stages[stage.name] = {
@@ -248,3 +248,21 @@ def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[Mix
         found = mixed[number - 1] if mixed else []
         out[name] = quality_of_recording(recording, model, found)
     return out
+
+
+def _on_the_arm(
+    effects: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
+) -> dict[str, Values]:
+    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``."""
+
+    def spread(name: str, key: str, value: Any) -> Any:
+        if isinstance(value, (str, float)):
+            return value
+        here = dict(zip(seen, value, strict=True))
+        if isinstance(value, list):
+            return [here.get(joint, "") for joint in joints]
+        return np.array([here.get(joint, effect(name).parameter(key).null) for joint in joints])
+
+    return {
+        name: {key: spread(name, key, v) for key, v in values.items()} for name, values in effects.items()
+    }

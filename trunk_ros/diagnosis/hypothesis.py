@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,11 @@ from trunk_ros.effect_values import Values, payload_in
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.parameter import Parameter
+
+BOUND = 64  # blocks of one joint kept: what a fit leaves as it is is not made anew
+
+Numbers = tuple[tuple[str, float], ...]
+Words = tuple[tuple[str, str], ...]
 
 
 class Free(NamedTuple):
@@ -40,7 +46,7 @@ class Term:
         words = {column: dict(values) for column, values in self.words.items()}
         return Term(self.effect, self.form, dict(self.shared), own, words, self.given)
 
-    def key(self, column: int) -> tuple[object, ...]:
+    def key(self, column: int) -> tuple[str, str, Numbers, Numbers, Words]:
         """What the term does on one joint, for caches."""
         own, words = self.own[column].items(), self.words.get(column, {}).items()
         return (self.effect, self.form, tuple(self.shared.items()), tuple(own), tuple(words))
@@ -68,7 +74,7 @@ class Hypothesis(dict[str, Term]):
 
     def on(self, column: int) -> list[Term]:
         """The terms on a joint, in physical order."""
-        return [self[name] for name in registry() if name in self and column in self[name].own]
+        return [self[name] for name in sorted(self, key=_place) if column in self[name].own]
 
     @property
     def curved(self) -> set[int]:
@@ -154,6 +160,11 @@ class Hypothesis(dict[str, Term]):
         return {name: _model_values(self[name], joints) for name in registry() if name in self}
 
 
+def _place(name: str) -> tuple[int, str]:
+    """Where an effect acts among those of its stage."""
+    return effect(name).place, name
+
+
 def hypothesis_of(effects: Mapping[str, Values], stage: str, joints: int) -> Hypothesis:
     """The effects that a model of so many joints has in a stage, as terms that a fit can move."""
     out = Hypothesis()
@@ -183,11 +194,15 @@ def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
 
 def bind_column(term: Term, column: int) -> Effect:
     """A term as a block over one joint."""
-    kind = effect(term.effect)
-    values = {**kind.null(), **term.values(column)}
+    name, *rest = term.key(column)
+    return _bound(effect(name), *rest)
+
+
+@lru_cache(BOUND)
+def _bound(kind: type[Effect], form: str, shared: Numbers, own: Numbers, words: Words) -> Effect:
+    values = {**kind.null(), **dict(shared), **dict(own)}
     numbers = {name: np.array([value]) for name, value in values.items()}
-    words = {name: (word,) for name, word in term.words.get(column, {}).items()}
-    return kind(numbers, words, term.form)
+    return kind(numbers, {name: (word,) for name, word in words}, form)
 
 
 def bounds(free: list[Free]) -> tuple[Array, Array]:
@@ -262,21 +277,3 @@ def describe(hypothesis: Hypothesis) -> str:
         return f"{term.effect}{form} on {', '.join(str(c + 1) for c in term.columns)}".replace("_", " ")
 
     return "; ".join(one(t) for t in hypothesis.values()) or "nothing"
-
-
-def on_the_arm(
-    effects: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
-) -> dict[str, Values]:
-    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``."""
-
-    def spread(name: str, key: str, value: Any) -> Any:
-        if isinstance(value, (str, float)):
-            return value
-        here = dict(zip(seen, value, strict=True))
-        if isinstance(value, list):
-            return [here.get(joint, "") for joint in joints]
-        return np.array([here.get(joint, effect(name).parameter(key).null) for joint in joints])
-
-    return {
-        name: {key: spread(name, key, v) for key, v in values.items()} for name, values in effects.items()
-    }

@@ -39,7 +39,7 @@ class WireStage(Stage):
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         shown, _, now, blocks = self._passed(sight, index, hypothesis, column)
         span = sight.views[index].span
-        return _besides(span, column, now, blocks, shown[:, 0].take(span.rows))
+        return _besides(span, column, now, blocks, span.measured(shown[:, 0]))
 
     def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(m,) the joint's own angle that a hypothesis predicts, at all steps of a span."""

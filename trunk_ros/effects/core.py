@@ -11,6 +11,10 @@ from trunk_ros.arm import Wire
 from trunk_ros.arm.geometry import Geometry
 from trunk_ros.compiled import Array
 
+# Made once: a core is made at every look at a joint.
+NONE, NO_TURN, NO_PAIR = np.empty(0), np.empty((0, 3)), np.empty((0, 2, 3))
+AS_DESCRIBED = Geometry.nominal(0)
+
 
 @dataclass
 class Core:
@@ -19,8 +23,8 @@ class Core:
     Wire: half-widths of the play and how a reversal is rounded. Servo: the loop. Arm: its geometry.
     """
 
-    nominal_width: Array = field(default_factory=lambda: np.empty(0))
-    width: Array = field(default_factory=lambda: np.empty(0))
+    nominal_width: Array = field(default_factory=lambda: NONE)
+    width: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad, half-width of the play."""
     middle: Array | float = 0.0
     """(1 or n, columns) rad by which a joint in the middle of its play is ahead of the wire."""
@@ -31,26 +35,26 @@ class Core:
     old: dict[str, Any] = field(default_factory=dict)
     """Memory, by ID, of wire effects that change the core; what comes after goes into ``new``."""
     new: dict[str, Any] = field(default_factory=dict)
-    kp: Array = field(default_factory=lambda: np.empty(0))
-    tau_v: Array = field(default_factory=lambda: np.empty(0))
-    v_max: Array = field(default_factory=lambda: np.empty(0))
-    delay: Array = field(default_factory=lambda: np.empty(0))
-    pull: Array = field(default_factory=lambda: np.empty(0))
+    kp: Array = field(default_factory=lambda: NONE)
+    tau_v: Array = field(default_factory=lambda: NONE)
+    v_max: Array = field(default_factory=lambda: NONE)
+    delay: Array = field(default_factory=lambda: NONE)
+    pull: Array = field(default_factory=lambda: NONE)
     """(n, columns) rad added to the setpoint."""
-    rub: Array = field(default_factory=lambda: np.empty(0))
+    rub: Array = field(default_factory=lambda: NONE)
     """(columns,) rad by which the friction of wires that slide holds the servo back."""
-    reach: Array = field(default_factory=lambda: np.empty(0))
+    reach: Array = field(default_factory=lambda: NONE)
     """(columns,) rad that the servo goes from the middle of the wires' dead band until they slide."""
-    dead_zone: Array = field(default_factory=lambda: np.empty(0))
+    dead_zone: Array = field(default_factory=lambda: NONE)
     """(n, columns) rad of error that the loop does not answer to."""
-    cogging: Array = field(default_factory=lambda: np.empty(0))
+    cogging: Array = field(default_factory=lambda: NONE)
     """(3, columns): amplitude rad, cycles per revolution, phase rad."""
-    geometry: Geometry = field(default_factory=lambda: Geometry.nominal(0))
-    along: Array = field(default_factory=lambda: np.empty((0, 3)))
+    geometry: Geometry = field(default_factory=lambda: AS_DESCRIBED)
+    along: Array = field(default_factory=lambda: NO_TURN)
     """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""
-    across: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    across: Array = field(default_factory=lambda: NO_PAIR)
     """(joints, 2, 3) unit vectors across those."""
-    beside: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    beside: Array = field(default_factory=lambda: NO_PAIR)
     """(joints, 2, 3) unit vectors across each joint's axis."""
     bent: Array | float = 0.0
     """(n, joints) rad or m that the tip has more of each joint than its sensor shows."""

@@ -104,6 +104,8 @@ class Effect(ABC):
             )
         self.values = values
         self.words = texts or {}
+        self.acts: tuple[Array, Array] | None = None
+        """For stamps (n,) s, how much of it acts (n, columns)."""
         self.form = form or self.forms[0]
 
     def __getitem__(self, name: str) -> Array:

@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import NEVER
 
 RISE = 0.02  # s, so that a fit can move a moment
+MOMENTS = ("from", "until", "grown")
 
 
 class Payload(NamedTuple):
@@ -52,24 +53,37 @@ def share(stamp: Array, begin: Array, until: Array, grown: Array | float = 0.0) 
 
     ``grown`` (columns,) s: when it has its full size, 0 for at once.
     """
-    t = stamp[:, None]
-    rise = np.maximum(grown - begin, RISE)
-    middle = np.where(grown > begin, begin + rise / 2, begin)
-    begun = np.where((begin > 0.0) | (grown > 0.0), np.clip((t - middle) / rise + 0.5, 0.0, 1.0), 1.0)
-    ended = np.where(until < NEVER, np.clip((t - until) / RISE + 0.5, 0.0, 1.0), 0.0)
-    return np.asarray(begun * (1.0 - ended))
+    whole = np.zeros(np.broadcast(begin, until, grown).size)
+    out = np.empty((len(stamp), len(whole)))
+    _share(stamp, whole + begin, whole + until, whole + grown, out)
+    return out
+
+
+@compiled
+def _share(stamp: Array, begin: Array, until: Array, grown: Array, out: Array) -> None:
+    for j in range(len(begin)):
+        rise = max(grown[j] - begin[j], RISE)
+        middle = begin[j] + rise / 2 if grown[j] > begin[j] else begin[j]
+        always = begin[j] <= 0.0 and grown[j] <= 0.0
+        for k in range(len(stamp)):
+            begun = 1.0 if always else min(max((stamp[k] - middle) / rise + 0.5, 0.0), 1.0)
+            ended = min(max((stamp[k] - until[j]) / RISE + 0.5, 0.0), 1.0) if until[j] < NEVER else 0.0
+            out[k, j] = begun * (1.0 - ended)
 
 
 def lasts(e: Effect) -> bool:
     """Whether an effect acts all the time."""
-    return not {"from", "until", "grown"} & e.values.keys()
+    return e.values.keys().isdisjoint(MOMENTS)
 
 
 def acting(e: Effect, now: Now) -> Array:
-    """(n, columns): how much of an effect acts."""
-    nothing = np.zeros_like(now.ratio)
-    begin, until = e.values.get("from", nothing), e.values.get("until", nothing + NEVER)
-    return share(now.stamp, begin, until, e.values.get("grown", nothing))
+    """(n, columns): how much of an effect acts; kept with it, as a fit asks again and again."""
+    kept = e.acts
+    if kept is None or kept[0] is not now.stamp:
+        nothing = np.zeros_like(now.ratio)
+        begin, until = e.values.get("from", nothing), e.values.get("until", nothing + NEVER)
+        e.acts = kept = now.stamp, share(now.stamp, begin, until, e.values.get("grown", nothing))
+    return kept[1]
 
 
 def run(e: Effect, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

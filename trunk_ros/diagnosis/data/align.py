@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -77,6 +78,17 @@ class Span:
     def stamp(self) -> Array:
         """(n,) s, of the measured rows."""
         return np.asarray(self.grid[self.rows])
+
+    def measured(self, signal: Array) -> Array:
+        """(n,) of a signal (m,) on the grid, at the measured rows."""
+        return signal[self._rows]
+
+    @cached_property
+    def _rows(self) -> np.ndarray | slice:
+        """The measured rows, as a slice where they are one: it takes no copy."""
+        rows = self.rows
+        first, last = (int(rows[0]), int(rows[-1])) if len(rows) else (0, -1)
+        return slice(first, last + 1) if np.array_equal(rows, np.arange(first, last + 1)) else rows
 
     @property
     def recorded(self) -> np.ndarray:

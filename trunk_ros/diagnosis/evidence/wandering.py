@@ -20,7 +20,6 @@ from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
@@ -54,11 +53,10 @@ def steadied(now: Fit) -> Fit:
         return now
     found = _of_the_others(context, now.hypothesis, found) | found
     noises = tuple(found.get(c, noise) for c, noise in enumerate(context.noise))
-    again = Work(context.work.most)  # granted besides
+    again = context.work.besides()
     steady = replace(context, noise=noises, claims=True, shown_before={}, work=again)
     done = descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())
-    context.work.most += again.done
-    context.work.done += again.done
+    context.work.took(again)
     return replace(done, context=replace(done.context, work=context.work))
 
 

@@ -16,7 +16,6 @@ from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, MOVES
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 
@@ -31,11 +30,10 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
         if incomplete(best):
             best = better_of(best, descend(renewed(other), MOVES, Desk(desk.say, vain=desk.vain)))
     work = best.context.work
-    closing = Work(work.most)
+    closing = work.besides()
     claimed = replace(best, context=replace(best.context, claims=True, work=closing))
     done = descend(claimed, (DROP, CURVE) if work.over else (DROP,), desk)
-    work.most += closing.done  # granted besides: it is not what ends a search early
-    work.done += closing.done
+    work.took(closing)
     return plain(replace(done, context=replace(done.context, work=work)))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -22,13 +23,17 @@ class OnBothSides(Effect):
     """
 
     def upstream(self) -> Effect | None:
-        return self._share(self["upstream"]) if np.any(self["upstream"] > 0.0) else None
+        return self._sides[0]
 
     def downstream(self) -> Effect | None:
+        return self._sides[1]
+
+    @cached_property
+    def _sides(self) -> tuple[Effect | None, Effect | None]:
         before = self["upstream"]
-        if np.all(before == 1.0):
-            return None
-        return self._share(1.0 - before) if np.any(before > 0.0) else self
+        if not np.any(before > 0.0):
+            return None, self
+        return self._share(before), None if np.all(before == 1.0) else self._share(1.0 - before)
 
     def _share(self, share: Array) -> Self:
         return type(self)({**self.values, "compliance": share * self["compliance"]}, self.words, self.form)
