@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 BESIDES = 0.25  # of the work granted: what is granted on top to end well, as where that is spent
 
 
