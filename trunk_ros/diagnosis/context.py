@@ -47,6 +47,8 @@ class Context:
     """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
     """The same but for a zero, and a ratio that was not known."""
+    wanders: Mapping[int, Noise] = field(default_factory=dict)
+    """The noise of columns that show nothing else than one that wanders."""
     claims: bool = False
     """Whether effects are weighed as what will be said, no more as steps on the way to it."""
     doubts: bool = False
@@ -118,7 +120,8 @@ class Context:
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.quantile(judged, PLAIN)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
-        return replace(self, noise=tuple(self.stage.noises(found)))
+        noises = enumerate(self.stage.noises(found))
+        return replace(self, noise=tuple(self.wanders.get(c, noise) for c, noise in noises))
 
     def doubting(self) -> Context:
         """The same for what may stand in the place of what was found."""
@@ -158,8 +161,8 @@ class Context:
         shows one step of an encoder, up to three times the steps' mean power.
         """
         known = 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
-        steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column)) / self.noise[column].std
-        return known + 2.0 * float(steps) ** 2
+        steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column))
+        return known + 2.0 * float(steps / self.noise[column].std) ** 2
 
     def least_noise(self, column: int) -> float:
         """Squared unit-noise residual of a column that is noise for sure: where a recording stops to measure,
@@ -174,9 +177,7 @@ class Context:
         return Motion(column in self.wide, one_way, once, masses)
 
     def timed(self, column: int) -> bool:
-        """Whether a column shows what varies with time: it comes back, and does not only show a wide loop
-        that it goes through once.
-        """
+        """Whether a column shows what varies with time: it comes back, through its loop more than once."""
         return column not in self.stage.one_way | self.once
 
     @property
@@ -281,12 +282,10 @@ class Context:
         """How the noise grows with speed; not where next to nothing of the motion was sampled."""
         if self.step >= SLOW:
             return CONSTANT
-        found = []
-        for column in range(len(self.joints)):
-            seen = [view.columns[column] for view in self.views]
-            rests = self.evened(self.known, column)
-            found.append(growth(rests, [s.speed for s in seen], [s.valid for s in seen]))
-        return Louder.of(found)
+        seen = [[view.columns[c] for view in self.views] for c in range(len(self.joints))]
+        rests = [self.evened(self.known, c) for c in range(len(self.joints))]
+        pairs = zip(rests, seen, strict=True)
+        return Louder.of([growth(r, [s.speed for s in some], [s.valid for s in some]) for r, some in pairs])
 
     def _motion(self, column: int) -> tuple[Array, Array, Array]:
         """Gearbox angle, speed and what no effect explains (rows,) where a column counts."""

@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.diagnosis.search.screen import Kept
+from trunk_ros.diagnosis.search.slow_noise import steadied
 from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
 
@@ -114,8 +115,9 @@ class Desk:
         return gain > max(BETTER, self.share * sum(map(best.rest, best.cost)), whole)
 
 
-def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
-    """The best hypothesis that single changes lead to; after each the arm is looked at again.
+def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) -> Fit:
+    """The best hypothesis that single changes lead to; after each the arm is looked at again. ``steady``:
+    what is only noise that wanders is told from physics on the way.
 
     Changes that gain a small share of what is left wait until none gains more: what is still missing would
     make them anew, or make them up. For the same reason the largest effects are put in before anything is
@@ -124,6 +126,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     newest: list[str] = []
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
+        best = steadied(best) if steady else best
         while _is_large(best, desk.share):
             better = first_that_pays(best, _ordered(now, best, desk.share, newest), desk)
             if better is None:

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, MOVES
 from trunk_ros.diagnosis.search.moves.add import additions
-from trunk_ros.diagnosis.search.score import STRONG, beats, formed_misfits, score
+from trunk_ros.diagnosis.search.score import STRONG, beats, measured, score
 from trunk_ros.effects import effect
 
 
@@ -24,11 +24,12 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
     even where the work that was granted is done.
     """
     first = renewed(begun(context, start))
-    best = descend(first, MOVES, desk)
+    best = descend(first, MOVES, desk, steady=True)
     others = sorted(additions(first, desk), key=score)[1:REFITTED] if incomplete(best) else []
     for other in others:
         if incomplete(best):
-            best = better_of(best, descend(renewed(other), MOVES, Desk(desk.say, vain=desk.vain)))
+            again = Desk(desk.say, vain=desk.vain)
+            best = better_of(best, descend(renewed(other), MOVES, again, steady=True))
     work = best.context.work
     closing = work.besides()
     claimed = replace(best, context=replace(best.context, claims=True, work=closing))
@@ -54,8 +55,7 @@ def begun(context: Context, start: Hypothesis | None = None) -> Fit:
     """What is known, fitted; all else is measured by what it leaves."""
     known = start or context.known
     first = refit(arrived(context, known), known)
-    misfit = {c: first.rest(c) for c in first.cost}
-    return replace(first, context=replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first)))
+    return replace(first, context=measured(first))
 
 
 def plain(now: Fit) -> Fit:

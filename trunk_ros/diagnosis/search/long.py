@@ -53,7 +53,7 @@ def _on_the_whole(context: Context, found: Hypothesis, desk: Desk) -> Fit:
     """Fitted to all of it, without what that does not need, and with what only that shows."""
     weights = begun(context).context
     now = _anywhere(renewed(refit(weights, found)))
-    return plain(descend(now, (ONSET, DROP, ADD), desk))
+    return plain(descend(now, (ONSET, DROP, ADD), desk, steady=True))
 
 
 def _anywhere(now: Fit) -> Fit:

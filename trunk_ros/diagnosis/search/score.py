@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import log
 
 import numpy as np
@@ -167,6 +168,12 @@ def _shared_slice(fit: Fit, columns: list[int]) -> float:
     rest = sum(map(fit.rest, columns))
     strong = fit.context.claims and rest > STRONG * sum(map(fit.context.count, columns))
     return SHARED_SLICE * rest if strong else 0.0
+
+
+def measured(first: Fit) -> Context:
+    """The context of a first fit, in which all else is measured by what that leaves."""
+    misfit = {c: first.rest(c) for c in first.cost}
+    return replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first))
 
 
 def formed_misfits(fit: Fit) -> dict[int, float]:

@@ -1,0 +1,133 @@
+"""Noise of a sensor so slow that it looks like physics, and goes with nothing that the arm does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.noise import WHITE, Noise
+from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Sums
+from trunk_ros.diagnosis.discrepancy.memory import sources
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import NOTABLE, SURE
+from trunk_ros.diagnosis.search.candidates import open_kinds
+from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.score import measured, need
+from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
+from trunk_ros.recording.signal.resample import SLOW
+
+TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
+LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
+FURTHEST = 3.0  # times the noise without it: what goes further is no noise
+SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
+
+
+def steadied(now: Fit) -> Fit:
+    """With the noise of joints that show nothing else than one that wanders: it explains all that is left
+    there, better than any further effect would, and the motion tells nothing of it.
+    """
+    context, found = now.context, dict[int, Noise]()
+    for column in context.columns if context.step < SLOW else ():
+        noise = wandering(context, now.hypothesis, column)
+        if noise is not None and noise[1] < _followed(now, column):
+            found[column] = noise[0]
+    if not found:
+        return now
+    steady = wandering_in(context, found)
+    return costed(measured(costed(steady, context.known)), now.hypothesis)
+
+
+def wandering_in(context: Context, found: Mapping[int, Noise]) -> Context:
+    """A context with the noise that was ``found`` of columns whose readings wander."""
+    wanders = {**context.wanders, **found}
+    noise = tuple(wanders.get(c, n) for c, n in enumerate(context.noise))
+    return replace(context, wanders=wanders, noise=noise, shown_before={})
+
+
+def _followed(now: Fit, column: int) -> float:
+    """The same as ``unlikely`` with the noise that is known and the effect that helps a column most."""
+    context, known = now.context, now.context.noise[column]
+    kinds = open_kinds(context, now.hypothesis, column)
+    trials = column_trials(now, now.hypothesis, column, kinds, PROMISING)
+    gain = max((now.cost[column] - trial.cost[column] for trial in trials), default=0.0)
+    return unlikely(context, known, now.hypothesis, column) - gain - need(context, column)
+
+
+def wandering(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float] | None:
+    """The noise that is all that a hypothesis leaves of a column, where that is more than its own, and
+    what it then costs.
+    """
+    known = context.noise[column]
+    if is_plain(context, known, hypothesis, column):
+        return None
+    noise, cost = likeliest_noise(context, hypothesis, column)
+    alone = noise.std < FURTHEST * known.std and is_plain(context, noise, hypothesis, column)
+    return (noise, cost) if alone and not told(context, hypothesis, column) else None
+
+
+def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:
+    """The noise by which what a hypothesis leaves of a column is likeliest, and twice the negative logarithm
+    of that likelihood, but for a constant.
+    """
+    parts = _parts(context, hypothesis, column)
+    known = context.noise[column]
+    longest = SLOWEST * max(len(rest) for rest, _, _ in parts)
+    rest_std = float(np.sqrt(np.mean(np.concatenate([rest[counted] for rest, _, counted in parts]) ** 2)))
+
+    def noise_at(x: Array) -> Noise:
+        coloured, forgets, white = np.exp(x)
+        correlation = float(np.exp(-1.0 / min(max(forgets, 1.0), longest)))
+        return Noise(float(np.hypot(coloured, white)), correlation, float(white))
+
+    def cost(x: Array) -> float:
+        noise = noise_at(x)
+        return sum(noise.unlikely(*part) for part in parts)
+
+    slow = np.sqrt(max(rest_std**2 - known.std**2, 0.01 * known.std**2))
+    first = np.log([slow, 0.1 * longest, known.std])
+    best = minimize(cost, first, method="Nelder-Mead", options={"xatol": 0.02, "fatol": 1.0, "maxfev": 150})
+    return noise_at(best.x), float(best.fun)
+
+
+def unlikely(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) -> float:
+    """Twice the negative logarithm of the likelihood of what a hypothesis leaves of a column."""
+    return sum(noise.unlikely(*part) for part in _parts(context, hypothesis, column))
+
+
+def _parts(
+    context: Context, hypothesis: Hypothesis, column: int
+) -> list[tuple[Array, np.ndarray, np.ndarray]]:
+    """By span the residual (n,), where the sample before counts as well, and which rows count."""
+    seen = [view.columns[column] for view in context.views]
+    rests = context.evened(hypothesis, column)
+    return [(rest, s.follows, s.counted) for rest, s in zip(rests, seen, strict=True)]
+
+
+def is_plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) -> bool:
+    """Whether a noise is all that a hypothesis leaves of a column: what swings is more."""
+    for rest, follows, counted in _parts(context, hypothesis, column):
+        white = noise.whiten(rest, follows)[counted]
+        chance = SURE / np.sqrt(max(len(white), 1))
+        lags = (lag for lag in LAGS if lag < len(white) // 2)
+        if any(abs(float(np.mean(white[lag:] * white[:-lag]))) > WHITE + chance for lag in lags):
+            return False
+    return True
+
+
+def told(context: Context, hypothesis: Hypothesis, column: int) -> bool:
+    """Whether the motion tells of parts of the recording what a hypothesis leaves there, by what it left of
+    the others.
+    """
+    found = sources(context, column)
+    if not found:
+        return False
+    cuts = replace(Cuts.on(context, column), fold=np.arange(CUTS) * FOLDS // CUTS)
+    sums = Sums.of(found, context.whitened(hypothesis, column), cuts)
+    nothing = sums.tried([], 1.0).left
+    gains = [1.0 - sums.tried([k], w).left / nothing for k in range(len(found)) for w in WORTHS[::2]]
+    return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > TELLS for g in gains)
