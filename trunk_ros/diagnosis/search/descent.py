@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, describe
+from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.candidates import Candidate
@@ -18,15 +19,12 @@ from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.diagnosis.search.screen import Kept
 from trunk_ros.diagnosis.search.slow_noise import steadied
+from trunk_ros.diagnosis.search.state import state_of, structure
 from trunk_ros.effects import effect
-from trunk_ros.guards import TINY
 
 LARGE = 0.5  # of what is left: what explains so much of it, and much of all, comes before anything is mended
 COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
 FEW = 2  # steps as large as promised that may follow before a trial is judged
-CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
-
-State = tuple[Hashable, ...]
 
 
 @dataclass(frozen=True)
@@ -97,6 +95,10 @@ class Desk:
         share = self.inner_share if move.descends else 0.0
         return (move.name, group.what, share, state_of(best, group.columns))
 
+    def looks_at(self, best: Fit, column: int) -> Kept:
+        """The looks at a column that are kept."""
+        return self.kept_looks.setdefault((column, state_of(best, [column])), {})
+
     @property
     def inner_share(self) -> float:
         """What a step within a move has to gain of what is left: large things first."""
@@ -126,7 +128,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     newest: list[str] = []
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
-        best = steadied(best) if steady else best
+        best = steadied(best, partial(desk.looks_at, best)) if steady else best
         while _is_large(best, desk.share):
             better = first_that_pays(best, _ordered(now, best, desk.share, newest), desk)
             if better is None:
@@ -259,39 +261,3 @@ def relooked(now: Fit) -> Fit:
 def _settled(context: Context, hypothesis: Hypothesis) -> Fit:
     """Fitted in a context, or as it is where a fit would lead to values that the motion cannot show."""
     return min(refit(context, hypothesis), costed(context, hypothesis), key=score)
-
-
-def state_of(best: Fit, columns: Iterable[int]) -> State:
-    """What a trial on some columns depends on, but for small changes of values and noise."""
-    context = best.context
-    each = tuple(
-        (
-            c,
-            structure(best.hypothesis, c),
-            _level(context.noise[c].std),
-            round(context.noise[c].correlation / CLOSE),
-            _level(best.cost[c]) if c in best.cost else 0,
-        )
-        for c in columns
-    )
-    return (context.look, context.claims, *each)
-
-
-def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
-    """Effects, forms and sources, without values: on a column, or everywhere."""
-    if column is None:
-        columns = sorted({c for term in hypothesis.values() for c in term.columns})
-        return tuple((c, structure(hypothesis, c)) for c in columns)
-    return tuple(
-        (structure_of(t), t.moments(column), tuple(sorted(t.words.get(column, {}).items())))
-        for t in hypothesis.on(column)
-    )
-
-
-def structure_of(term: Term) -> Hashable:
-    """An effect's form, what its joints share and what is stated of it."""
-    return (term.effect, term.form, tuple(sorted(term.shared)), term.given)
-
-
-def _level(value: float) -> int:
-    return round(float(np.log(max(value, TINY))) / CLOSE)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +18,8 @@ from trunk_ros.diagnosis.levels import NOTABLE, SURE
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.score import measured, need
-from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
+from trunk_ros.diagnosis.search.screen import PROMISED, Kept
+from trunk_ros.diagnosis.search.trial import PROMISING, looks
 from trunk_ros.recording.signal.resample import SLOW
 
 TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
@@ -27,15 +28,16 @@ FURTHEST = 3.0  # times the noise without it: what goes further is no noise
 SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
 
-def steadied(now: Fit) -> Fit:
+def steadied(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     """With the noise of joints that show nothing else than one that wanders: it explains all that is left
-    there, better than any further effect would, and the motion tells nothing of it.
+    there, better than any further effect would, and the motion tells nothing of it. ``kept``: looks at a
+    column.
     """
     context, found = now.context, dict[int, Noise]()
     for column in context.columns if context.step < SLOW else ():
-        noise = wandering(context, now.hypothesis, column)
-        if noise is not None and noise[1] < _followed(now, column):
-            found[column] = noise[0]
+        noise = _wandering(now, column, kept)
+        if noise is not None:
+            found[column] = noise
     if not found:
         return now
     steady = wandering_in(context, found)
@@ -49,25 +51,26 @@ def wandering_in(context: Context, found: Mapping[int, Noise]) -> Context:
     return replace(context, wanders=wanders, noise=noise, shown_before={})
 
 
-def _followed(now: Fit, column: int) -> float:
-    """The same as ``unlikely`` with the noise that is known and the effect that helps a column most."""
-    context, known = now.context, now.context.noise[column]
-    kinds = open_kinds(context, now.hypothesis, column)
-    trials = column_trials(now, now.hypothesis, column, kinds, PROMISING)
-    gain = max((now.cost[column] - trial.cost[column] for trial in trials), default=0.0)
-    return unlikely(context, known, now.hypothesis, column) - gain - need(context, column)
-
-
-def wandering(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float] | None:
-    """The noise that is all that a hypothesis leaves of a column, where that is more than its own, and
-    what it then costs.
+def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | None:
+    """The noise that is all that is left of a column, where that is more than its own; what is cheap to see
+    comes first.
     """
-    known = context.noise[column]
+    context, hypothesis, known = now.context, now.hypothesis, now.context.noise[column]
     if is_plain(context, known, hypothesis, column):
         return None
     noise, cost = likeliest_noise(context, hypothesis, column)
-    alone = noise.std < FURTHEST * known.std and is_plain(context, noise, hypothesis, column)
-    return (noise, cost) if alone and not told(context, hypothesis, column) else None
+    gained = unlikely(context, known, hypothesis, column) - need(context, column) - cost
+    alone = gained > 0.0 and noise.std < FURTHEST * known.std and is_plain(context, noise, hypothesis, column)
+    if not alone or _explained(now, column, kept(column)) > gained or told(context, hypothesis, column):
+        return None
+    return noise
+
+
+def _explained(now: Fit, column: int, kept: Kept) -> float:
+    """By how much the effect that helps a column most may lower its squared residuals, by a linear look."""
+    kinds = open_kinds(now.context, now.hypothesis, column)
+    found = looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept)
+    return max((look.gain for look in found), default=0.0) / PROMISED
 
 
 def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.search.candidates import (
     usable,
 )
 from trunk_ros.diagnosis.search.credible import hidden
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, state_of
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
@@ -92,13 +92,12 @@ def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
     forms = frozenset((term.effect, term.form) for term in best.hypothesis.values())
     keys = {c: (c, context.look, context.noise[c], forms, best.hypothesis.key(c)) for c in columns}
     new = [c for c, key in keys.items() if key not in desk.tried]
-    states = {c: (c, state_of(best, [c])) for c in new}
-    kept = {c: desk.kept_looks.get(state, {}) for c, state in states.items()}
+    kept = {c: desk.looks_at(best, c) for c in new}
     for column, (tried, looked) in zip(
         new, each(context.work, partial(_tried, best, kept), new), strict=True
     ):
         desk.tried[keys[column]] = tried
-        desk.kept_looks[states[column]] = looked
+        kept[column] |= looked
     return [desk.tried[key] for key in keys.values()]
 
 

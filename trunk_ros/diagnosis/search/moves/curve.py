@@ -14,10 +14,11 @@ import numpy as np
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, promised
 from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.candidates import MOST, own_effects
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, state_of
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import beats, priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED
+from trunk_ros.diagnosis.search.state import state_of
 from trunk_ros.effects import effect
 
 FEW = 2  # effects of a joint's own from which on a curve may do instead

@@ -7,8 +7,9 @@ from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import taken
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, structure_of
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
+from trunk_ros.diagnosis.search.state import structure_of
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
 
