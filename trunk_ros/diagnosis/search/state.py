@@ -1,0 +1,51 @@
+"""In which state a search stands: what was tried in one that is nearly the same is not tried again."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable
+
+import numpy as np
+
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.guards import TINY
+
+CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
+
+State = tuple[Hashable, ...]
+
+
+def state_of(best: Fit, columns: Iterable[int]) -> State:
+    """What a trial on some columns depends on, but for small changes of values and noise."""
+    context = best.context
+    each = tuple(
+        (
+            c,
+            structure(best.hypothesis, c),
+            _level(context.noise[c].std),
+            round(context.noise[c].correlation / CLOSE),
+            _level(best.cost[c]) if c in best.cost else 0,
+        )
+        for c in columns
+    )
+    return (context.look, context.claims, *each)
+
+
+def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
+    """Effects, forms and sources, without values: on a column, or everywhere."""
+    if column is None:
+        columns = sorted({c for term in hypothesis.values() for c in term.columns})
+        return tuple((c, structure(hypothesis, c)) for c in columns)
+    return tuple(
+        (structure_of(t), t.moments(column), tuple(sorted(t.words.get(column, {}).items())))
+        for t in hypothesis.on(column)
+    )
+
+
+def structure_of(term: Term) -> Hashable:
+    """An effect's form, what its joints share and what is stated of it."""
+    return (term.effect, term.form, tuple(sorted(term.shared)), term.given)
+
+
+def _level(value: float) -> int:
+    return round(float(np.log(max(value, TINY))) / CLOSE)
