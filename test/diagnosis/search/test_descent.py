@@ -86,6 +86,30 @@ def test_while_much_is_left_cheap_mends_come_before_what_explains_more_and_the_o
     assert large[-3:] == ["drop", "add", "swap"]
 
 
+def test_how_an_effect_is_what_it_is_comes_before_the_next_one_while_much_is_left() -> None:
+    tried: list[tuple[str, float]] = []
+
+    def noting(name: str, what: str, **kind: bool) -> Move:
+        def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+            yield Group(
+                (what, desk.share) if kind.get("grows") else what,
+                [2],
+                lambda: tried.append((name, desk.share)) or [],
+            )
+
+        return Move(name, groups, **kind)
+
+    settling = [noting("form", "backlash", settles=True), noting("another's form", "another", settles=True)]
+
+    def half(best: Fit, desk: Desk) -> Iterator[Group]:
+        stated = Term("backlash", own={2: {"half_width": HALF}}, given=frozenset({"half_width"}))
+        yield Group("half", [2], lambda: [costed(best.context, Hypothesis({"backlash": stated}))])
+
+    moves = [*settling, noting("add", "any", grows=True), Move("half", half, grows=True)]
+    descend(fitted("backlash"), moves, Desk())
+    assert [name for name, share in tried if share == COARSE[0]] == ["form", "add", "another's form"]
+
+
 def test_where_nothing_but_noise_is_left_no_change_is_waited_for() -> None:
     shares: list[float] = []
 

@@ -1,0 +1,63 @@
+"""Noise that wanders is told from physics before a search names it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from test.diagnosis.arms import NOISE, on, recorded
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.search.slow_noise import steadied
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.model import load_model
+
+FORGETS = 0.97  # from sample to sample
+WANDERS = 2.0 * NOISE  # rad
+
+
+def left(name: str = "", **values: object) -> Fit:
+    """What a nominal arm leaves of one with an effect whose second sensor wanders."""
+    recording = recorded({name: values} if name else {}, 30.0)
+    shown = recording.series["joint_states"]
+    steps = np.random.default_rng(5).normal(size=len(shown.stamp)) * WANDERS * np.sqrt(1.0 - FORGETS**2)
+    wander = lfilter([1.0], [1.0, -FORGETS], steps)[:, None] * (np.arange(5) == 1)
+    series = {**recording.series, "joint_states": replace(shown, position=shown.position + wander)}
+    model = load_model("trunk")
+    stage = WireStage([wire_span(replace(recording, series=series), model)], model, recording.units)
+    return begun(Context.of(stage))
+
+
+def told(fit: Fit) -> set[int]:
+    return set(steadied(fit, lambda column: {}).context.wanders)
+
+
+def test_it_is_found_where_it_is_and_has_its_size() -> None:
+    fit = left()
+    found = steadied(fit, lambda column: {}).context
+    assert set(found.wanders) == {1}
+    assert found.noise[1].std == pytest.approx(np.hypot(WANDERS, NOISE), rel=0.3)
+    assert found.noise[0] == fit.context.noise[0]
+
+
+def test_it_stays_as_it_is_told_while_the_search_goes_on() -> None:
+    found = steadied(left(), lambda column: {})
+    assert found.context.weighed(found.hypothesis).noise[1] == found.context.noise[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("thermal_drift", {"amplitude": on(3, 6e-4), "time_constant": np.full(5, 12.0)}),
+        ("wire_slip", {"step": on(3, 5e-4), "onset": np.full(5, 17.0)}),
+        ("viscoelastic_creep", {"gain": on(3, 0.01), "time_constant": 3.0}),
+        ("backlash", {"half_width": on(3, 4e-4)}),
+    ],
+)
+def test_physics_beside_it_is_not_taken_for_it(name: str, values: dict[str, object]) -> None:
+    assert told(left(name, **values)) == {1}
