@@ -75,11 +75,12 @@ class Sender:
             if self.sent or self.is_heard():
                 self.sent[stamp] = now
             time.sleep(PERIOD)
+        assert self.sent or not heard, f"the recorder has not heard {TOPIC} for {MEET_AT_MOST:.0f} s"
 
     def is_heard(self) -> bool:
         """Whether our recorder, and not only somebody else's on the same domain, gets what is sent."""
         ears = self.node.get_subscriptions_info_by_topic(TOPIC)
-        there = any(each.node_name == f"_{RECORDER}_taker" for each in ears)
+        there = any(each.node_name == RECORDER for each in ears)
         return there and self.publisher.get_subscription_count() >= len(ears)
 
     def close(self) -> None:
