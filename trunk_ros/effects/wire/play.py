@@ -50,9 +50,6 @@ def play_inverse(y: Array, width: Array, theta: Array, u: Array, out: Array) -> 
             out[k, j] = u[j]
 
 
-AS_IT_IS = np.ones(64)  # scales of as many columns
-
-
 class SharpPlay:
     """The nominal friction element."""
 
@@ -60,7 +57,7 @@ class SharpPlay:
         """Pass ``u`` (n, columns), times ``scale`` (columns,), through the play; the memory starts at its
         centre.
         """
-        factor = AS_IT_IS[: u.shape[1]] if scale is None else scale
+        factor = np.ones(u.shape[1]) if scale is None else scale
         theta = u[0] * factor if state is None else state.copy()
         out = np.empty_like(u)
         play(u, factor, width, theta, out)
