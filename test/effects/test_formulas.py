@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 
 ARM = arm_of(3, dead_band=0.0)
@@ -289,3 +290,14 @@ def test_wear_with_travel_is_held_live_at_the_end_of_the_fitted_recording() -> N
     theta = 0.2 * np.sin(stamp)[:, None]
     got, _ = live.run(theta / 0.625, stamp)
     assert got == pytest.approx(play(theta, np.full((200, 1), 5e-3)), abs=1e-12)
+
+
+def test_a_play_of_many_columns_is_that_of_each() -> None:
+    u = np.random.default_rng(3).normal(size=(20, 500))
+    many, _ = SharpPlay().run(u, np.full((1, 500), 0.3), np.zeros(500))
+    alone = [
+        SharpPlay().run(u[:, c : c + 1], np.full((1, 1), 0.3), np.zeros(1))[0][:, 0] for c in (0, 99, 499)
+    ]
+    np.testing.assert_array_equal(many[:, [0, 99, 499]].T, alone)
+    begun, _ = SharpPlay().run(u, np.full((1, 500), 0.3), None)
+    np.testing.assert_array_equal(begun[0], u[0])

@@ -26,6 +26,6 @@ class Work:
         return Work(BESIDES * self.most)
 
     def took(self, more: Work) -> None:
-        """Count what was done on top."""
-        self.most += more.done
+        """Count what was done on top; where that was not enough, the work that was granted is spent."""
         self.done += more.done
+        self.most = self.done if more.over else self.most + more.done

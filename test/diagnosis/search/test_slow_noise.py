@@ -11,9 +11,11 @@ from scipy.signal import lfilter
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.discrepancy.curves import curve_fit
+from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.greedy import begun
-from trunk_ros.diagnosis.search.slow_noise import steadied
+from trunk_ros.diagnosis.search.slow_noise import told_from_noise
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 
@@ -21,12 +23,13 @@ FORGETS = 0.97  # from sample to sample
 WANDERS = 2.0 * NOISE  # rad
 
 
-def left(name: str = "", **values: object) -> Fit:
+def left(name: str = "", wanders: float = WANDERS, swings: float = 0.0, **values: object) -> Fit:
     """What a nominal arm leaves of one with an effect whose second sensor wanders."""
     recording = recorded({name: values} if name else {}, 30.0)
     shown = recording.series["joint_states"]
-    steps = np.random.default_rng(5).normal(size=len(shown.stamp)) * WANDERS * np.sqrt(1.0 - FORGETS**2)
+    steps = np.random.default_rng(5).normal(size=len(shown.stamp)) * wanders * np.sqrt(1.0 - FORGETS**2)
     wander = lfilter([1.0], [1.0, -FORGETS], steps)[:, None] * (np.arange(5) == 1)
+    wander += swings * np.sin(2.0 * np.pi * shown.stamp / 12.0)[:, None] * (np.arange(5) == 1)
     series = {**recording.series, "joint_states": replace(shown, position=shown.position + wander)}
     model = load_model("trunk")
     stage = WireStage([wire_span(replace(recording, series=series), model)], model, recording.units)
@@ -34,20 +37,27 @@ def left(name: str = "", **values: object) -> Fit:
 
 
 def told(fit: Fit) -> set[int]:
-    return set(steadied(fit, lambda column: {}).context.wanders)
+    return set(told_from_noise(fit, lambda column: {}).context.wanders)
 
 
 def test_it_is_found_where_it_is_and_has_its_size() -> None:
     fit = left()
-    found = steadied(fit, lambda column: {}).context
+    found = told_from_noise(fit, lambda column: {}).context
     assert set(found.wanders) == {1}
     assert found.noise[1].std == pytest.approx(np.hypot(WANDERS, NOISE), rel=0.3)
     assert found.noise[0] == fit.context.noise[0]
 
 
 def test_it_stays_as_it_is_told_while_the_search_goes_on() -> None:
-    found = steadied(left(), lambda column: {})
+    found = told_from_noise(left(), lambda column: {})
+    assert found.context.wanders
     assert found.context.weighed(found.hypothesis).noise[1] == found.context.noise[1]
+
+
+def test_what_goes_far_beyond_the_noise_is_none_also_where_some_was_told_before() -> None:
+    found = told_from_noise(left(), lambda column: {})
+    assert told(left(wanders=4.0 * NOISE)) == set()
+    assert told_from_noise(found, lambda column: {}).context.noise == found.context.noise
 
 
 @pytest.mark.parametrize(
@@ -59,5 +69,34 @@ def test_it_stays_as_it_is_told_while_the_search_goes_on() -> None:
         ("backlash", {"half_width": on(3, 4e-4)}),
     ],
 )
-def test_physics_beside_it_is_not_taken_for_it(name: str, values: dict[str, object]) -> None:
+def test_physics_of_another_joint_is_not_taken_for_it(name: str, values: dict[str, object]) -> None:
     assert told(left(name, **values)) == {1}
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("wire_slip", {"step": on(2, 6e-4), "onset": np.full(5, 17.0)}),
+        ("joint_coupling", {"gain": on(2, 4e-3), "source": ["", "joint_1", "", "", ""]}),
+    ],
+)
+def test_nor_is_physics_of_its_own_joint(name: str, values: dict[str, object]) -> None:
+    assert told(left(name, **values)) == set()
+
+
+def test_a_curve_that_only_follows_such_readings_gives_way_to_their_noise() -> None:
+    fit = left()
+    curve = curve_fit(fit.context, fit.hypothesis, 1)
+    assert curve is not None
+    assert curve.hypothesis.over_time(1)
+    found = steadied(curve)
+    assert not found.hypothesis
+    assert set(found.context.wanders) == {1}
+
+
+def test_a_curve_of_what_swings_stays() -> None:
+    fit = left(swings=6.0 * NOISE)
+    curve = curve_fit(fit.context, fit.hypothesis, 1)
+    assert curve is not None
+    assert curve.hypothesis.over_time(1)
+    assert steadied(curve).hypothesis.keys() == curve.hypothesis.keys()

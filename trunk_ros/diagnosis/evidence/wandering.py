@@ -34,7 +34,7 @@ def steadied(now: Fit) -> Fit:
     context, bare, found = now.context, now.hypothesis, dict[int, Noise]()
     if context.step >= SLOW:
         return now
-    for column in context.columns:
+    for column in [c for c in context.columns if c not in context.wanders]:
         less, known = _untimed(now.hypothesis, column), context.noise[column]
         timed = less is not now.hypothesis
         if timed or not is_plain(context, known, less, column):
@@ -45,11 +45,10 @@ def steadied(now: Fit) -> Fit:
             alone = small and clear and is_plain(context, noise, less, column)
             if alone and (timed or not told(context, less, column)):
                 found[column] = noise
+                bare = _untimed(bare, column)
     found |= _of_the_others(context, now.hypothesis, {**context.wanders, **found})
     if not found:
         return now
-    for column in found:
-        bare = _untimed(bare, column)
     again = context.work.besides()
     steady = replace(wandering_in(context, found), claims=True, work=again)
     done = descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())
@@ -64,11 +63,11 @@ def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, No
     out = {}
     for column in [c for c in context.columns if c not in found]:
         donors = [noise for c, noise in found.items() if _unit(context, c) == _unit(context, column)]
-        less, known = _untimed(hypothesis, column), context.noise[column]
-        if len(donors) < SEVERAL or is_plain(context, known, less, column):
+        known = context.noise[column]
+        if len(donors) < SEVERAL or is_plain(context, known, hypothesis, column):
             continue
         usual = sorted(donors, key=lambda noise: noise.std)[(len(donors) - 1) // 2]
-        gain = unlikely(context, known, hypothesis, column) - unlikely(context, usual, less, column)
+        gain = unlikely(context, known, hypothesis, column) - unlikely(context, usual, hypothesis, column)
         if gain > need(context, column):
             out[column] = usual
     return out

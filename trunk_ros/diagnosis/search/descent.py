@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.diagnosis.search.screen import Kept
-from trunk_ros.diagnosis.search.slow_noise import steadied
+from trunk_ros.diagnosis.search.slow_noise import told_from_noise
 from trunk_ros.diagnosis.search.state import state_of, structure
 from trunk_ros.effects import effect
 
@@ -128,7 +128,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     newest: list[str] = []
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
-        best = steadied(best, partial(desk.looks_at, best)) if steady else best
+        best = told_from_noise(best, partial(desk.looks_at, best)) if steady else best
         while _is_large(best, desk.share):
             better = first_that_pays(best, _ordered(now, best, desk.share, newest), desk)
             if better is None:

@@ -21,7 +21,7 @@ from trunk_ros.effects import effect
 
 def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
     """The hypothesis that no single change improves by what is needed; what would not be claimed is left out
-    even where the work that was granted is done.
+    even where the work that was granted is done, as far as what is granted on top goes.
     """
     first = renewed(begun(context, start))
     best = descend(first, MOVES, desk, steady=True)

@@ -28,13 +28,15 @@ FURTHEST = 3.0  # times the noise without it: what goes further is no noise
 SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
 
-def steadied(now: Fit, kept: Callable[[int], Kept]) -> Fit:
+def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     """With the noise of joints that show nothing else than one that wanders: it explains all that is left
-    there, better than any further effect would, and the motion tells nothing of it. ``kept``: looks at a
-    column.
+    there, better than any further effect of the joint's own would, and the motion tells nothing of it.
+    ``kept``: looks at a column. What was told once stays: noise is measured by that without it.
     """
     context, found = now.context, dict[int, Noise]()
-    for column in context.columns if context.step < SLOW else ():
+    if context.step >= SLOW or context.work.over:
+        return now
+    for column in [c for c in context.columns if c not in context.wanders]:
         noise = _wandering(now, column, kept)
         if noise is not None:
             found[column] = noise

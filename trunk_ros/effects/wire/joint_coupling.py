@@ -105,21 +105,23 @@ class JointCoupling(Effect):
             if source and self[gain][column] != 0.0
         ]
 
-    _gains: Array | None = None
-    """(all joints, columns) joint angle per angle of each source."""
+    _gains: tuple[tuple[str, ...], Array] = (), np.empty(0)
+    """For the joints of an arm, (all joints, columns) joint angle per angle of each source."""
 
     def _pull(self, now: Now, state: Any) -> tuple[Array, Any]:
         """(n, columns) rad that the sources add."""
-        if self._gains is None:
-            self._gains = np.zeros((len(now.joints), len(now.ratio)))
+        joints, gains = self._gains
+        if joints != now.joints:
+            gains = np.zeros((len(now.joints), len(now.ratio)))
             for column, source, gain in self._links:
-                self._gains[now.joints.index(source), column] += gain
+                gains[now.joints.index(source), column] += gain
+            self._gains = now.joints, gains
         if self.form == "angle":
-            return np.asarray(now.angles @ self._gains), None
+            return np.asarray(now.angles @ gains), None
         dragging = [source or "" for source in self.words.get("source", ("",) * len(now.ratio))]
         moved = np.zeros((len(now.stamp), len(now.ratio)))
         for column, source in enumerate(dragging):
             if source:
                 moved[:, column] = now.wires[:, now.joints.index(source)]
         stuck, state = SharpPlay().run(moved, self["reach"][None], state)
-        return np.asarray(now.wires @ self._gains + self["drag"] * (moved - stuck)), state
+        return np.asarray(now.wires @ gains + self["drag"] * (moved - stuck)), state
