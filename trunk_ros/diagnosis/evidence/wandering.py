@@ -20,10 +20,9 @@ from trunk_ros.diagnosis.search.slow_noise import (
     likeliest_noise,
     told,
     unlikely,
+    untimed,
     wandering_in,
 )
-from trunk_ros.effects import effect
-from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
 
@@ -35,7 +34,7 @@ def steadied(now: Fit) -> Fit:
     if context.step >= SLOW:
         return now
     for column in [c for c in context.columns if c not in context.wanders]:
-        less, known = _untimed(now.hypothesis, column), context.noise[column]
+        less, known = untimed(now.hypothesis, column), context.noise[column]
         timed = less is not now.hypothesis
         if timed or not is_plain(context, known, less, column):
             noise, cost = likeliest_noise(context, less, column)
@@ -45,7 +44,7 @@ def steadied(now: Fit) -> Fit:
             alone = small and clear and is_plain(context, noise, less, column)
             if alone and (timed or not told(context, less, column)):
                 found[column] = noise
-                bare = _untimed(bare, column)
+                bare = untimed(bare, column)
     found |= _of_the_others(context, now.hypothesis, {**context.wanders, **found})
     if not found:
         return now
@@ -75,14 +74,3 @@ def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, No
 
 def _unit(context: Context, column: int) -> str:
     return context.stage.units.get(context.joints[column], "rad")
-
-
-def _untimed(hypothesis: Hypothesis, column: int) -> Hypothesis:
-    """Without the curves over time on a column that a reading which wanders looks like."""
-    names = [
-        term.effect
-        for term in hypothesis.on(column)
-        if issubclass(kind := effect(term.effect), Curve) and kind.follows_readings
-        if "time" in term.words.get(column, {}).values()
-    ]
-    return hypothesis.less(names, column) if names else hypothesis

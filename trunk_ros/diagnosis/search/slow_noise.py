@@ -12,14 +12,17 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import WHITE, Noise
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Sums
+from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import NOTABLE, SURE
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed
-from trunk_ros.diagnosis.search.score import measured, need
+from trunk_ros.diagnosis.search.score import measured, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.trial import PROMISING, looks
+from trunk_ros.effects import effect
+from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
 TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
@@ -65,7 +68,19 @@ def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | No
     alone = gained > 0.0 and noise.std < FURTHEST * known.std and is_plain(context, noise, hypothesis, column)
     if not alone or _explained(now, column, kept(column)) > gained or told(context, hypothesis, column):
         return None
-    return noise
+    return None if _drawn(now, column, gained) else noise
+
+
+def _drawn(now: Fit, column: int, gained: float) -> bool:
+    """Whether the best curve there pays: one that only follows the readings about where it is as likely as
+    the noise, which has ``gained`` so much.
+    """
+    curve = curve_fit(now.context, now.hypothesis, column)
+    if curve is None:
+        return False
+    if untimed(curve.hypothesis, column) is not curve.hypothesis:
+        return now.cost[column] - curve.cost[column] > gained
+    return score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
 
 
 def _explained(now: Fit, column: int, kept: Kept) -> float:
@@ -136,3 +151,14 @@ def told(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     nothing = sums.tried([], 1.0).left
     gains = [1.0 - sums.tried([k], w).left / nothing for k in range(len(found)) for w in WORTHS[::2]]
     return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > TELLS for g in gains)
+
+
+def untimed(hypothesis: Hypothesis, column: int) -> Hypothesis:
+    """Without the curves over time on a column that a reading which wanders looks like."""
+    names = [
+        term.effect
+        for term in hypothesis.on(column)
+        if issubclass(kind := effect(term.effect), Curve) and kind.follows_readings
+        if "time" in term.words.get(column, {}).values()
+    ]
+    return hypothesis.less(names, column) if names else hypothesis
