@@ -132,7 +132,7 @@ def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Arr
     for block in blocks:
         shapes = block.transients(now)
         if shapes is not None:
-            shapes, valid = shapes[span.rows], span.valid[:, column]
+            shapes, valid = span.measured(shapes), span.valid[:, column]
             off = span.target[valid, column] - shown[valid]
             seen = shapes[valid]
             normal = seen.T @ seen + 1e-9 * max(len(seen), 1) * np.eye(seen.shape[1])

@@ -11,11 +11,10 @@ from trunk_ros.arm import Wire
 from trunk_ros.arm.geometry import Geometry
 from trunk_ros.compiled import Array
 
-# Made once: a core is made at every look at a joint.
+# Made once, and changed by nobody: a core is made at every look at a joint.
 NONE, NO_TURN, NO_PAIR = np.empty(0), np.empty((0, 3)), np.empty((0, 2, 3))
 AS_DESCRIBED = Geometry.nominal(0)
-for shared in (AS_DESCRIBED.base, AS_DESCRIBED.tool):
-    shared.flags.writeable = False
+AS_DESCRIBED.base.flags.writeable = AS_DESCRIBED.tool.flags.writeable = False
 
 
 @dataclass

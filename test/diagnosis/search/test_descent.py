@@ -43,6 +43,18 @@ def to(half_width: float, **kind: bool) -> Move:
     return Move(f"to {half_width}", groups, **kind)
 
 
+def noting(
+    tried: list[tuple[str, float]], name: str, what: str = "", again: bool = False, **kind: bool
+) -> Move:
+    """A change that leads nowhere, with a note of each try; ``again``: it is another one at each share."""
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        tell = (name, desk.share)
+        yield Group(tell if again else what or name, [2], lambda: tried.append(tell) or [])
+
+    return Move(name, groups, **kind)
+
+
 def steps(*moves: Move) -> int:
     """In how many steps the search gets to the whole of it."""
     said: list[str] = []
@@ -69,13 +81,7 @@ def test_what_explains_most_comes_before_anything_is_mended() -> None:
 def test_while_much_is_left_cheap_mends_come_before_what_explains_more_and_the_others_after_it() -> None:
     tried: list[tuple[str, float]] = []
 
-    def noting(name: str, **kind: bool) -> Move:
-        def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-            yield Group(name, [2], lambda: tried.append((name, desk.share)) or [])
-
-        return Move(name, groups, **kind)
-
-    moves = [noting("swap"), noting("drop", cheap=True), noting("add", grows=True)]
+    moves = [noting(tried, "swap"), noting(tried, "drop", cheap=True), noting(tried, "add", grows=True)]
     descend(fitted("backlash"), moves, Desk())
     large = [name for name, share in tried if share == COARSE[0]]
     assert large == ["drop", "swap"]  # what explains more was tried before anything else, in the same state
@@ -89,24 +95,13 @@ def test_while_much_is_left_cheap_mends_come_before_what_explains_more_and_the_o
 def test_how_an_effect_is_what_it_is_comes_before_the_next_one_while_much_is_left() -> None:
     tried: list[tuple[str, float]] = []
 
-    def noting(name: str, what: str, **kind: bool) -> Move:
-        def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-            yield Group(
-                (what, desk.share) if kind.get("grows") else what,
-                [2],
-                lambda: tried.append((name, desk.share)) or [],
-            )
-
-        return Move(name, groups, **kind)
-
-    settling = [noting("form", "backlash", settles=True), noting("another's form", "another", settles=True)]
-
     def half(best: Fit, desk: Desk) -> Iterator[Group]:
         stated = Term("backlash", own={2: {"half_width": HALF}}, given=frozenset({"half_width"}))
         yield Group("half", [2], lambda: [costed(best.context, Hypothesis({"backlash": stated}))])
 
-    moves = [*settling, noting("add", "any", grows=True), Move("half", half, grows=True)]
-    descend(fitted("backlash"), moves, Desk())
+    forms = [noting(tried, "form", "backlash", settles=True), noting(tried, "another's form", settles=True)]
+    add = noting(tried, "add", again=True, grows=True)
+    descend(fitted("backlash"), [*forms, add, Move("half", half, grows=True)], Desk())
     assert [name for name, share in tried if share == COARSE[0]] == ["form", "add", "another's form"]
 
 

@@ -149,7 +149,7 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
         yield [Place(UnknownCycle.id, "time", 0.0, 1.0 / frequency)]
     worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
-    angles = context.views[index].angles[span.rows][valid]
+    angles = span.measured(context.views[index].angles)[valid]
     # a single jump has a name, and many imitate anything
     if 1 < len(moments) <= MOST_JUMPS and not moved_by(stamp, rest, moments, angles, column):
         for kind in (UnknownJumps, UnknownSlips):
@@ -243,7 +243,7 @@ def design_of(context: Context, column: int, place: Place) -> Array:
     """(rows, knots) change of the whitened prediction per value of a curve that is added to the angle."""
     parts = []
     for i, view in enumerate(context.views):
-        x = abscissa(place.variable, context.now(i, column), 0)[view.span.rows]
+        x = view.span.measured(abscissa(place.variable, context.now(i, column), 0))
         parts.append(place.basis(x))
     return np.column_stack([context.whiten_change([p[:, k] for p in parts], column) for k in range(KNOTS)])
 

@@ -90,7 +90,7 @@ def _source(
         return None
     low, high = kind.range_of(together)
     each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)
-    seen = ([s[view.span.rows] for s, view in zip(shapes, context.views, strict=True)] for shapes in each)
+    seen = ([view.span.measured(s) for s, view in zip(shapes, context.views, strict=True)] for shapes in each)
     columns = [thinned(context.whiten_change(shapes, column)) for shapes in seen]
     return Source(kind, word, low, high, np.column_stack(columns))
 

@@ -15,9 +15,8 @@ from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.slow_noise import (
-    FURTHEST,
     is_plain,
-    likeliest_noise,
+    likelier,
     told,
     unlikely,
     untimed,
@@ -34,16 +33,12 @@ def steadied(now: Fit) -> Fit:
     if context.step >= SLOW:
         return now
     for column in [c for c in context.columns if c not in context.wanders]:
-        less, known = untimed(now.hypothesis, column), context.noise[column]
+        less = untimed(now.hypothesis, column)
         timed = less is not now.hypothesis
-        if timed or not is_plain(context, known, less, column):
-            noise, cost = likeliest_noise(context, less, column)
-            followed = unlikely(context, known, now.hypothesis, column)
-            small = noise.std < FURTHEST * known.std
-            clear = cost < followed - need(context, column)
-            alone = small and clear and is_plain(context, noise, less, column)
-            if alone and (timed or not told(context, less, column)):
-                found[column] = noise
+        if timed or not is_plain(context, context.noise[column], less, column):
+            likely = likelier(context, less, now.hypothesis, column)
+            if likely is not None and (timed or not told(context, less, column)):
+                found[column] = likely[0]
                 bare = untimed(bare, column)
     found |= _of_the_others(context, now.hypothesis, {**context.wanders, **found})
     if not found:

@@ -148,10 +148,10 @@ def _ordered(moves: Sequence[Move], best: Fit, share: float, newest: list[str]) 
     much = sum(map(best.rest, best.cost)) > COARSE[1] * sum(best.context.misfit.values())
     if share < COARSE[0] or not much:
         return moves
-    settled = [only(move, *newest) for move in moves if move.settles]
-    ordered = sorted(moves, key=lambda move: (not move.cheap, not move.grows))
-    cheap = sum(move.cheap for move in moves)
-    return [*ordered[:cheap], *settled, *ordered[cheap:]]
+    cheap = [move for move in moves if move.cheap]
+    settling = [only(move, *newest) for move in moves if move.settles]
+    others = [move for move in moves if not move.cheap]
+    return [*cheap, *settling, *sorted(others, key=lambda move: not move.grows)]
 
 
 def _is_large(best: Fit, share: float) -> bool:

@@ -33,8 +33,8 @@ SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
 def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     """With the noise of joints that show nothing else than one that wanders: it explains all that is left
-    there, better than any further effect of the joint's own would, and the motion tells nothing of it.
-    ``kept``: looks at a column. What was told once stays: noise is measured by that without it.
+    there, better than any further effect of the joint's own or a curve would, and the motion tells nothing
+    of it. ``kept``: looks at a column. What was told once stays: noise is measured by that without it.
     """
     context, found = now.context, dict[int, Noise]()
     if context.step >= SLOW or context.work.over:
@@ -60,15 +60,30 @@ def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | No
     """The noise that is all that is left of a column, where that is more than its own; what is cheap to see
     comes first.
     """
-    context, hypothesis, known = now.context, now.hypothesis, now.context.noise[column]
-    if is_plain(context, known, hypothesis, column):
+    context, hypothesis = now.context, now.hypothesis
+    if is_plain(context, context.noise[column], hypothesis, column):
         return None
-    noise, cost = likeliest_noise(context, hypothesis, column)
-    gained = unlikely(context, known, hypothesis, column) - need(context, column) - cost
-    alone = gained > 0.0 and noise.std < FURTHEST * known.std and is_plain(context, noise, hypothesis, column)
-    if not alone or _explained(now, column, kept(column)) > gained or told(context, hypothesis, column):
+    likely = likelier(context, hypothesis, hypothesis, column)
+    if likely is None:
+        return None
+    noise, gained = likely
+    if _explained(now, column, kept(column)) > gained or told(context, hypothesis, column):
         return None
     return None if _drawn(now, column, gained) else noise
+
+
+def likelier(
+    context: Context, less: Hypothesis, hypothesis: Hypothesis, column: int
+) -> tuple[Noise, float] | None:
+    """The noise that is all that is left of a column with ``less``, and by how much more than the price of a
+    name it is likelier than what a hypothesis leaves in the noise as it is known; None where it is not, or
+    goes too far.
+    """
+    known = context.noise[column]
+    noise, cost = likeliest_noise(context, less, column)
+    gained = unlikely(context, known, hypothesis, column) - need(context, column) - cost
+    alone = gained > 0.0 and noise.std < FURTHEST * known.std and is_plain(context, noise, less, column)
+    return (noise, gained) if alone else None
 
 
 def _drawn(now: Fit, column: int, gained: float) -> bool:
