@@ -60,6 +60,9 @@ def parser() -> argparse.ArgumentParser:
         "--seconds", type=float, help="begin no case later, default 450 for the part, none for all"
     )
     asked.add_argument("--cases", type=int, help="only so many, in the order of the proof")
+    asked.add_argument(
+        "--after", type=int, default=0, help="leave out so many of that order: those that a version has seen"
+    )
     asked.add_argument("--page", action="store_true", help="only put the last table and figures into docs/")
     return asked
 
@@ -178,7 +181,8 @@ def _apart(output: Path, console: Console) -> None:
 def _cases(asked: argparse.Namespace, console: Console) -> list[dict[str, Any]]:
     for left in ("open", "sealed", "answers"):  # of a round that was stopped
         shutil.rmtree(asked.output / left, ignore_errors=True)
-    tasks = [Task(kind, seed, asked.output) for kind, seed in in_turn(asked.full)][: asked.cases]
+    order = in_turn(asked.full)[asked.after :][: asked.cases]
+    tasks = [Task(kind, seed, asked.output) for kind, seed in order]
     usual = float("inf") if asked.full else PART_SECONDS
     seconds = usual if asked.seconds is None else asked.seconds
     return prove(tasks, asked.workers, seconds, console)

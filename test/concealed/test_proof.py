@@ -47,6 +47,20 @@ def test_the_part_is_the_beginning_of_everything_and_holds_every_kind() -> None:
     assert {kind for kind, _ in part} == {*CONCEALED, *CLEAN}
 
 
+def test_cases_that_a_version_has_seen_can_be_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked_for: list[str] = []
+
+    def prove(tasks: list[judge.Task], *_: object) -> list[dict[str, Any]]:
+        asked_for.extend(task.name for task in tasks)
+        return []
+
+    monkeypatch.setattr(proof, "prove", prove)
+    assert proof.main(["--full", "--after", "3", "--cases", "2", "--output", str(tmp_path)]) == 1
+    assert asked_for == [f"{kind}_{seed}" for kind, seed in in_turn(True)[3:5]]
+
+
 def test_the_interval_of_a_proportion_is_wilsons() -> None:
     half = wilson(8, 10)
     assert (half.low, half.high) == pytest.approx((0.4902, 0.9433), abs=1e-4)
