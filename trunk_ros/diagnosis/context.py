@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from trunk_ros.diagnosis.data.louder import CONSTANT, Louder, growth
 from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
@@ -218,6 +219,18 @@ class Context:
         """Predictions of a column, one (n,) a span."""
         return [self.predict(index, hypothesis, column) for index in range(len(self.views))]
 
+    def predictions_each(self, hypotheses: Sequence[Hypothesis], column: int) -> list[list[Array]]:
+        """The same of several hypotheses, computed together where they differ in values alone."""
+        out: list[list[Array]] = [[] for _ in hypotheses]
+        alike = [list(same) for _, same in groupby(range(len(out)), lambda k: payload_of(hypotheses[k]))]
+        for index, view in enumerate(self.views):
+            self.work.done += len(view.span.grid) * len(hypotheses)
+            for same in alike:
+                some = [hypotheses[k] for k in same]
+                for k, seen in zip(same, self.stage.predict_each(self, index, some, column), strict=True):
+                    out[k].append(seen)
+        return out
+
     def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) measured less predicted, 0 where nothing counts."""
         seen = self.views[index].columns[column]
@@ -226,6 +239,14 @@ class Context:
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
         return self.whiten([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
+
+    def whitened_each(self, hypotheses: Sequence[Hypothesis], column: int) -> list[Array]:
+        """The same of several hypotheses."""
+        seen = [view.columns[column] for view in self.views]
+        return [
+            self.whiten([np.where(s.valid, s.target - p, 0.0) for s, p in zip(seen, each, strict=True)], column)
+            for each in self.predictions_each(hypotheses, column)
+        ]
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""

@@ -125,6 +125,12 @@ class Stage(ABC):
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
 
+    def predict_each(
+        self, sight: Sight, index: int, hypotheses: Sequence[Hypothesis], column: int
+    ) -> Sequence[Array]:
+        """The same of several hypotheses, each (n,)."""
+        return [self.predict(sight, index, hypothesis, column) for hypothesis in hypotheses]
+
     def seen(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
         """What is seen with the angles and loads that a hypothesis predicts, where the stage has any; as it
         is where they are nearly the same.

@@ -11,13 +11,14 @@ from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
-from trunk_ros.diagnosis.data.surroundings import View
-from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
+from trunk_ros.diagnosis.data.surroundings import View, beside
+from trunk_ros.diagnosis.hypothesis import Hypothesis, bind_together, payload_of
 from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.stage import Sight, Stage
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.lasting import Payload
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.stage import Memory, Order, State, adjusted, through, wire_pass
@@ -37,28 +38,39 @@ class WireStage(Stage):
         self._stands: dict[tuple[int, int], tuple[tuple[int, ...], float]] = {}
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
-        shown, _, now, blocks = self._passed(sight, index, hypothesis, column)
-        span = sight.views[index].span
+        payload, blocks = payload_of(hypothesis), hypothesis.bound(column)
+        shown, _ = self._passed(sight, index, column, payload, blocks)
+        span, now = sight.views[index].span, sight.now(index, column, payload)
         return _besides(span, column, now, blocks, span.measured(shown[:, 0]))
+
+    def predict_each(
+        self, sight: Sight, index: int, hypotheses: Sequence[Hypothesis], column: int
+    ) -> Sequence[Array]:
+        payload, times = payload_of(hypotheses[0]), len(hypotheses)
+        blocks = bind_together(hypotheses, column) if times > 1 else None
+        if blocks is None or any(b.transients(sight.now(index, column, payload)) is not None for b in blocks):
+            return super().predict_each(sight, index, hypotheses, column)
+        shown, _ = self._passed(sight, index, column, payload, blocks, times)
+        return list(np.ascontiguousarray(sight.views[index].span.measured(shown).T))
 
     def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(m,) the joint's own angle that a hypothesis predicts, at all steps of a span."""
-        return np.ascontiguousarray(self._passed(sight, index, hypothesis, column)[1][:, 0])
+        payload, blocks = payload_of(hypothesis), hypothesis.bound(column)
+        return np.ascontiguousarray(self._passed(sight, index, column, payload, blocks)[1][:, 0])
 
     def _passed(
-        self, sight: Sight, index: int, hypothesis: Hypothesis, column: int
-    ) -> tuple[Array, Array, Now, list[Effect]]:
-        """The joint's reading and its own angle (m, 1), what its effects see, and these."""
-        span, payload = sight.views[index].span, payload_of(hypothesis)
-        now = sight.now(index, column, payload)
-        width = self.arm.dead_band[None, column : column + 1]
-        blocks = hypothesis.bound(column)
-        order, state = Order.of(blocks), None
+        self, sight: Sight, index: int, column: int, payload: Payload, blocks: list[Effect], times: int = 1
+    ) -> tuple[Array, Array]:
+        """The joint's reading and its own angle (m, times), by blocks that have so many columns."""
+        span, order, state = sight.views[index].span, Order.of(blocks), None
+        width = self.arm.dead_band[None, column : column + 1].repeat(times, axis=1)
         if len(span.start[column]):
             rows, level = self._stand(span, column)
-            state = begun(sight.now(index, column, payload, rows), order, width, level)
+            stood = beside(sight.now(index, column, payload, rows), times)
+            state = begun(stood, order, width, level)
+        now = beside(sight.now(index, column, payload), times)
         shown, true, _ = wire_pass(now.gearbox, now, order, Core(nominal_width=width, width=width), state)
-        return shown, true, now, blocks
+        return shown, true
 
     def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], float]:
         """Steps over the time in which a joint stands as it began, the first of all at first, and what its
@@ -80,7 +92,7 @@ class WireStage(Stage):
             sight.work.done += TOGETHER * sum(path.size for path in paths)
         else:
             paths = [
-                np.column_stack([self._passed(sight, index, hypothesis, c)[1][:, 0] for c in columns])
+                np.column_stack([self.path(sight, index, hypothesis, c) for c in columns])
                 for index in range(len(sight.views))
             ]
         pairs = list(zip(sight.views, paths, strict=True))
@@ -152,11 +164,11 @@ def begun(seen: Now, order: Order, width: Array, level: float) -> State:
     true = through(moved, order.after, seen, {}, memory)
     shown = through(true, order.sensor, seen, {}, memory)
     start = u[:1]
-    _, stuck = element.run(np.vstack([start + level - middle(shown[1:, 0]), start]), core.width[:1], None)
+    _, stuck = element.run(np.vstack([start + level - middle(shown[1:]), start]), core.width[:1], None)
     return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
 
 
-def middle(values: Array) -> float:
-    """The median of (n,): of a few values ``np.median`` takes ten times as long."""
-    ordered, half = np.sort(values), len(values) // 2
-    return float(ordered[half]) if len(values) % 2 else float(ordered[half - 1] + ordered[half]) / 2.0
+def middle(values: Array) -> Array:
+    """The median of (n, columns), by column: of a few values ``np.median`` takes ten times as long."""
+    ordered, half = np.sort(values, axis=0), len(values) // 2
+    return np.asarray(ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2.0)

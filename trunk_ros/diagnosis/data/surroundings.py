@@ -160,6 +160,23 @@ def following(valid: np.ndarray) -> np.ndarray:
     return out
 
 
+def beside(now: Now, times: int) -> Now:
+    """The surroundings of one joint, side by side as many times."""
+    if times == 1:
+        return now
+    out = replace(
+        now,
+        gearbox=np.repeat(now.gearbox, times, axis=1),
+        speed=np.repeat(now.speed, times, axis=1),
+        load=lambda: np.repeat(now.load, times, axis=1),  # type: ignore[arg-type]
+        ratio=np.repeat(now.ratio, times),
+        columns=now.columns * times,
+    )
+    if isinstance(out, Seen):
+        out.known_masses = lambda: now.masses
+    return out
+
+
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
     whole = ("joints", "ratio", "held", "columns", "arm", "dt")

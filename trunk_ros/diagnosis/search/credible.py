@@ -14,7 +14,7 @@ from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 from trunk_ros.parameter import FROM, UNTIL
 
-SEEN = 0.1  # of what a joint does in all, before and after a moment that it shows
+SEEN = 0.1  # of what a joint does in all, to and fro, before and after a moment that it shows
 
 
 class Shown(IntEnum):
@@ -42,20 +42,30 @@ def hidden(context: Context, term: Term) -> list[int]:
 
 
 def ends_within(block: Effect, now: Now) -> bool:
-    """Whether what begins or ends does so while it is looked at: the joint or what it follows moves, or its
-    load changes, before and after. Of joints that move one after the other none shows that.
+    """Whether what begins or ends does so while it is looked at: on both sides of each moment, as far as to the
+    next one, the joint or what it follows moves to and fro, or its load changes so. What was there on one way
+    and not on the way back went by the direction, and of joints that move one after the other none shows when
+    something began.
     """
+    times = sorted(t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ()))
+    if not times:
+        return True
     followed = {word for words in block.words.values() for word in words if word in now.joints}
     signals = [now.gearbox[:, 0], *(now.angles[:, now.joints.index(joint)] for joint in followed)]
     signals += [now.load[:, 0]] if "load" in block.needs else []
-    times = [t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ())]
-    return all(any(_goes_on(signal, now.stamp < t) for signal in signals) for t in times)
+    rows = np.split(np.arange(len(now.stamp)), np.searchsorted(now.stamp, times))
+    goes = np.array([[_to_and_fro(signal, part) for part in rows] for signal in signals])
+    return bool((goes[:, :-1] & goes[:, 1:]).any(axis=0).all())
 
 
-def _goes_on(signal: Array, before: np.ndarray) -> bool:
-    """Whether a signal (n,) changes in both parts of a time."""
-    parts = [signal[side] for side in (before, ~before)]
-    return all(len(part) and np.ptp(part) > SEEN * np.ptp(signal) for part in parts)
+def _to_and_fro(signal: Array, part: np.ndarray) -> bool:
+    """Whether a signal (n,) rises and falls in some rows of it."""
+    if not len(part):
+        return False
+    there = signal[part]
+    rise = np.max(there - np.minimum.accumulate(there))
+    fall = np.max(np.maximum.accumulate(there) - there)
+    return bool(min(rise, fall) > SEEN * np.ptp(signal))
 
 
 def _shown(context: Context, term: Term, column: int) -> int:

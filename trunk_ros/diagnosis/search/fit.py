@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds, scales
+from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds, scales
 from trunk_ros.effects import effect
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
@@ -76,23 +76,21 @@ class Residuals:
     def slopes(self, x: Array) -> list[tuple[list[int], Array]]:
         """By column: the values that move its residual, and (rows, values) by how much."""
         base = self.parts(x)
-        found: list[tuple[list[int], list[Array]]] = [([], []) for _ in self.columns]
         _, high = bounds(self.free)
-        for k, f in enumerate(self.free):
-            step = STEP * self.scale[k] * (1.0 if x[k] + STEP * self.scale[k] <= high[k] else -1.0)
-            moved = x.copy()
-            moved[k] += step
-            self._moved.set(self.free, moved)
-            touched = self.hypothesis[f.effect].columns if f.column is None else [f.column]
-            for i, column in enumerate(self.columns):
-                if column in touched or f.parameter.carried:
-                    slope = (self.context.whitened(self._moved, column) - base[i]) / step
-                    found[i][0].append(k)
-                    found[i][1].append(slope if np.isfinite(slope).all() else 0.0 * base[i])
-        return [
-            (free, np.array(rows).T if rows else np.zeros((len(part), 0)))
-            for (free, rows), part in zip(found, base, strict=True)
-        ]
+        steps = STEP * self.scale * np.where(x + STEP * self.scale <= high, 1.0, -1.0)
+        out = []
+        for part, column in zip(base, self.columns, strict=True):
+            moving = [k for k, f in enumerate(self.free) if f.parameter.carried or column in self._touched(f)]
+            there = [self._moved.moved(self.free[k], x[k] + steps[k]) for k in moving]
+            seen = self.context.whitened_each(there, column)
+            slopes = [(one - part) / steps[k] for one, k in zip(seen, moving, strict=True)]
+            finite = [slope if np.isfinite(slope).all() else 0.0 * part for slope in slopes]
+            out.append((moving, np.array(finite).T if finite else np.zeros((len(part), 0))))
+        return out
+
+    def _touched(self, f: Free) -> list[int]:
+        """The columns that a value acts on."""
+        return self.hypothesis[f.effect].columns if f.column is None else [f.column]
 
     def normal(self, x: Array) -> tuple[Array, Array]:
         """(free,) J^T r and (free, free) J^T J, column by column."""

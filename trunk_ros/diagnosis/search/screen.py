@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator
+from collections.abc import Collection, Hashable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -76,11 +76,12 @@ class Screen:
             left, rd, dd = left - along @ step, rd - along @ bend, dd - across @ bend
         return float(left - max(gain, rd**2 / max(dd, ROUNDED)) / PROMISED)
 
-    def products(self, candidate: Candidate, column: int) -> tuple[float, float]:
-        """(rest . d, d . d) of a candidate's change of the prediction, as far as the fitted terms cannot
+    def products(self, candidates: Sequence[Candidate], column: int) -> list[tuple[float, float]]:
+        """(rest . d, d . d) of each candidate's change of the prediction, as far as the fitted terms cannot
         follow it.
         """
-        return self._look(self.change(extended(self.context, self.hypothesis, candidate), column), column)
+        there = [extended(self.context, self.hypothesis, candidate) for candidate in candidates]
+        return [self._look(d, column) for d in self.changes(there, column)]
 
     def _look(self, d: Array, column: int) -> tuple[float, float]:
         q = self.basis[column]
@@ -89,8 +90,15 @@ class Screen:
 
     def change(self, there: Hypothesis, column: int) -> Array:
         """(rows,) unit noise by which another hypothesis changes the prediction."""
-        pairs = zip(self.context.predictions(there, column), self.base[column], strict=True)
-        return self.context.whiten_change([a - b for a, b in pairs], column)
+        return self.changes([there], column)[0]
+
+    def changes(self, there: Sequence[Hypothesis], column: int) -> list[Array]:
+        """The same of several hypotheses."""
+        base = self.base[column]
+        return [
+            self.context.whiten_change([a - b for a, b in zip(each, base, strict=True)], column)
+            for each in self.context.predictions_each(there, column)
+        ]
 
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
         """A candidate with the time in which it gains most; None where it acts all the time."""
@@ -155,9 +163,8 @@ class Screen:
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""
         best: Candidate | None = None
-        for start in self._starts(kind, form, column):
-            trial = Candidate(kind.id, form, column, start)
-            rd, dd = self.products(trial, column)
+        trials = [Candidate(kind.id, form, column, start) for start in self._starts(kind, form, column)]
+        for trial, (rd, dd) in zip(trials, self.products(trials, column), strict=True):
             better = scaled(kind, trial, rd, dd)
             if better is not None and (best is None or better.gain > best.gain):
                 best = better
@@ -210,7 +217,7 @@ class Screen:
             own, products = {}, {}
             for c in columns:
                 options = different([{**s, **values} for s in starts[c]])
-                looks = [self.products(Candidate(kind.id, form, c, s), c) for s in options]
+                looks = self.products([Candidate(kind.id, form, c, s) for s in options], c)
                 best = max(range(len(looks)), key=lambda k: merit(kind, form, *looks[k]))
                 own[c], products[c] = options[best], looks[best]
             yield Candidate(kind.id, form, None, own[columns[0]], own=own), products
