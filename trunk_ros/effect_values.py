@@ -45,6 +45,7 @@ def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[st
     set_ = {p.name for p in kind.parameters if np.any(numbers[p.name] != p.null)}
     if not set_:
         return {}
+    _check_form(kind, form, set_)
     set_ |= {m.name for m in kind.moments() if np.any(numbers[m.name] != m.null)}
     values: Values = {"form": form} if len(kind.forms) > 1 else {}
     for p in (*kind.parameters, *kind.moments()):
@@ -61,6 +62,16 @@ def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[st
     }
     bind(kind.id, values, joints)
     return values
+
+
+def _check_form(kind: type[Effect], form: str, names: set[str]) -> None:
+    """Raise ModelError where a value is set that a form does not have."""
+    for name in sorted(names - {p.name for p in kind.own_parameters(form)}):
+        having = [f for f in kind.forms if any(p.name == name for p in kind.own_parameters(f))]
+        raise ModelError(
+            f"effects.{kind.id}.{name} is no value of its form {form!r}: set form to {' or '.join(having)}, "
+            f"or leave {name} out"
+        )
 
 
 def check_rivals(effects: Mapping[str, Values]) -> None:

@@ -11,7 +11,7 @@ from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis, diagnose
 from trunk_ros.diagnosis.discrepancy.curves import smoothed
-from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
+from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by, turns_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.report import render
 from trunk_ros.effects.curve import KNOTS, VALUES
@@ -170,3 +170,17 @@ def test_noise_does_not_jump_and_steps_do_when_they_do() -> None:
     assert len(jumps(stamp, noise, 60.0, KNOTS)) == 0
     found = jumps(stamp, noise + 2.0 * ((stamp > 10.0) & (stamp < 12.0)), 60.0, KNOTS)
     np.testing.assert_allclose(found, [10.0, 12.0], atol=0.03)
+
+
+@pytest.mark.parametrize("hertz", [0.06, 0.1, 3.0])
+def test_a_joint_turns_twice_a_swing_however_slowly_it_goes(hertz: float) -> None:
+    stamp = np.arange(0.0, 10.0 / hertz, 0.01)
+    x = np.sin(2 * np.pi * hertz * stamp) + 1e-3 * np.random.default_rng(0).standard_normal(len(stamp))
+    turns = stamp[turns_of(x, 0.1)]
+    assert np.abs(turns - (0.25 + 0.5 * np.arange(20)) / hertz).max() < 0.05 / hertz
+
+
+def test_where_a_joint_stands_at_its_turn_it_turns_as_it_sets_out_again() -> None:
+    x = np.concatenate([np.linspace(0, 1, 100), np.ones(50), np.linspace(1, 0, 100)])
+    assert turns_of(x, 0.1)[0] in range(148, 162)
+    assert not len(turns_of(np.linspace(0.0, 1.0, 500), 0.1))

@@ -242,11 +242,11 @@ class Context:
 
     def whitened_each(self, hypotheses: Sequence[Hypothesis], column: int) -> list[Array]:
         """The same of several hypotheses."""
-        seen = [view.columns[column] for view in self.views]
-        return [
-            self.whiten([np.where(s.valid, s.target - p, 0.0) for s, p in zip(seen, each, strict=True)], column)
-            for each in self.predictions_each(hypotheses, column)
-        ]
+        seen, out = [view.columns[column] for view in self.views], []
+        for each in self.predictions_each(hypotheses, column):
+            rests = [np.where(s.valid, s.target - p, 0.0) for s, p in zip(seen, each, strict=True)]
+            out.append(self.whiten(rests, column))
+        return out
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""

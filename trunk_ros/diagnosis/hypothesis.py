@@ -56,6 +56,11 @@ class Term:
         """The joints that the effect is on."""
         return sorted(self.own)
 
+    def have(self, column: int, values: Mapping[str, float]) -> None:
+        """Be on a joint with values that it may have had in another form: those that this one uses."""
+        used = {p.name for p in effect(self.effect).used(self.form)}
+        self.own[column] = {name: value for name, value in values.items() if name in used}
+
     def moments(self, column: int) -> tuple[str, ...]:
         """Which of its beginning and end on a joint are said."""
         return tuple(m.name for m in effect(self.effect).moments() if m.name in self.own[column])
@@ -132,7 +137,7 @@ class Hypothesis(dict[str, Term]):
             mine = self.setdefault(
                 term.effect, Term(term.effect, term.form, dict(term.shared), given=term.given)
             )
-            mine.own[column] = dict(term.own[column])
+            mine.have(column, term.own[column])
             if column in term.words:
                 mine.words[column] = dict(term.words[column])
 
@@ -213,8 +218,8 @@ def _bound(kind: type[Effect], form: str, shared: Numbers, own: Numbers, words: 
 
 
 def bind_together(hypotheses: Sequence[Hypothesis], column: int) -> list[Effect] | None:
-    """The effects that hypotheses have on one joint, as blocks over as many columns; None where they differ in
-    more than values and words, or what an effect does on one column depends on the others.
+    """The effects that hypotheses have on one joint, as blocks over as many columns; None where they differ
+    in more than values and words, or what an effect does on one column depends on the others.
     """
     terms = list(zip(*(h.on(column) for h in hypotheses), strict=False))
     alike = len({len(h.on(column)) for h in hypotheses}) == 1 and len(set(map(payload_of, hypotheses))) == 1

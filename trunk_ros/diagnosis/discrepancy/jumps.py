@@ -59,16 +59,22 @@ def _there(angles: Array, seen: Array) -> Array:
 
 @compiled
 def turns_of(x: Array, least: float) -> np.ndarray:
-    """Rows at which a joint (n,) begins to come back, by ``least`` and more."""
+    """Rows at which a joint (n,) begins to come back, by ``least`` and more; where it stands at a turn, the
+    last ones.
+    """
     out = np.zeros(len(x), dtype=np.bool_)
-    low = high = 0
+    low = high = way = 0
+    top = bottom = x[0] if len(x) else 0.0
     for k in range(len(x)):
-        high = k if x[k] > x[high] - 0.1 * least else high
-        low = k if x[k] < x[low] + 0.1 * least else low
-        if x[high] - x[k] > least and high > low:
-            out[high], low = True, k
-        elif x[k] - x[low] > least and low > high:
-            out[low], high = True, k
+        top, bottom = max(top, x[k]), min(bottom, x[k])
+        high = k if x[k] > top - 0.1 * least else high
+        low = k if x[k] < bottom + 0.1 * least else low
+        if way >= 0 and top - x[k] > least:
+            out[high] = way > 0
+            way, low, bottom = -1, k, x[k]
+        elif way <= 0 and x[k] - bottom > least:
+            out[low] = way < 0
+            way, high, top = 1, k, x[k]
     return np.flatnonzero(out)
 
 

@@ -25,8 +25,12 @@ def headline(result: Answer) -> str:
         where = listed([_place(result, u.stage, u.joints) for u in result.unexplained])
         return f"The recording departs from the simulation on {where}, and no effect explains it."
     if len(result.findings) > FEW:
-        return f"{len(result.findings)} effects are missing in the simulation{_doubts(result)}."
-    return f"Missing in the simulation: {listed(_missing(result))}."
+        mixed = any(map(is_excess, result.findings))
+        what = f"missing in the simulation{', or too much in it' if mixed else ''}"
+        return f"{len(result.findings)} effects are {what}{_doubts(result)}."
+    missing, much = (listed(_told(result, excess)) for excess in (False, True))
+    said = [f"Missing in the simulation: {missing}."] if missing else []
+    return " ".join([*said, f"Too much in the simulation: {much}."] if much else said)
 
 
 def _doubts(result: Answer) -> str:
@@ -75,15 +79,15 @@ def _no_mismatch(result: Answer) -> str:
     return f"No effect is missing: what remains ({left} rms at most) is no more than the sensors' {grain}."
 
 
-def _missing(result: Answer) -> list[str]:
-    """The likely ones first, in the order of the table."""
-    ranked = sorted(result.findings, key=lambda f: f.confidence < LIKELY)
+def _told(result: Answer, excess: bool) -> list[str]:
+    """What is missing, or too much: the likely ones first, in the order of the table."""
+    some = [f for f in result.findings if is_excess(f) == excess]
+    ranked = sorted(some, key=lambda f: f.confidence < LIKELY)
     return [_unnamed(result, f) if not f.named else _named(result, f) for f in ranked]
 
 
 def _named(result: Answer, finding: Finding) -> str:
     much = "perhaps " if finding.confidence < LIKELY else ""
-    much += "less " if is_excess(finding) else ""
     names = much + listed([spoken(name) for name in finding.candidates], "or")
     return f"{names} ({_place(result, finding.stage, finding.joints)}, {finding.confidence:.0%})"
 

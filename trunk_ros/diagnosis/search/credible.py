@@ -42,10 +42,10 @@ def hidden(context: Context, term: Term) -> list[int]:
 
 
 def ends_within(block: Effect, now: Now) -> bool:
-    """Whether what begins or ends does so while it is looked at: on both sides of each moment, as far as to the
-    next one, the joint or what it follows moves to and fro, or its load changes so. What was there on one way
-    and not on the way back went by the direction, and of joints that move one after the other none shows when
-    something began.
+    """Whether what begins or ends does so while it is looked at: on both sides of each moment, as far as to
+    the next one, the joint or what it follows moves to and fro, or its load changes so. What was there on one
+    way and not on the way back went by the direction, and of joints that move one after the other none shows
+    when something began.
     """
     times = sorted(t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ()))
     if not times:

@@ -1,15 +1,18 @@
-"""Findings as differences to another simulator: what is missing in it, and what is too much."""
+"""Findings as differences to another simulator, or to a model that has effects: what is missing in it, and
+what is too much.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
 from trunk_ros.diagnosis.evidence.evidence import SUREST
-from trunk_ros.diagnosis.levels import ROUGH
+from trunk_ros.diagnosis.levels import ROUGH, SURE
+from trunk_ros.diagnosis.verdict.answer import STAGES
 from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, title, unchanged
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -19,59 +22,91 @@ from trunk_ros.effects import Effect, effect
 from trunk_ros.model import Model
 from trunk_ros.parameter import Parameter
 
+SIMULATION = "your simulation"
 SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}
 
 
 def told_as_differences(result: Diagnosis, simulator: Model, of_simulator: Diagnosis) -> Diagnosis:
     """The diagnosis with what the simulator has itself taken off its findings."""
-    named = [f for f in result.findings if f.effect not in simulator.effects]
-    for name, known in simulator.effects.items():
-        if effect(name).named and result.stages.get(effect(name).stage, {}).get("compared"):
-            named += _difference(result, simulator, name, known)
     has = {
         "has": [f.statement for f in of_simulator.findings],
         "verdict": of_simulator.verdict,
         "findings": [asdict(f) for f in of_simulator.findings],
     }
-    return replace(result, findings=named, simulation=has, simulator=simulator)
+    told = _told(result, simulator, SIMULATION, STAGES)
+    return replace(result, findings=told, simulation=has, simulator=simulator)
+
+
+def told_as_changes(result: Diagnosis, model: Model) -> Diagnosis:
+    """The diagnosis with what differs from a model that has effects already, and which of them the recordings
+    do not show: their values stay those of the arm.
+    """
+    told = _told(result, model, "the model", ("servo", "wire"))
+    sure = {f.effect for f in told if f.effect in model.effects and not f.equivalents}
+    motions = [e for e in result.experiments if e["separates"][0] not in sure]
+    return replace(result, findings=told, experiments=motions)
+
+
+def _told(result: Diagnosis, reference: Model, who: str, stages: Sequence[str]) -> list[Finding]:
+    """Findings, those on effects that a reference has as differences from it."""
+    had = {n: v for n, v in reference.effects.items() if effect(n).named and _is_compared(result, n, stages)}
+    changed = [change for n, v in had.items() if (change := _difference(result, reference, n, v, who))]
+    left = [f for f in result.findings if f.effect not in had]
+    return sorted([*left, *changed], key=lambda f: STAGES.index(f.stage))
+
+
+def _is_compared(result: Diagnosis, name: str, stages: Sequence[str]) -> bool:
+    stage = effect(name).stage
+    return stage in stages and bool(result.stages.get(stage, {}).get("compared"))
 
 
 def is_excess(finding: Finding) -> bool:
-    """Whether another simulator has more of an effect than the recording shows, wherever the two differ."""
-    told = [v for named in finding.parameters.values() for v in named.values() if "simulation" in v]
-    return bool(told) and all(abs(v["recording"]) < abs(v["simulation"]) for v in told)
+    """Whether a simulation has more of an effect than the recording shows, wherever the two differ."""
+    told = [
+        (effect(finding.effect).parameter(name).null, value)
+        for named in finding.parameters.values()
+        for name, value in named.items()
+        if "simulation" in value
+    ]
+    return bool(told) and all(abs(v["recording"] - null) < abs(v["simulation"] - null) for null, v in told)
 
 
-def _difference(result: Diagnosis, simulator: Model, name: str, known: Values) -> Iterator[Finding]:
-    """The finding on one effect that the simulator has, if the recording shows more or less of it."""
-    kind, model = effect(name), result.model
+def _difference(result: Diagnosis, reference: Model, name: str, known: Values, who: str) -> Finding | None:
+    """The finding on one effect that a reference has, if the recording shows more or less of it."""
+    kind, seen = effect(name), result.model.effects.get(name, {})
     found = next((f for f in result.findings if f.effect == name), None)
-    lead = kind.own_parameters(str(known.get("form", kind.forms[0])))[0]
-    theirs, seen = (
-        _by_owner(m, values, lead) for m, values in ((simulator, known), (model, model.effects.get(name, {})))
-    )
+    lead, *others = kind.own_parameters(str(known.get("form", kind.forms[0])))
+    had, there = _by_owner(reference, known, lead), _by_owner(result.model, seen, lead)
     parameters: dict[str, dict[str, dict[str, Any]]] = {}
-    said = []
-    for owner in theirs:
+    said, gone = [], True
+    for owner in had.keys() & {ARM, *result.stages[kind.stage].get("joints", had)}:
         told = dict(found.parameters.get(owner, {})) if found else {}
         std = told.get(lead.name, {}).get("std")
-        if unchanged({"value": seen[owner], "std": std}, theirs[owner]):
-            continue
-        unit = unit_of(lead.unit, told.get(lead.name, {}).get("unit", "rad"))
-        value = seen[owner] - theirs[owner] if lead.null == 0.0 else seen[owner]
-        told[lead.name] = {
-            "value": value, "std": std, "unit": unit, "simulation": theirs[owner], "recording": seen[owner]
-        }  # fmt: skip
-        parameters[owner] = told
-        said.append(_said(owner, lead, unit, theirs[owner], seen[owner]))
+        none = abs(there[owner] - lead.null) <= max(ROUGH * abs(had[owner]), SURE * (std or 0.0))
+        words = []
+        if not unchanged({"value": there[owner], "std": std}, had[owner]):
+            unit = unit_of(lead.unit, told.get(lead.name, {}).get("unit", "rad"))
+            apart = lead.null == 0.0 and who == SIMULATION
+            size = there[owner] - had[owner] if apart else there[owner]
+            told = {} if none else told
+            told[lead.name] = {
+                "value": size, "std": std, "unit": unit, "simulation": had[owner], "recording": there[owner]
+            }  # fmt: skip
+            words = [_said(lead, unit, had[owner], lead.null if none else there[owner], who)]
+        for other in (p for p in others if p.name in told and owner in _by_owner(reference, known, p)):
+            theirs, value = _by_owner(reference, known, other)[owner], told[other.name]
+            if not unchanged(value, theirs):
+                words.append(f"{other.name} {_said(other, value['unit'], theirs, value['value'], who)}")
+        if words:
+            parameters[owner], gone = told, gone and none
+            said.append(f"{owner}: {', '.join(words)}")
     if not parameters:
-        return
-    joints = [j for j in model.arm.joints if j in parameters] or (
-        found.joints if found else list(model.arm.joints)
-    )
-    statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(said)}."
-    base = found or _unseen(kind, SUREST)
-    yield replace(base, joints=joints, parameters=parameters, statement=statement)
+        return None
+    joints = [j for j in result.model.arm.joints if j in parameters]
+    joints = joints or (found.joints if found else list(result.stages[kind.stage].get("joints", [])))
+    statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(sorted(said))}."
+    base = _unseen(kind, SUREST) if found is None or gone else found
+    return replace(base, joints=joints, parameters=parameters, statement=statement)
 
 
 def _by_owner(model: Model, values: Values, lead: Parameter) -> dict[str, float]:
@@ -83,19 +118,18 @@ def _by_owner(model: Model, values: Values, lead: Parameter) -> dict[str, float]
     return dict(zip(model.arm.joints, spread.tolist(), strict=True))
 
 
-def _said(owner: str, lead: Parameter, unit: str, theirs: float, seen: float) -> str:
-    """What the simulator has and what the recording shows, in words."""
-    if seen == lead.null or abs(seen) < ROUGH * abs(theirs):
-        return f"{owner}: your simulation has {_sized(theirs, unit)}, the recording shows none"
-    if theirs == lead.null:
-        return f"{owner}: your simulation has none, the recording shows {_sized(seen, unit)}"
-    if lead.null != 0.0 or theirs * seen < 0.0:
+def _said(parameter: Parameter, unit: str, theirs: float, seen: float, who: str) -> str:
+    """What a reference has and what the recording shows, in words."""
+    if seen == parameter.null:
+        return f"{who} has {_sized(theirs, unit)}, the recording shows none"
+    if theirs == parameter.null:
+        return f"{who} has none, the recording shows {_sized(seen, unit)}"
+    if parameter.null != 0.0 or theirs * seen < 0.0:
         word = "another value"
     else:
         more = abs(seen) > abs(theirs)
         word = f"{_sized(abs(seen - theirs), unit)} too {'little' if more else 'much'}"
-    both = f"your simulation has {_sized(theirs, unit)}, the recording shows {_sized(seen, unit)}"
-    return f"{owner}: {both} ({word})"
+    return f"{who} has {_sized(theirs, unit)}, the recording shows {_sized(seen, unit)} ({word})"
 
 
 def _sized(value: float, unit: str) -> str:

@@ -74,7 +74,7 @@ def _reformed(now: Fit, name: str, form: str, goal: float) -> Fit | None:
     trial = min([trial, *others], key=score)
     for column in hidden(trial.context, trial.hypothesis[name]):
         kept = trial.hypothesis.copy()
-        kept[name].own[column] = dict(old.own[column])
+        kept[name].have(column, old.own[column])
         trial = refit_column(trial, kept, column)
     return trial
 
