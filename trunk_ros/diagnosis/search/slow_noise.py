@@ -27,6 +27,7 @@ from trunk_ros.recording.signal.resample import SLOW
 
 TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
+FAR = 100.0  # of a logarithm: a search for the likeliest noise that goes so far finds none
 FURTHEST = 3.0  # times the noise without it: what goes further is no noise
 SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
 
@@ -115,7 +116,7 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
     rest_std = float(np.sqrt(np.mean(np.concatenate([rest[counted] for rest, _, counted in parts]) ** 2)))
 
     def noise_at(x: Array) -> Noise:
-        coloured, forgets, white = np.exp(x)
+        coloured, forgets, white = np.exp(np.clip(x, -FAR, FAR))
         correlation = float(np.exp(-1.0 / min(max(forgets, 1.0), longest)))
         return Noise(float(np.hypot(coloured, white)), correlation, float(white))
 
