@@ -58,7 +58,7 @@ def test_the_mapping_of_own_arm_is_a_mapping(files: Path) -> None:
 
 def test_nodes_take_the_numbers_of_own_arm(files: Path) -> None:
     tree = yaml.safe_load((files / "my-arm.yaml").read_text())["/**"]["ros__parameters"]
-    values = [each for group in tree.values() for listed in group.values() for each in listed]
+    values = [each for group in tree.values() for one in group.values() for each in np.ravel(one).tolist()]
     assert {type(each) for each in values} == {str, float}
 
 

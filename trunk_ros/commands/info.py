@@ -52,7 +52,7 @@ def main(argv: list[str]) -> int:
             raise
         say(f"{asked.bag}: no topic of an arm. It holds:", *columns(sorted(topics.items())), HOW)
         return 0
-    found = gathered(recording, model_for(recording, asked.model))
+    found = gathered(*model_for(recording, asked.model))
     say(*([json.dumps(found, indent=1)] if asked.json else spoken(found)))
     return 0
 
@@ -78,12 +78,17 @@ def foreign_topics(path: Path) -> dict[str, str]:
     return contents.topics
 
 
-def model_for(recording: Recording, name: str | None) -> Model:
-    """The model asked for; else the nominal arm where the joints are its, or ``direct``."""
+def model_for(recording: Recording, name: str | None) -> tuple[Recording, Model]:
+    """The model asked for; else the nominal arm where the joints are its, or ``direct``, with the links of a
+    recorded URDF as ``diagnose`` takes them, and the recording with its units.
+    """
+    from trunk_ros.diagnosis.data.described import described
     from trunk_ros.model import load_model
 
     trunk = load_model(name or "trunk")
-    return trunk if name or set(trunk.arm.joints) & set(recording.joints) else load_model("direct")
+    known = name or set(trunk.arm.joints) & set(recording.joints)
+    model, (recording,) = described(trunk if known else load_model("direct"), [recording], "")
+    return recording, model
 
 
 def gathered(recording: Recording, model: Model) -> dict[str, Any]:
