@@ -39,9 +39,7 @@ def test_numbers_of_the_servo_that_a_file_does_not_give_are_said_to_be_trunks(
     assert "not given" not in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("ratio", "refused"), [("[0.5, 1]", True), ("[1, 1]", False), ("[1.0, 0.5]", False)]
-)
+@pytest.mark.parametrize(("ratio", "refused"), [("[0.5, 1]", True), ("[1, 1]", False), ("[1.0, 0.5]", False)])
 def test_a_list_that_ros_2_cannot_read_is_said(
     ratio: str, refused: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
