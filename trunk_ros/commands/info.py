@@ -84,11 +84,12 @@ def model_for(recording: Recording, name: str | None) -> tuple[Recording, Model]
     """
     from trunk_ros.diagnosis.data.described import described
     from trunk_ros.model import load_model
+    from trunk_ros.transmission import by_joint
 
     trunk = load_model(name or "trunk")
     known = name or set(trunk.arm.joints) & set(recording.joints)
     model, (recording,) = described(trunk if known else load_model("direct"), [recording], "")
-    return recording, model
+    return by_joint(recording, model.arm), model
 
 
 def gathered(recording: Recording, model: Model) -> dict[str, Any]:
@@ -96,6 +97,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
     from dataclasses import asdict
 
     from trunk_ros.diagnosis.data.mix_ups import mix_ups
+    from trunk_ros.diagnosis.data.quality import left_out
     from trunk_ros.diagnosis.prospects import motion_of, prospects
     from trunk_ros.recording.quality import quality
     from trunk_ros.recording.topics import TOPICS
@@ -104,7 +106,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         TOPICS[key]: {"rate_hz": q.rate, "samples": q.samples, "lost": q.lost, "longest_gap": q.longest_gap}
         for key, q in quality(recording).items()
     }
-    mixed = [one.statement for one in mix_ups(recording, model)]
+    mixed = [] if model.arm.coupling is not None else mix_ups(recording, model)
     return {
         "recording": recording.name,
         "duration": recording.duration,
@@ -112,8 +114,8 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         "joints": {j: {**m, "unit": recording.unit(j)} for j, m in motion_of(recording).items()},
         "stages": {one.stage: _as_json(one, asdict(one)) for one in prospects(recording, model)},
         "absent": [topic for key, topic in TOPICS.items() if topic not in topics and key != "reference"],
-        "mixed_up": mixed,
-        "note": list(recording.notes),
+        "mixed_up": [one.statement for one in mixed],
+        "note": [*recording.notes, *left_out(recording, model)],
     }
 
 
