@@ -6,11 +6,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from test.diagnosis.arms import recorded
 from test.diagnosis.test_tip_in_space import ARMS, seen
+from test.test_pages_run import an_old_bag
+from trunk_ros.__main__ import main
 from trunk_ros.commands.info import gathered, model_for
 from trunk_ros.diagnosis.data.quality import left_out
 from trunk_ros.model import load_model, save_model
+from trunk_ros.recording.importing.bag import read_bag
 from trunk_ros.recording.recording import Recording
 
 
@@ -47,3 +52,18 @@ def test_motors_of_other_names_are_no_strangers(tmp_path: Path) -> None:
     told = gathered(*model_for(replace(made, series=series), str(tmp_path / "own.yaml")))
     assert told["stages"]["wire"]["possible"]
     assert told["note"] == []
+
+
+def test_a_bag_of_foreign_topics_gets_a_mapping_that_takes_them_in(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "old"
+    an_old_bag(bag, recorded(seconds=2.0))
+    assert main(["diagnose", str(bag), "-o", str(tmp_path / "verdict")]) == 2
+    assert f"`trunk_ros info {bag}` gives the mapping by which `trunk_ros import`" in capsys.readouterr().err
+    assert main(["info", str(bag)]) == 0
+    said = capsys.readouterr().out
+    assert "/elbow_angle    std_msgs/msg/Float64" in said
+    assert f"trunk_ros import {bag} --mapping MAP.yaml -o {bag}_arm" in said
+    (tmp_path / "map.yaml").write_text(said[said.index("  joints:") : said.index("then:")])
+    assert read_bag(bag, tmp_path / "map.yaml").joints == ("joint_1",)

@@ -41,26 +41,45 @@ def main(argv: list[str]) -> int:
     if asked.bag.suffix.lower() in TABLES:
         say(*table(asked.bag))
         return 0
-    from trunk_ros.errors import RecordingError
+    from trunk_ros.errors import ForeignError
     from trunk_ros.recording.read import read_recording
 
     try:
         recording = read_recording(asked.bag, namespace=asked.namespace)
-    except RecordingError as error:
+    except ForeignError:
         topics = foreign_topics(asked.bag)
-        if not topics or "no readable message of an arm" not in str(error):
+        if not topics:
             raise
-        say(f"{asked.bag}: no topic of an arm. It holds:", *columns(sorted(topics.items())), HOW)
+        say(*foreign(asked.bag, topics))
         return 0
     found = gathered(*model_for(recording, asked.model))
     say(*([json.dumps(found, indent=1)] if asked.json else spoken(found)))
     return 0
 
 
-HOW = (
-    "A mapping says which of them are trunk/gearbox_states and joint_states; `trunk_ros import` then makes "
-    "a bag that can be diagnosed (docs/own-arm.md)."
-)
+NUMBERS = {"sensor_msgs/msg/JointState": "position[0]", "std_msgs/msg/Float64": "data"}
+"""Where messages that come from arms most have an angle."""
+
+
+def foreign(path: Path, topics: dict[str, str]) -> list[str]:
+    """The topics of a bag that are of no arm by their names, and the mapping to begin with."""
+    angles = [
+        f"{topic}.{field}"
+        for known, field in NUMBERS.items()
+        for topic in sorted(topics)
+        if topics[topic] == known
+    ]
+    motor, joint, *_ = [*angles, "/TOPIC.FIELD", "/TOPIC.FIELD"]
+    return [
+        f"{path}: no topic of an arm. It holds:",
+        *columns(sorted(topics.items())),
+        "",
+        "A mapping says which of their fields are which; put the right ones in and save it as MAP.yaml:",
+        "  joints: [joint_1]",
+        f'  gearbox_states: {{position: {{columns: ["{motor}"], unit: rad}}}}',
+        f'  joint_states: {{position: {{columns: ["{joint}"], unit: rad}}}}',
+        f"then: trunk_ros import {path} --mapping MAP.yaml -o {path.with_name(path.stem + '_arm')}",
+    ]
 
 
 def foreign_topics(path: Path) -> dict[str, str]:
