@@ -30,6 +30,15 @@ def test_the_tip_of_an_arm_that_a_recorded_urdf_describes_can_be_diagnosed() -> 
     )
 
 
+@pytest.mark.parametrize("text", ["", "\n", "\n1,2\n"])
+def test_a_table_without_a_header_is_refused(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "empty.csv").write_text(text)
+    assert main(["info", str(tmp_path / "empty.csv")]) == 2
+    assert "empty.csv: is empty: a table begins with the names of its columns" in capsys.readouterr().err
+
+
 def test_a_joint_under_two_names_is_named_by_both(tmp_path: Path) -> None:
     t = np.arange(0.0, 20.0, 0.01)
     angle = np.sin(np.outer(t, [1.0, 1.3]))

@@ -180,9 +180,12 @@ def table(path: Path) -> list[str]:
 
     try:
         with path.open(encoding="utf-8-sig") as stream:
-            head, *rows = [line.rstrip("\n") for line in stream]
+            lines = [line.rstrip("\n") for line in stream]
     except (OSError, ValueError) as error:
         raise RecordingError(f"{path}: cannot be read as a table ({error})") from None
+    head, *rows = lines or [""]
+    if not head.strip():
+        raise RecordingError(f"{path}: is empty: a table begins with the names of its columns")
     delimiter = max(",;\t", key=head.count)
     names = [name.strip().strip('"') for name in head.split(delimiter)]
     first = rows[0].split(delimiter) if rows else []
