@@ -16,6 +16,7 @@ from trunk_ros.__main__ import COMMANDS, main
 from trunk_ros.arm.parameters import declared_arm
 from trunk_ros.effects import effect, registry
 from trunk_ros.model import load_model
+from trunk_ros.nodes.run.plan import plan_of
 from trunk_ros.recording.importing.mapping import load_mapping
 from trunk_ros.recording.topics import TOPICS
 from trunk_ros.trajectory import Trajectory, save_trajectory
@@ -58,7 +59,7 @@ def test_the_mapping_of_own_arm_is_a_mapping(files: Path) -> None:
 
 def test_nodes_take_the_numbers_of_own_arm(files: Path) -> None:
     tree = yaml.safe_load((files / "my-arm.yaml").read_text())["/**"]["ros__parameters"]
-    values = [each for group in tree.values() for listed in group.values() for each in listed]
+    values = [each for group in tree.values() for one in group.values() for each in np.ravel(one).tolist()]
     assert {type(each) for each in values} == {str, float}
 
 
@@ -203,3 +204,14 @@ def test_own_arm_samples_an_experiment_for_a_controller(
     exec(code, {})
     table = np.genfromtxt(tmp_path / "wanted.csv", delimiter=",", names=True)
     np.testing.assert_allclose(table["elbow"], 0.5 * table["t_s"], atol=1e-9)
+
+
+def test_bringup_takes_the_motion_of_own_arms_arm_as_own_arm_plays_it(
+    files: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (files / "verdict").mkdir()
+    motion = Trajectory(("wrist",), np.array([0.0, 1.0]), np.array([[0.0], [0.2]]))
+    save_trajectory(files / "verdict" / "experiment_wire.yaml", motion)
+    monkeypatch.chdir(files)
+    (shown,) = re.findall(r"^trunk_ros bringup (.*)$", OWN_ARM, re.MULTILINE)
+    assert plan_of(shlex.split(shown)).arm.joints == ("shoulder", "elbow", "wrist")

@@ -106,7 +106,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "a misspelt effect": (
         {"effects.backslash.half_width": [1.0]},
-        "did you mean 'effects.backlash.half_width'",
+        "unknown effect 'backslash': did you mean 'backlash'",
     ),
     "too many values": ({"wire.ratio": [1.0, 2.0, 3.0]}, "wire.ratio has 3 values for 2 joints"),
     "too many effect values": (

@@ -50,9 +50,10 @@ def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[st
     values: Values = {"form": form} if len(kind.forms) > 1 else {}
     for p in (*kind.parameters, *kind.moments()):
         if numbers[p.name].size not in (1, len(joints)):
-            raise ModelError(
-                f"effects.{kind.id}.{p.name} has {numbers[p.name].size} values for {len(joints)} joints"
+            there = (
+                "no joints: name them in arm.joints" if joints == (ANY_JOINTS,) else f"{len(joints)} joints"
             )
+            raise ModelError(f"effects.{kind.id}.{p.name} has {numbers[p.name].size} values for {there}")
         if p.name in set_ or (p in kind.own_parameters(form) and not p.optional):
             values[p.name] = (
                 float(numbers[p.name][0]) if p.shared else spread_over(numbers[p.name], len(joints))

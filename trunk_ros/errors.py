@@ -26,5 +26,9 @@ class RecordingError(TrunkError):
     """A recording cannot be read, or lacks what was asked of it."""
 
 
+class ForeignError(RecordingError):
+    """A recording has no topic of an arm: a mapping may bring it in."""
+
+
 class ModelError(TrunkError):
     """A model file or a parameter does not describe an arm."""

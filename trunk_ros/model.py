@@ -4,9 +4,10 @@ on disk.
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm.flat import arm_from, arm_parameters, per_joint
-from trunk_ros.arm.parameters import RENAMED, check_names, checked, declared_arm
+from trunk_ros.arm.parameters import RENAMED, check_names, checked, declared_arm, shortened
 from trunk_ros.effect_values import Values, check_rivals, effect_values
 from trunk_ros.effects import effect, registry
 from trunk_ros.errors import ModelError
@@ -49,6 +50,7 @@ class Model(Predictor):
         """
         declared = {d.name: d for d in declared_parameters()}
         flat = {RENAMED.get(name, name): value for name, value in flat.items()}
+        _check_effects(flat)
         check_names(flat, declared)
         given = {name: checked(declared[name], value) for name, value in flat.items()}
         arm = arm_from(given, folder)
@@ -70,6 +72,19 @@ class Model(Predictor):
         """Twelve hex digits that change with any parameter."""
         text = json.dumps(self.parameters(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def _check_effects(names: Iterable[str]) -> None:
+    """Raise ModelError for values of an effect that there is not."""
+    for name in names:
+        group, _, rest = name.partition(".")
+        own = rest.partition(".")[0]
+        if group == "effects" and own and own not in registry():
+            near = difflib.get_close_matches(own, registry(), 1)
+            raise ModelError(
+                f"unknown effect {shortened(own)}{f': did you mean {near[0]!r}?' if near else ''} "
+                "(one of your own is found where the environment variable TRUNK_ROS_EFFECTS names its folder)"
+            )
 
 
 def declared_parameters() -> list[Declaration]:

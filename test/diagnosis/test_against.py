@@ -14,6 +14,7 @@ from test.diagnosis.arms import setpoints_of
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import Diagnosis, diagnose
 from trunk_ros.diagnosis.against import with_room
+from trunk_ros.diagnosis.data.other_simulator import sides_told
 from trunk_ros.diagnosis.report.page import render
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
@@ -106,6 +107,19 @@ def test_too_much_of_an_effect_has_a_negative_size_and_says_so(tmp_path: Path) -
     assert own.arm.ratio == pytest.approx([1.05] * 3, abs=1e-3)
     assert own.effects["backlash"]["half_width"] == pytest.approx([3e-3, 7e-3, 0.0], abs=1e-4)
     (tmp_path / "report.html").write_text(page)
+
+
+@pytest.mark.parametrize("ours", [False, True])
+def test_a_bag_with_the_joints_for_the_motor_side_is_told_beside_one_with_a_gear(ours: bool) -> None:
+    plain, geared = run({}, 0.0), run({"ratio_error": {"relative": np.full(3, -0.5)}}, 1e-4)
+    shown = geared.series["joint_states"]
+    plain = replace(plain, name="sim", series={"gearbox_states": shown, "joint_states": shown})
+    one, other = (plain, geared) if ours else (geared, plain)
+    (note,) = sides_told(one, other).notes
+    assert "sim has the same angles for motor side and joint on shoulder, elbow, wrist" in note
+    assert "in run shoulder turns by 0.5 of its motor" in note
+    assert sides_told(geared, geared).notes == ()
+    assert sides_told(plain, run(TRUTH, 1e-4)).notes == ()
 
 
 def test_a_simulator_without_the_arms_joints_is_refused() -> None:

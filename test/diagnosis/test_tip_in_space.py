@@ -97,6 +97,15 @@ def test_what_is_built_otherwise_is_named_on_its_joint(
             assert model[effect][parameter] == pytest.approx(value, abs=0.1 * scale)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_tip_without_any_noise_is_judged_as_others_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(globals(), "PLACE", 0.0)
+    monkeypatch.setitem(globals(), "TURN", 0.0)
+    stage, found, _ = told(seen("scara", {"link_length_error": {"length_error": on(4, 1, 2e-3)}}))
+    assert [finding.effect for finding in found] == ["link_length_error"]
+    assert all(signal["noise_floor"] > 0.0 for signal in stage["tip"].values())
+
+
 def test_a_zero_of_the_last_joint_may_be_a_tool_that_is_turned() -> None:
     _, (found,), _ = told(seen("six", {"joint_zero_error": {"offset": on(6, 5, 8e-3)}}))
     assert (found.effect, found.joints, found.equivalents) == ("joint_zero_error", ["j6"], ["tool_offset"])

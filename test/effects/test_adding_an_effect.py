@@ -90,6 +90,25 @@ def test_it_is_held_to_what_every_effect_promises(folder: Path) -> None:
     assert re.search(r"\b1[0-9] passed", done.stdout)
 
 
+def test_the_commands_of_the_page_run_as_it_prints_them(folder: Path, tmp_path: Path) -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    shown = re.search(r"```yaml\n# (\S+)\n(.*?)```", page, re.DOTALL)
+    assert shown
+    (tmp_path / shown[1]).write_text(shown[2])
+    commands = re.findall(r"^trunk_ros (\w+) (\S+)$", page, re.MULTILINE)
+    assert commands == [("effects", "winding_growth"), ("check", "grown.yaml")]
+    for name, what in commands:
+        words = [name, str(tmp_path / what) if what == shown[1] else what]
+        done = python(folder, "-m", "trunk_ros", *words)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert "growth" in done.stdout
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    done = python(elsewhere, "-m", "trunk_ros", "check", str(tmp_path / shown[1]))
+    assert "unknown effect 'winding_growth' (one of your own is found where" in done.stderr
+    assert "TRUNK_ROS_EFFECTS" in done.stderr
+
+
 def test_without_the_folder_it_is_unknown(folder: Path) -> None:
     empty = folder / "empty"
     empty.mkdir()
@@ -104,6 +123,20 @@ try:
 except Exception as error:
     print(type(error).__name__, error)
 """
+LACKS = """
+from trunk_ros.effects import Effect
+class Mine(Effect):
+    id = "mine"
+    stage, regime = "wire", "posture"
+    parameters = ()
+"""
+ODD = """
+from trunk_ros.effects import Effect
+class Mine(Effect):
+    id, signature, source = "mine", "", ""
+    stage, place, regime = "motor", 1, "posture"
+    parameters = ()
+"""
 SAME = """
 from trunk_ros.effects import Effect
 class Backlash(Effect):
@@ -117,6 +150,8 @@ class Backlash(Effect):
     [
         ("def broken(:", "cannot load an effect from .*SyntaxError"),
         ("import nothing_of_the_kind", "cannot load an effect from .*ModuleNotFoundError"),
+        (LACKS, "mine.py: the effect Mine lacks place, signature, source: docs/adding-an-effect.md"),
+        (ODD, "mine.py: the effect Mine has the stage 'motor': choose from servo, wire, arm"),
         (SAME, "defines the effect 'backlash', which exists"),
     ],
 )

@@ -21,7 +21,7 @@ def run_exported(path: Path, layer: RealityLayer | None, joints: tuple[str, ...]
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     per = round(TICK / model.opt.timestep)
-    for joint, angle in zip(joints, commands[0], strict=True):
+    for joint, angle in zip(joints, commands[0] / model.actuator_gear[:, 0], strict=True):
         data.qpos[model.joint(joint).qposadr[0]] = angle
     data.act[:] = commands[0][model.actuator_actadr >= 0]
     sensors = [model.sensor(f"{joint}_encoder") for joint in joints]

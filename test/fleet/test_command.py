@@ -12,10 +12,12 @@ pytest.importorskip("ruptures")
 
 from test.diagnosis.arms import on, recorded  # noqa: E402
 from trunk_ros.__main__ import main  # noqa: E402
+from trunk_ros.commands.fleet import _say  # noqa: E402
 from trunk_ros.fleet.inputs.listing import listed  # noqa: E402
 from trunk_ros.fleet.report.page import render  # noqa: E402
 from trunk_ros.fleet.run.follow import follow  # noqa: E402
 from trunk_ros.fleet.together.series import DAY  # noqa: E402
+from trunk_ros.fleet.together.summary import Fleet, Trend  # noqa: E402
 from trunk_ros.model import load_model  # noqa: E402
 from trunk_ros.recording.write import write_recording  # noqa: E402
 
@@ -142,6 +144,29 @@ def test_a_fleet_of_which_nothing_can_be_read_says_so(tmp_path, capsys):
     assert main(["fleet", str(tmp_path / "list.csv"), "--output", str(tmp_path / "o"), "--workers", "1"]) == 2
     assert "none of 1 recordings" in capsys.readouterr().err
     assert "does not exist" in (tmp_path / "o" / "fleet.json").read_text()
+
+
+def test_a_missing_path_is_named_once(tmp_path, bags, capsys):
+    gone = tmp_path / "gone"
+    assert main(["fleet", str(gone), "--output", str(tmp_path / "o")]) == 2
+    assert capsys.readouterr().err.count(str(gone)) == 1
+    told = {"arms": {}, "common": [], "unread": [{"path": str(gone), "reason": f"{gone}: does not exist"}]}
+    _say(told, 1, tmp_path / "o")
+    assert f"not read: {gone}: does not exist\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("crosses", "said"),
+    [
+        ((1e9, 0.9e9, None), "; it reaches 0.002 rad on 2001-09-09 (1998-07-09 to never)"),
+        ((None, None, None), "; it never reaches 0.002 rad"),
+    ],
+)
+def test_the_last_lines_say_when_a_trend_reaches_its_limit(crosses, said, tmp_path, capsys):
+    key = ("a", "backlash", "joint_2", "half_width")
+    trend = Trend(*key, 1e-6, (5e-7, 2e-6), "rad", "day", 0.0, 1e-4, 1e-9, 2e-3, crosses)
+    _say(Fleet({"a": 5}, [], [trend], [], [], []).to_json(), 5, tmp_path)
+    assert said in capsys.readouterr().out
 
 
 def test_an_empty_fleet_has_a_page(tmp_path):

@@ -27,7 +27,9 @@ class Bench:
 
     def __init__(self):
         self.said, self.over, self.now = [], [], 0
-        self.controller = Controller(MODEL, SETTINGS, False, self.said.append, self.over.append)
+        self.controller = Controller(
+            MODEL, SETTINGS, False, self.said.append, self.said.append, self.over.append
+        )
 
     def stands(self, phi):
         angle = np.full(5, float(phi))

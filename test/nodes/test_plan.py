@@ -58,7 +58,10 @@ def test_a_trajectory_that_breaks_a_limit_is_refused_with_the_reason(tmp_path):
     file.write_text("{joint_names: [joint_2], points: [{positions: [0.6], time_from_start: 3.0}]}")
     assert "joint_2 would reach" in refused("--output", tmp_path / "bag", "--trajectory", file)
     file.write_text("{joint_names: [elbow], points: [{positions: [0.1], time_from_start: 3.0}]}")
-    assert "unknown joint 'elbow'" in refused("--output", tmp_path / "bag", "--trajectory", file)
+    said = refused("--output", tmp_path / "bag", "--trajectory", file)
+    assert "unknown joint 'elbow'" in said
+    assert "--model MODEL.yaml says which arm" in said
+    assert "--model MODEL.yaml" not in refused("--without", "recorder", "-m", "trunk", "--trajectory", file)
 
 
 def test_the_compensator_believes_the_model_and_the_plant_is_nominal(tmp_path):

@@ -128,11 +128,18 @@ def test_a_bag_of_ros_1_is_mapped_too(tmp_path):
     [
         (["/motor_3.position[0]", "/motor_2.position[0]"], "no topic /motor_3; there are /encoder_1, "),
         (["/motor_1.angle", "/motor_2.position[0]"], "/motor_1 has no field angle: there are header, name"),
+        (
+            ["/motor_1.position[m9]", "/motor_2.position[0]"],
+            "position[m9] is in no message: they name axis",
+        ),
         (["/motor_1.position", "/motor_2.position[0]"], "is no number: give a field of it, or an index"),
         (["/encoder_1.data[0]", "/encoder_2.data"], "there is no list to take [0] of"),
         (["/encoder_1", "/encoder_2.data"], "a column of a bag is /topic.field"),
         ([{"expr": "'/encoder_1.data' + '/encoder_2.data'"}, "/encoder_2.data"], "mixes /encoder_1 and"),
-        (["/motor_1.position[wrist]", "/motor_2.position[0]"], "has no finite position of shoulder"),
+        (
+            ["/motor_1.position[wrist]", "/motor_2.position[0]"],
+            "/motor_1.position[wrist] is in no message: they name axis",
+        ),
     ],
 )
 def test_what_cannot_be_mapped_is_named_in_one_line(bag, tmp_path, columns, said):

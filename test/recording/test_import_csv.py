@@ -186,3 +186,43 @@ def test_the_tip_gives_way_by_what_its_readme_says():
 def test_empty_fields_at_the_end_of_a_line_are_no_columns(tmp_path):
     recording = read_csv(table(tmp_path, "t,x\n0,1,\n1,2, ,\n"), mapping())
     np.testing.assert_array_equal(recording.require("joint_states").position, [[1], [2]])
+
+
+def swept(tmp_path: Path, times: np.ndarray) -> Path:
+    """Smooth motion, a row at each of the times."""
+    angle = np.sin(2 * np.pi * np.arange(len(times)) / 400)
+    rows = "".join(f"{t!r},{x!r}\n" for t, x in zip(times.tolist(), angle.tolist(), strict=True))
+    return table(tmp_path, f"t,x\n{rows}")
+
+
+@pytest.mark.parametrize(
+    ("times", "unit", "said"),
+    [
+        (
+            np.arange(9000) * 10.0,
+            "s",
+            "a row every 10 s, 25 h in all, and all moves smoothly: is the unit of",
+        ),
+        (np.arange(9000) * 0.01, "ms", "a row every 1e-05 s, 0.09 s in all: is the unit of the time right?"),
+        (np.arange(600) * 0.1, "ms", "a row every 0.0001 s, 0.0599 s in all: is the unit of the time right?"),
+        (np.arange(9000) * 0.01, "s", ""),
+        (np.arange(9000) * 10.0, "ms", ""),
+        (np.arange(200) * 10.0, "s", ""),
+    ],
+)
+def test_a_unit_of_time_that_cannot_be_is_asked_about(times, unit, said, tmp_path):
+    notes = read_csv(swept(tmp_path, times), mapping(time={"column": "t", "unit": unit})).notes
+    asked = [note for note in notes if "is the unit of the time right" in note]
+    assert len(asked) == bool(said)
+    assert said in "".join(asked)
+
+
+def test_joints_faster_than_any_are_asked_about_and_stations_are_not(tmp_path):
+    fast = read_csv(
+        swept(tmp_path, np.arange(900) * 0.1),
+        mapping(time={"column": "t", "unit": "ms"}, joint_states=position({"expr": "10 * x"})),
+    )
+    rows = "".join(f"{10 * k},{np.random.default_rng(k).uniform(-1, 1)!r}\n" for k in range(600))
+    slow = read_csv(table(tmp_path, f"t,x\n{rows}"), mapping())
+    assert not [note for note in slow.notes if "is the unit of the time right" in note]
+    assert [note for note in fast.notes if "is the unit of the time right" in note]

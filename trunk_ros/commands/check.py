@@ -9,6 +9,7 @@ from trunk_ros.commands.arguments import Parser
 from trunk_ros.commands.console import columns, say
 
 if TYPE_CHECKING:
+    from trunk_ros.arm import Arm
     from trunk_ros.model import Model
     from trunk_ros.recording.importing.mapping import Mapping, Quantity
     from trunk_ros.trajectory import Trajectory
@@ -39,8 +40,9 @@ def main(argv: list[str]) -> int:
         said = of_trajectory(load_trajectory(name))
     else:
         from trunk_ros.model import load_model
+        from trunk_ros.parameter_file import model_path, read_parameters
 
-        said = of_model(load_model(name))
+        said = of_model(load_model(name), read_parameters(model_path(name)))
     say(f"{name}: a {kind}, and right", *(f"  {line}" for line in said))
     return 0
 
@@ -80,8 +82,10 @@ def _values(content: Any) -> list[Any]:
     return list(content.values()) if isinstance(content, dict) else []
 
 
-def of_model(model: Model) -> list[str]:
-    """An arm joint by joint, what is known of it besides, and the effects that it has."""
+def of_model(model: Model, given: dict[str, Any]) -> list[str]:
+    """An arm joint by joint, what is known of it besides, and the effects that it has; ``given``: the file's
+    parameters.
+    """
     from trunk_ros.arm.parameters import ANY_ANGLE
 
     arm = model.arm
@@ -92,14 +96,42 @@ def of_model(model: Model) -> list[str]:
         name = "any joint" if model.any_joints else joint
         rows.append((name, f"{arm.ratio[j]:.6g}", f"{1e3 * arm.dead_band[j]:.3g} mrad", limits))
     load = f"known, from {arm.load_from}" if arm.has_load else "unknown: effects of load are not tried"
-    tip = f"links of {', '.join(f'{1e3 * x:g}' for x in arm.link_length)} mm" if len(arm.link_length) else ""
     effects = [f"effect {name}: {_said(values)}" for name, values in model.in_order()]
     return [
         *columns(rows),
         f"load: {load}",
-        f"tip: {tip or 'not known: no link lengths, so no arm stage'}",
-        f"servo: kp {arm.kp:g} 1/s, tau_v {arm.tau_v:g} s, v_max {arm.v_max:g} rad/s",
+        f"tip: {_tip(arm)}",
+        f"servo: {_servo(arm, given)}",
         *(effects or ["effects: none"]),
+        *_refused_by_nodes(given),
+    ]
+
+
+def _tip(arm: Arm) -> str:
+    if arm.description is not None:
+        return f"{arm.description.tip}, seen from {arm.description.base}, by the URDF"
+    if arm.has_geometry:
+        return f"links of {', '.join(f'{1e3 * x:g}' for x in arm.link_length)} mm"
+    return "not known: neither link lengths nor a URDF, so no arm stage"
+
+
+def _servo(arm: Arm, given: dict[str, Any]) -> str:
+    """Its numbers, and which of them are not the file's."""
+    units = {"kp": " 1/s", "tau_v": " s", "v_max": " rad/s"}
+    numbers = ", ".join(f"{name} {getattr(arm, name):g}{unit}" for name, unit in units.items())
+    taken = [name for name in units if f"servo.{name}" not in given]
+    return numbers + (f" (not given, taken from trunk: {', '.join(taken)})" if taken else "")
+
+
+def _refused_by_nodes(given: dict[str, Any]) -> list[str]:
+    """Lists that the tools read and ROS 2 does not."""
+    from trunk_ros.arm.parameters import shortened
+
+    return [
+        f"{name} = {shortened(value)}: nodes refuse this file as --params-file, as ROS 2 wants every "
+        "number of a list with a decimal point or none: write 1.0, not 1"
+        for name, value in given.items()
+        if isinstance(value, list) and {type(each) for each in value} == {int, float}
     ]
 
 

@@ -78,7 +78,7 @@ def _say(told: dict[str, Any], jobs: int, folder: Path) -> None:
                 low, high = each["interval"]
                 print(
                     f"  {arm}: {each['effect']} on {each['joint']} grows by {each['slope']:.3g} "
-                    f"({low:.3g} to {high:.3g}) {each['unit']} a day"
+                    f"({low:.3g} to {high:.3g}) {each['unit']} a day{_reached(each)}"
                 )
         for each in said["changes"]:
             print(
@@ -91,8 +91,22 @@ def _say(told: dict[str, Any], jobs: int, folder: Path) -> None:
                 f"{each['value']:.4g} where the others have {each['others']:.4g} {each['unit']}"
             )
     for each in told["unread"]:
-        print(f"  not read: {each['path']}: {each['reason']}")
+        print(f"  not read: {each['path']}: {each['reason'].removeprefix(each['path'] + ': ')}")
     print(f"{folder}: fleet.html, fleet.json, findings.parquet, errors.parquet, values.parquet")
+
+
+def _reached(trend: dict[str, Any]) -> str:
+    """When a trend reaches its limit, "" where none was given."""
+    if "crosses" not in trend:
+        return ""
+    from trunk_ros.fleet.together.summary import date
+
+    when, first, last = (
+        (date(trend["crosses"][name]) or "never")[:10] for name in ("time", "earliest", "latest")
+    )
+    said = "never reaches" if when == "never" else "reaches"
+    then = "" if when == "never" else f" on {when} ({first} to {last})"
+    return f"; it {said} {trend['limit']:.3g} {trend['unit']}{then}"
 
 
 def parser() -> Parser:

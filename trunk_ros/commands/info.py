@@ -41,26 +41,45 @@ def main(argv: list[str]) -> int:
     if asked.bag.suffix.lower() in TABLES:
         say(*table(asked.bag))
         return 0
-    from trunk_ros.errors import RecordingError
+    from trunk_ros.errors import ForeignError
     from trunk_ros.recording.read import read_recording
 
     try:
         recording = read_recording(asked.bag, namespace=asked.namespace)
-    except RecordingError as error:
+    except ForeignError:
         topics = foreign_topics(asked.bag)
-        if not topics or "no readable message of an arm" not in str(error):
+        if not topics:
             raise
-        say(f"{asked.bag}: no topic of an arm. It holds:", *columns(sorted(topics.items())), HOW)
+        say(*foreign(asked.bag, topics))
         return 0
-    found = gathered(recording, model_for(recording, asked.model))
+    found = gathered(*model_for(recording, asked.model))
     say(*([json.dumps(found, indent=1)] if asked.json else spoken(found)))
     return 0
 
 
-HOW = (
-    "A mapping says which of them are trunk/gearbox_states and joint_states; `trunk_ros import` then makes "
-    "a bag that can be diagnosed (docs/own-arm.md)."
-)
+NUMBERS = {"sensor_msgs/msg/JointState": "position[0]", "std_msgs/msg/Float64": "data"}
+"""Where messages that come from arms most have an angle."""
+
+
+def foreign(path: Path, topics: dict[str, str]) -> list[str]:
+    """The topics of a bag that are of no arm by their names, and the mapping to begin with."""
+    angles = [
+        f"{topic}.{field}"
+        for known, field in NUMBERS.items()
+        for topic in sorted(topics)
+        if topics[topic] == known
+    ]
+    motor, joint, *_ = [*angles, "/TOPIC.FIELD", "/TOPIC.FIELD"]
+    return [
+        f"{path}: no topic of an arm. It holds:",
+        *columns(sorted(topics.items())),
+        "",
+        "A mapping says which of their fields are which; put the right ones in and save it as MAP.yaml:",
+        "  joints: [joint_1]",
+        f'  gearbox_states: {{position: {{columns: ["{motor}"], unit: rad}}}}',
+        f'  joint_states: {{position: {{columns: ["{joint}"], unit: rad}}}}',
+        f"then: trunk_ros import {path} --mapping MAP.yaml -o {path.with_name(path.stem + '_arm')}",
+    ]
 
 
 def foreign_topics(path: Path) -> dict[str, str]:
@@ -78,12 +97,18 @@ def foreign_topics(path: Path) -> dict[str, str]:
     return contents.topics
 
 
-def model_for(recording: Recording, name: str | None) -> Model:
-    """The model asked for; else the nominal arm where the joints are its, or ``direct``."""
+def model_for(recording: Recording, name: str | None) -> tuple[Recording, Model]:
+    """The model asked for; else the nominal arm where the joints are its, or ``direct``, with the links of a
+    recorded URDF as ``diagnose`` takes them, and the recording with its units.
+    """
+    from trunk_ros.diagnosis.data.described import described
     from trunk_ros.model import load_model
+    from trunk_ros.transmission import by_joint
 
     trunk = load_model(name or "trunk")
-    return trunk if name or set(trunk.arm.joints) & set(recording.joints) else load_model("direct")
+    known = name or set(trunk.arm.joints) & set(recording.joints)
+    model, (recording,) = described(trunk if known else load_model("direct"), [recording], "")
+    return by_joint(recording, model.arm), model
 
 
 def gathered(recording: Recording, model: Model) -> dict[str, Any]:
@@ -91,6 +116,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
     from dataclasses import asdict
 
     from trunk_ros.diagnosis.data.mix_ups import mix_ups
+    from trunk_ros.diagnosis.data.quality import left_out
     from trunk_ros.diagnosis.prospects import motion_of, prospects
     from trunk_ros.recording.quality import quality
     from trunk_ros.recording.topics import TOPICS
@@ -99,7 +125,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         TOPICS[key]: {"rate_hz": q.rate, "samples": q.samples, "lost": q.lost, "longest_gap": q.longest_gap}
         for key, q in quality(recording).items()
     }
-    mixed = [one.statement for one in mix_ups(recording, model)]
+    mixed = [] if model.arm.coupling is not None else mix_ups(recording, model)
     return {
         "recording": recording.name,
         "duration": recording.duration,
@@ -107,8 +133,8 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         "joints": {j: {**m, "unit": recording.unit(j)} for j, m in motion_of(recording).items()},
         "stages": {one.stage: _as_json(one, asdict(one)) for one in prospects(recording, model)},
         "absent": [topic for key, topic in TOPICS.items() if topic not in topics and key != "reference"],
-        "mixed_up": mixed,
-        "note": list(recording.notes),
+        "mixed_up": [one.statement for one in mixed],
+        "note": [*recording.notes, *left_out(recording, model)],
     }
 
 
@@ -154,9 +180,12 @@ def table(path: Path) -> list[str]:
 
     try:
         with path.open(encoding="utf-8-sig") as stream:
-            head, *rows = [line.rstrip("\n") for line in stream]
+            lines = [line.rstrip("\n") for line in stream]
     except (OSError, ValueError) as error:
         raise RecordingError(f"{path}: cannot be read as a table ({error})") from None
+    head, *rows = lines or [""]
+    if not head.strip():
+        raise RecordingError(f"{path}: is empty: a table begins with the names of its columns")
     delimiter = max(",;\t", key=head.count)
     names = [name.strip().strip('"') for name in head.split(delimiter)]
     first = rows[0].split(delimiter) if rows else []

@@ -8,7 +8,7 @@ from pathlib import Path
 from trunk_ros.diagnosis.against import identified, nominal_for
 from trunk_ros.diagnosis.cores import one_thread
 from trunk_ros.diagnosis.data.described import described
-from trunk_ros.diagnosis.data.other_simulator import completed
+from trunk_ros.diagnosis.data.other_simulator import completed, sides_told
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
 from trunk_ros.diagnosis.verdict.differences import told_as_changes, told_as_differences
@@ -54,6 +54,7 @@ def diagnose(
     read = [completed(r, other) for r in read]
     if model is None and other is not None and not urdf:
         model = nominal_for(read[0].joints)
+    read = read if other is None else [sides_told(r, other) for r in read]
     nominal, read = described(model, read, urdf)
     read, mixed = put_right(read, nominal)
     if other is None:

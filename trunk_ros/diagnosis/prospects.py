@@ -102,8 +102,8 @@ def _one_way(context: Context, kind: type[Effect]) -> bool:
 
 def _arm(recording: Recording, model: Model) -> Prospect:
     arm = model.for_joints(recording.joints).arm if model.any_joints else model.arm
-    if not len(arm.link_length):
-        return Prospect("arm", "the model has no link lengths")
+    if not arm.has_geometry:
+        return Prospect("arm", "the model has neither link lengths nor a URDF")
     if missing := [joint for joint in arm.joints if joint not in recording.joints]:
         return Prospect("arm", f"joint_states lacks {', '.join(missing)} of the model")
     effects = [name for name, kind in registry().items() if kind.stage == "arm" and kind.named]

@@ -13,11 +13,13 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
+from typing import get_args
 
-from trunk_ros.effects.effect import Effect
+from trunk_ros.effects.effect import Effect, Regime
 from trunk_ros.errors import ModelError
 
 GROUP = "trunk_ros.effects"
+STAGES = ("servo", "wire", "arm")
 
 
 @cache
@@ -31,8 +33,21 @@ def registry() -> dict[str, type[Effect]]:
                 raise ModelError(
                     f"{module.__file__} defines the effect {item.id!r}, which exists: choose another id"
                 )
-    stages = ("servo", "wire", "arm")
-    return dict(sorted(found.items(), key=lambda pair: (stages.index(pair[1].stage), pair[1].place, pair[0])))
+            if known:
+                _check(item, module)
+    return dict(sorted(found.items(), key=lambda pair: (STAGES.index(pair[1].stage), pair[1].place, pair[0])))
+
+
+def _check(kind: type[Effect], module: ModuleType) -> None:
+    """Raise ModelError for an effect that does not say of itself what every effect has to."""
+    where = f"{module.__file__}: the effect {kind.__name__}"
+    if missing := [name for name in Effect.__annotations__ if not hasattr(kind, name)]:
+        raise ModelError(f"{where} lacks {', '.join(missing)}: docs/adding-an-effect.md has an example")
+    for name, choices in (("stage", STAGES), ("regime", get_args(Regime))):
+        if getattr(kind, name) not in choices:
+            raise ModelError(
+                f"{where} has the {name} {getattr(kind, name)!r}: choose from {', '.join(choices)}"
+            )
 
 
 def effect(name: str) -> type[Effect]:

@@ -19,8 +19,8 @@ CHAIN = [part for part in PARTS if part != "recorder"]
 
 
 def main(argv: list[str]) -> int:
-    """Run and record: 0 when done or asked to end; 2 when a node gave up for a reason outside of it, such as
-    a full disk, 1 for any other. Raises TrunkError at first.
+    """Run and record: 0 when done or asked to end; 2 when the trajectory was refused, or a node gave up for a
+    reason outside of it, such as a full disk; 1 for any other. Raises TrunkError at first.
     """
     plan = plan_of(argv)
     from trunk_ros.nodes.graph.process import start_ros
@@ -57,7 +57,7 @@ def make_pacer(plan: Plan) -> Any:
     description = "" if "wire_elasticity" in plan.parts else urdf(plan.arm)
     pace = Pace(plan.seconds, plan.rate, plan.simulated, plan.trajectory, foreign, description)
     pacer = Pacer(pace, Ledger([]), say)
-    names = {part: pacer.get_namespace().rstrip("/") + "/" + part for part in plan.parts}
+    names = {part: pacer.own(part) for part in plan.parts}
     pacer.ledger.nodes += names.values()
     if "recorder" in names:
         pacer.ledger.lagging[names["recorder"]] = LAG
@@ -91,7 +91,7 @@ def run_together(plan: Plan, stop: Any) -> tuple[str, int]:
             if part in nodes:
                 end(nodes[part], DELIVERY)
     given_up = first_fault(nodes)
-    return pacer.fault or given_up, 2 if given_up else 1
+    return pacer.fault or given_up, 2 if given_up or pacer.refused else 1
 
 
 def make_node(part: str, parameters: dict[str, Any]) -> Any:
@@ -132,7 +132,7 @@ def run_apart(plan: Plan, stop: Any) -> tuple[str, int]:
         processes.stop(["recorder"])
     finally:
         processes.close()
-    return str(pacer.fault), processes.code
+    return str(pacer.fault), 2 if pacer.refused else processes.code
 
 
 def first_fault(nodes: dict[str, Any]) -> str:

@@ -13,8 +13,8 @@ from trunk_ros.nodes.control.controller_state import ControllerState
 from trunk_ros.nodes.control.foreign import ForeignReference
 from trunk_ros.nodes.control.parameters import settings_of
 from trunk_ros.nodes.graph.base import TrunkNode
-from trunk_ros.nodes.graph.health import OK
-from trunk_ros.nodes.graph.joints import JointMatcher, MessageError
+from trunk_ros.nodes.graph.health import OK, REFUSED
+from trunk_ros.nodes.graph.joints import JointMatcher
 from trunk_ros.nodes.graph.messages import nanoseconds, state_of
 from trunk_ros.nodes.graph.model_swap import check_description
 from trunk_ros.nodes.graph.process import run_node
@@ -36,7 +36,8 @@ class Compensator(TrunkNode):
         joints, timeout, streams = self.model.arm.joints, self.value("timeout"), self.streams
         motors = self.model.arm.motor_names
         settings = settings_of(self)
-        self.controller = Controller(self.model, settings, self.simulated, self.health.note, self.end_goal)
+        says = self.health.note, self.refuse, self.end_goal
+        self.controller = Controller(self.model, settings, self.simulated, *says)
         self.foreign_reference = ForeignReference(self.model.arm)
         self.gearbox_stream = streams.watch("trunk/gearbox_states", timeout)
         self.joints_stream = streams.watch("joint_states", timeout)
@@ -46,16 +47,16 @@ class Compensator(TrunkNode):
         streams.obey(JointTrajectory, "trunk/joint_trajectory", self.on_trajectory, raw=True)
         streams.obey(JointState, "trunk/reference", self.on_reference, raw=True)
         gearbox, measured = (self.controller.observation_of(topic) for topic in ("gearbox", "joints"))
-        self._hear("trunk/gearbox_states", motors, self.gearbox_stream, gearbox)
-        self._hear("joint_states", joints, self.joints_stream, measured)
+        self.motors = JointMatcher(motors)
+        self._hear("trunk/gearbox_states", self.motors, self.gearbox_stream, gearbox)
+        self._hear("joint_states", JointMatcher(joints), self.joints_stream, measured)
         streams.latched(String, "robot_description", self.on_description)
         self.action = FollowAction(self, self.controller) if FollowJointTrajectory is not None else None
 
     # In
 
-    def _hear(self, topic: str, names: tuple[str, ...], stream: Any, put: Any) -> None:
+    def _hear(self, topic: str, matcher: JointMatcher, stream: Any, put: Any) -> None:
         """Let the controller know of a topic of states."""
-        matcher = JointMatcher(names)
 
         def take(message: Any) -> None:
             stamp = self.streams.arrived(stream, message)
@@ -75,20 +76,28 @@ class Compensator(TrunkNode):
                 self.get_logger().error(self.health.fault)
 
     def on_trajectory(self, raw: bytes) -> None:
-        """Replace what is under way. Raises TrunkError where the trajectory is refused."""
+        """Replace what is under way, or say why the trajectory is refused."""
         assert self.controller is not None
         if self.health.fault:
-            raise MessageError(f"trajectory refused: {self.health.fault}")
+            self.refuse(f"trajectory refused: {self.health.fault}")
+            return
         try:
             order = read_order(raw)
             if order.trajectory is not None:
                 self.controller.follow(order.trajectory, self.now(), order.begin, self.graph())
         except TrunkError as error:
-            raise MessageError(f"trajectory refused: {error}") from None
+            self.refuse(f"trajectory refused: {error}")
+            return
+        self.health.values.pop(REFUSED, None)
         if order.trajectory is None:
             self.controller.halt(self.now())
         self.end_goal(f"{'stopped by an empty' if order.trajectory is None else 'replaced by a'} trajectory")
         self.log(OK, "stopping" if order.trajectory is None else "trajectory accepted")
+
+    def refuse(self, why: str) -> None:
+        """Say that a command is not followed: a bringup that gave it ends with that."""
+        self.health.values[REFUSED] = why
+        self.health.note(why)
 
     def on_reference(self, raw: bytes) -> None:
         """Take a foreign reference; our own comes back as well and is left alone."""
@@ -112,7 +121,7 @@ class Compensator(TrunkNode):
         if self.controller.settled:
             return Graph(True, lost, fresh)
         said = self.count_publishers("trunk/gearbox_states") > 0
-        return Graph(said, lost, fresh, self.count_publishers("trunk/setpoints") > 1)
+        return Graph(said, lost, fresh, self.count_publishers("trunk/setpoints") > 1, self.motors.lacking())
 
     # Out
 

@@ -1,6 +1,6 @@
 """Which topics of a recording are those of the arm, where names carry a namespace, or of several arms."""
 
-from trunk_ros.errors import RecordingError
+from trunk_ros.errors import ForeignError, RecordingError
 from trunk_ros.recording.topics import TOPICS, expected_type, split_topic
 
 
@@ -22,7 +22,14 @@ def choose(
     if not found:
         there = ", ".join(sorted(topics)[:12]) or "none"
         wanted = ", ".join(TOPICS.values())
-        raise RecordingError(f"{name}: no topic of an arm ({wanted}); topics there: {there}")
+        if namespace is not None:
+            raise RecordingError(
+                f"{name}: no topic of an arm in {namespace} ({wanted}); topics there: {there}"
+            )
+        raise ForeignError(
+            f"{name}: no topic of an arm ({wanted}); topics there: {there}. `trunk_ros info {name}` gives "
+            "the mapping by which `trunk_ros import` takes them in"
+        )
     chosen, remarks = _decide(name, found)
     for key, topic in chosen.items():
         if topics[topic] != expected_type(key):

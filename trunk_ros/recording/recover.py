@@ -25,7 +25,7 @@ from trunk_ros.recording.bag.metadata import (
     write_metadata,
 )
 from trunk_ros.recording.mcap.records import HEADER, MAGIC, METADATA, parsed, record_at, records
-from trunk_ros.recording.mcap.repair import is_whole, repair
+from trunk_ros.recording.mcap.repair import Promised, is_whole, repair
 from trunk_ros.recording.mcap.verify import is_intact
 from trunk_ros.recording.messages.block import DamageError, mapped
 from trunk_ros.recording.output import new_file
@@ -43,7 +43,7 @@ def recover(path: str | Path) -> list[str]:
     if not files:
         raise RecordingError(f"{path}: holds no .mcap file: other storages cannot be repaired")
     try:
-        said, lost = _recover_files(files)
+        said, lost = _recover_files(files, _promised(path))
         if path.is_dir():
             said += _recover_metadata(path, [each for each in files if each not in lost], bool(said))
     except DamageError as error:
@@ -53,7 +53,15 @@ def recover(path: str | Path) -> list[str]:
     return said or [f"{path}: is whole, nothing to repair"]
 
 
-def _recover_files(files: Sequence[Path]) -> tuple[list[str], list[Path]]:
+def _promised(path: Path) -> dict[str, Promised]:
+    """What metadata.yaml, if any, says that each file holds."""
+    with suppress(DamageError, OSError):
+        described = read_metadata(path if path.is_dir() else path.parent).described
+        return {each.name: Promised(each.messages, each.start_ns, each.end_ns) for each in described}
+    return {}
+
+
+def _recover_files(files: Sequence[Path], promised: dict[str, Promised]) -> tuple[list[str], list[Path]]:
     """What was done, and the files of a split bag that are lost; DamageError if that is all of them."""
     said: list[str] = []
     lost: dict[Path, DamageError] = {}
@@ -61,7 +69,7 @@ def _recover_files(files: Sequence[Path]) -> tuple[list[str], list[Path]]:
         _refuse_live(file)
     for file in files:
         try:
-            said += _recover_file(file)
+            said += _recover_file(file, promised.get(file.name))
         except DamageError as error:
             lost[file] = error
     if len(lost) == len(files):
@@ -76,11 +84,11 @@ def _damaged(file: Path) -> Path:
     return file.with_name(f"{file.name}.damaged")
 
 
-def _recover_file(file: Path) -> list[str]:
+def _recover_file(file: Path, promised: Promised | None) -> list[str]:
     if is_intact(file):
         return []
     with new_file(file, overwrite=True) as draft:
-        loss = repair(file, draft)
+        loss = repair(file, draft, promised)
         if not loss.messages and not _just_begun(file):
             raise DamageError("holds no whole message")
         if loss.skipped:  # somebody may get more out of the damaged chunks

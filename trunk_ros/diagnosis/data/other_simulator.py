@@ -9,7 +9,11 @@ import numpy as np
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.signal.fill import hold
 from trunk_ros.recording.signal.resample import longest_gap
+
+SAME = 1e-6  # of the range: readings of one thing, rounded
+GEAR = 1.25  # a ratio that is no error of one
 
 
 def on_the_clock(other: Recording, recording: Recording) -> Recording:
@@ -22,6 +26,40 @@ def on_the_clock(other: Recording, recording: Recording) -> Recording:
         return other
     series = {key: replace(each, stamp=each.stamp + off) for key, each in other.series.items()}
     return replace(other, start_ns=recording.start_ns, series=series)
+
+
+def sides_told(recording: Recording, other: Recording) -> Recording:
+    """The recording, with a note where one of the two has its joints for the motor side and not the other."""
+    pair = recording, other
+    for one, far in (pair, pair[::-1]):
+        own, geared = ratios(one), ratios(far)
+        if joints := [joint for joint in own if own[joint] == 1.0 and _is_gear(geared.get(joint, 1.0))]:
+            note = (
+                f"{one.name} has the same angles for motor side and joint on {', '.join(joints)}, "
+                f"in {far.name} {joints[0]} turns by {geared[joints[0]]:.3g} of its motor: "
+                "was the motor side recorded?"
+            )
+            return replace(recording, notes=(*recording.notes, note))
+    return recording
+
+
+def _is_gear(ratio: float) -> bool:
+    return not 1.0 / GEAR < abs(ratio) < GEAR
+
+
+def ratios(recording: Recording) -> dict[str, float]:
+    """How far each joint turns per motor side, by the spread of both; 1 where their readings are the same."""
+    motor, joint = (recording.series.get(key) for key in ("gearbox_states", "joint_states"))
+    if motor is None or joint is None:
+        return {}
+    out = {}
+    for name in (each for each in joint.joints if each in motor.joints):
+        given, shown = (hold(each.select((name,)).position)[:, 0] for each in (motor, joint))
+        there = np.interp(joint.stamp, motor.stamp, given)
+        if np.ptp(there) and np.ptp(shown):
+            same = bool(np.abs(shown - there).max() <= SAME * np.ptp(there))
+            out[name] = 1.0 if same else float(np.polyfit(there, shown, 1)[0])
+    return out
 
 
 def shifted(span: Span, of_simulator: Context) -> Span:

@@ -10,7 +10,7 @@ from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.model import Model
 from trunk_ros.recording.quality import quality
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
 
@@ -29,6 +29,20 @@ def left_out(recording: Recording, model: Model) -> list[str]:
             and (missing := [j for j in recording.series[key].joints if j not in both])
         ),
         *([f"{TOPICS['setpoints']}: {', '.join(unasked)} not there: servos not compared"] if unasked else []),
+        *_other_names(compared, () if model.any_joints else known),
+    ]
+
+
+def _other_names(compared: Sequence[JointSeries], known: Sequence[str]) -> list[str]:
+    """Joints of the model that no topic has, beside joints of topics that the model does not have."""
+    there = {joint: None for series in compared for joint in series.joints}
+    absent = [joint for joint in known if joint not in there]
+    strange = [joint for joint in there if joint not in known]
+    if not absent or not strange or not known:
+        return []
+    return [
+        f"the model's {', '.join(absent)} {'is' if len(absent) == 1 else 'are'} in no topic, which have "
+        f"{', '.join(strange)}: if these are the same, give them one name"
     ]
 
 

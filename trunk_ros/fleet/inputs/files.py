@@ -42,7 +42,7 @@ def fingerprint(path: str) -> str:
     """
     system, place = file_system(path)
     if not system.exists(place):
-        raise FileNotFoundError(f"{path} does not exist")
+        raise FileNotFoundError("does not exist")
     names = sorted(system.find(place)) if system.isdir(place) else [place]
     digest = hashlib.sha256()
     for name in names:

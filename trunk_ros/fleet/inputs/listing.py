@@ -57,7 +57,7 @@ def _of(argument: str) -> Iterator[Job]:
 def _below(system: Any, place: str, argument: str) -> Iterator[Job]:
     """The recording at a place, or those anywhere below it."""
     if not system.exists(place):
-        raise ArgumentError(f"{argument}: {place} does not exist")
+        raise ArgumentError(f"{argument}: does not exist")
     if not system.isdir(place) or system.exists(f"{place}/{METADATA}"):
         yield _job(system, place, argument)
         return

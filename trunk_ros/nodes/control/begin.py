@@ -15,13 +15,15 @@ ELSEWHERE = 0.02  # rad at the gearbox between where an arm was sent unseen and 
 @dataclass(frozen=True)
 class Graph:
     """What a node knows of its topics: ``said``: somebody publishes gearbox_states; ``lost``: they dried up;
-    ``fresh``: joint_states come; ``others``: somebody else publishes setpoints.
+    ``fresh``: joint_states come; ``others``: somebody else publishes setpoints; ``lacking``: in words, the
+    joints that gearbox_states leave out.
     """
 
     said: bool = True
     lost: bool = False
     fresh: bool = False
     others: bool = False
+    lacking: str = ""
 
 
 class Begin:

@@ -55,7 +55,9 @@ class Running:
 
 
 class Controller:
-    """``note`` takes oddities, ``interrupted`` the reason why a goal under way is over."""
+    """``note`` takes oddities, ``refused`` why a command is not followed, ``interrupted`` the reason why a
+    goal under way is over.
+    """
 
     def __init__(
         self,
@@ -63,11 +65,12 @@ class Controller:
         settings: Settings,
         strict: bool,
         note: Callable[[str], None],
+        refused: Callable[[str], None],
         interrupted: Callable[[str], None],
     ):
         """``strict``: time is simulated, see Newest."""
         self.model, self.settings, self.strict = model, settings, strict
-        self.note, self.interrupted = note, interrupted
+        self.note, self.refused, self.interrupted = note, refused, interrupted
         self.joints = model.arm.joints
         still = np.zeros(len(self.joints))
         Compensation(model, 0.0, still).step(still, 0.01)  # compiles, so that no step is late
@@ -218,7 +221,8 @@ class Controller:
                 return False
         elif not self.begin.due(now, known, graph.said, self.settings.patience):
             if self.begin.over(now, self.settings.patience):
-                self.note("refused: trunk/gearbox_states do not say where all joints stand")
+                why = f": {graph.lacking}" if graph.lacking else ""
+                self.refused(f"refused: trunk/gearbox_states do not say where all joints stand{why}")
             return False
         self._begin(now, graph)
         return True
@@ -256,4 +260,4 @@ class Controller:
         try:
             self.follow(waiting[0], now, waiting[1], graph)
         except TrunkError as error:
-            self.note(f"trajectory refused: {error}")
+            self.refused(f"trajectory refused: {error}")

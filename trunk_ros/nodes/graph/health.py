@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from trunk_ros.nodes.graph.elapsed import SECOND
 
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
+REFUSED = "refused"
+"""The value under which a node says what it last refused to do, until it does what it is asked."""
 LOGGED = 5  # different words that one report lets into the log; diagnostics have all
 
 

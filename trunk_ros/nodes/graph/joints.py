@@ -39,10 +39,11 @@ class JointMatcher:
         if len(set(names)) != len(names):
             raise MessageError(f"a joint is named twice: {', '.join(names)}")
         known = [name for name in names if name in self.joints]
-        if not known:
-            raise MessageError(f"no joint of {', '.join(names) or 'an empty list'} belongs to the arm")
         self.unknown = tuple(name for name in names if name not in self.joints)
         self.missing = tuple(joint for joint in self.joints if joint not in names)
+        self._names = None
+        if not known:
+            raise MessageError(f"no joint of {', '.join(names) or 'an empty list'} belongs to the arm")
         self._from = [names.index(name) for name in known]
         self._to = [self.joints.index(name) for name in known]
         self._names, self._as_is = names, tuple(names) == self.joints
@@ -71,7 +72,16 @@ class JointMatcher:
             raise MessageError(f"{self.joints[j]} at {found[j]:.3g} rad is no angle: a sample was left out")
         return found
 
+    def lacking(self) -> str:
+        """What the last message did not have, and what it may have had instead; "" where it had all."""
+        unknown = f", {_are(self.unknown)} unknown" if self.unknown else ""
+        return f"{_are(self.missing)} missing{unknown}" if self.missing else ""
+
     def oddities(self) -> list[str]:
         """What is wrong with the names, in words."""
         said = [f"unknown joint {name} ignored" for name in self.unknown]
         return said + [f"joint {name} missing" for name in self.missing]
+
+
+def _are(names: Sequence[str]) -> str:
+    return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'}"

@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 from trunk_ros.nodes.graph.elapsed import SECOND
-from trunk_ros.nodes.graph.health import WARN
+from trunk_ros.nodes.graph.health import REFUSED, WARN
 from trunk_ros.nodes.graph.loop import steady_clock
 from trunk_ros.nodes.graph.messages import nanoseconds, time_message, trajectory_message
 from trunk_ros.nodes.graph.progress import Ledger, Progress
@@ -30,6 +31,7 @@ CONNECT = 5.0  # s for all partners to be connected once everybody is there; som
 SETTLED = 3  # looks in a row at which all partners are connected
 START = 120.0  # s for our nodes to appear, on the slowest machine: one that ends is noticed at once
 FIND = 30.0  # s for all to find each other, and what others publish
+NEEDED = "trunk/gearbox_states"  # unseen, the arm would be sent from wherever it stands
 PATIENCE = 30.0  # s for nodes to answer
 SLOW = 2.0  # s without progress after which the clock is said again
 LOST = 3.0  # s without progress after which messages under way are given up
@@ -48,12 +50,14 @@ class Pace:
 
 
 class Pacer(Node):
-    """Phases: ``gather``, ``announce``, ``run``, ``drain`` (simulated time), ``done``; ``fault``: why not."""
+    """Phases: ``gather``, ``announce``, ``run``, ``drain`` (simulated time), ``done``; ``fault``: why not,
+    ``refused`` where that is no fault of ours.
+    """
 
     def __init__(self, pace: Pace, ledger: Ledger, say: Callable[[str], None]):
         super().__init__("bringup")
         self.pace, self.ledger, self.say = pace, ledger, say
-        self.phase, self.fault = "gather", ""
+        self.phase, self.fault, self.refused = "gather", "", False
         self.step, self.steps = 0, round(pace.seconds * pace.rate)
         self.progress = Progress(self.get_fully_qualified_name(), stamp=2**63)
         self.moved = self.begun = time.monotonic()
@@ -109,6 +113,17 @@ class Pacer(Node):
             if status.level[0] >= WARN and words not in self.told:
                 self.told.add(words)
                 self.say(words)
+            if self.pace.trajectory is not None and status.name == self.own("compensator"):
+                self.refuse(next((each.value for each in status.values if each.key == REFUSED), ""))
+
+    def own(self, part: str) -> str:
+        """The full name of a node of ours."""
+        return str(self.get_namespace().rstrip("/") + "/" + part)
+
+    def refuse(self, why: str) -> None:
+        """End, as what was asked for cannot be done; goes on where nothing is said."""
+        if why and not self.fault:
+            self.fault, self.refused = why, True
 
     def advance(self) -> None:
         """Go on where everybody is ready for it."""
@@ -166,11 +181,18 @@ class Pacer(Node):
         if not there:
             self.complete = time.monotonic()
         ready = self.settled >= SETTLED or (there and time.monotonic() - self.complete > CONNECT)
+        absent = self.unheard() if not self.ledger.missing() else ""
+        if absent and silent > CONNECT and absent not in self.told:
+            self.told.add(absent)
+            self.say(f"waiting for somebody to publish {absent}{self.similar(absent)}")
         if not ready and silent < (START if self.ledger.missing() else FIND):
             return
         if self.ledger.missing():
             missing = ", ".join(name.lstrip("/") for name in self.ledger.missing())
             self.fault = f"not there after {START:.0f} s: {missing}"
+            return
+        if absent == self.resolve_topic_name(NEEDED) and self.pace.trajectory is not None:
+            self.refuse(f"nobody publishes {absent}{self.similar(absent)}")
             return
         what = self.unheard() or self.unrecorded() or self.loose()
         if self.settled < SETTLED and what:  # by now they may have found each other
@@ -185,6 +207,12 @@ class Pacer(Node):
     def unheard(self) -> str:
         """A topic of others that nobody publishes yet."""
         return next((topic for topic in self.watched if not self.count_publishers(topic)), "")
+
+    def similar(self, topic: str) -> str:
+        """A topic with nearly the same name, in words."""
+        others = [name for name, _ in self.get_topic_names_and_types() if name != topic]
+        near = get_close_matches(topic, others, 1, 0.8)
+        return f" (there is {near[0]})" if near else ""
 
     def loose(self) -> str:
         """A topic that lacks a partner, "" where there is none."""

@@ -132,7 +132,12 @@ def motion(given: argparse.Namespace) -> tuple[Trajectory, dict[str, Model]]:
             f"--plant-model {', '.join(plant.arm.joints)}"
         )
     trajectory = from_file or named_trajectory(given.trajectory, believed.arm, given.seconds)
-    check(trajectory, believed, given.trajectory)
+    try:
+        check(trajectory, believed)
+    except TrajectoryError as error:
+        other = not given.model and not set(trajectory.joints) <= set(believed.arm.joints)
+        which = "; --model MODEL.yaml says which arm it is, trunk by default" if other else ""
+        raise TrajectoryError(f"--trajectory {given.trajectory}: {error}{which}") from None
     return trajectory, {part: believed if side == "model" else plant for part, side in BELIEVES.items()}
 
 
@@ -148,17 +153,13 @@ def is_file(name: str) -> bool:
     )
 
 
-def check(trajectory: Trajectory, model: Model, name: str) -> None:
+def check(trajectory: Trajectory, model: Model) -> None:
     """Raise TrajectoryError where the motion, begun where the arm rests, breaks a limit."""
     arm = model.arm
-    limits = limits_of(arm, np.inf)
     still = np.zeros(len(arm.joints))
-    try:
-        motion = trajectory.for_joints(arm.joints, arm.rest).after(arm.rest, still, still)
-        motion.check(limits)
-        check_rest(motion)
-    except TrajectoryError as error:
-        raise TrajectoryError(f"--trajectory {name}: {error}") from None
+    motion = trajectory.for_joints(arm.joints, arm.rest).after(arm.rest, still, still)
+    motion.check(limits_of(arm, np.inf))
+    check_rest(motion)
 
 
 def manifest(argv: Sequence[str], given: argparse.Namespace, models: dict[str, Model]) -> str:

@@ -1,7 +1,7 @@
 """Columns of a mapping that are fields of messages: `/motor/state.position[0]`, `/states.position[elbow]`."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -76,11 +76,28 @@ def _read(bag: AnyReader, places: list[Place]) -> dict[str, Columns]:
         raise ValueError(f"has no topic {', '.join(missing)}; there are {', '.join(there) or 'none'}")
     rows: dict[str, list[tuple[float, ...]]] = {topic: [] for topic in wanted}
     times: dict[str, list[tuple[int, int]]] = {topic: [] for topic in wanted}
+    named: dict[str, dict[str, None]] = {topic: {} for topic in wanted}
     for connection, log_ns, data in bag.messages([c for c in bag.connections if c.topic in wanted]):
         message = bag.deserialize(data, connection.msgtype)
         rows[connection.topic].append(tuple(_number(message, place) for place in wanted[connection.topic]))
         times[connection.topic].append((_stamp(message), log_ns))
+        named[connection.topic].update(dict.fromkeys(_names(message)))
+    for topic in wanted:
+        _check_names(wanted[topic], named[topic])
     return {topic: _columns(places, rows[topic], times[topic]) for topic, places in wanted.items()}
+
+
+def _check_names(places: list[Place], named: Collection[str]) -> None:
+    """ValueError for a name that no message of a topic has, as far as ``named`` is known."""
+    for place in places:
+        (_, index), *inner = place.steps
+        if named and index and not inner and not index.isdecimal() and index not in named:
+            raise ValueError(f"{place.column} is in no message: they name {', '.join(named)}")
+
+
+def _names(message: Any) -> list[str]:
+    names = getattr(message, "name", ())
+    return [] if isinstance(names, str) else [str(name) for name in names]
 
 
 def _columns(places: list[Place], rows: list[tuple[float, ...]], times: list[tuple[int, int]]) -> Columns:

@@ -16,17 +16,6 @@ _STORAGES = ("mcap", "sqlite3")
 
 
 @dataclass(frozen=True)
-class BagMetadata:
-    """What a reader needs of metadata.yaml. files: names inside the folder. messages: count per topic."""
-
-    files: tuple[str, ...]
-    storage: str
-    compression: str = ""
-    messages: dict[str, int] = field(default_factory=dict)
-    custom: dict[str, str] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
 class BagFile:
     """A file as metadata.yaml describes it: first and last time of recording, ns since the epoch."""
 
@@ -34,6 +23,20 @@ class BagFile:
     start_ns: int
     end_ns: int
     messages: int
+
+
+@dataclass(frozen=True)
+class BagMetadata:
+    """What a reader needs of metadata.yaml. files: names inside the folder. messages: count per topic.
+    described: files as it describes them, where it does.
+    """
+
+    files: tuple[str, ...]
+    storage: str
+    compression: str = ""
+    messages: dict[str, int] = field(default_factory=dict)
+    custom: dict[str, str] = field(default_factory=dict)
+    described: tuple[BagFile, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,22 @@ def _parse(information: dict[str, Any]) -> BagMetadata:
         compression=compression,
         messages=_message_counts(information),
         custom={scalar(key): scalar(value) for key, value in custom.items()},
+        described=_described(information),
     )
+
+
+def _described(information: dict[str, Any]) -> tuple[BagFile, ...]:
+    """What is said of each file, which readers can do without; empty where it is missing or damaged."""
+    try:
+        return tuple(_file(each) for each in information.get("files") or [])
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
+        return ()
+
+
+def _file(entry: dict[str, Any]) -> BagFile:
+    start_ns = int(entry["starting_time"]["nanoseconds_since_epoch"])
+    end_ns = start_ns + int(entry["duration"]["nanoseconds"])
+    return BagFile(PurePosixPath(scalar(entry["path"])).name, start_ns, end_ns, int(entry["message_count"]))
 
 
 def _message_counts(information: dict[str, Any]) -> dict[str, int]:

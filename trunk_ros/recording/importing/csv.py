@@ -7,6 +7,7 @@ import numpy as np
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.check import is_reading
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
+from trunk_ros.recording.importing.pace import time_remarks
 from trunk_ros.recording.importing.table import read_table
 from trunk_ros.recording.importing.units import UNITS
 from trunk_ros.recording.messages.block import Whole
@@ -34,7 +35,7 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
         for key, topic in mapping.topics.items()
     }
     full = {key: Counts(len(stamp), not_finite=_not_finite(each)) for key, each in series.items()}
-    notes = tuple(remarks + timing + series_remarks(series, full))
+    notes = tuple(remarks + timing + time_remarks(mapping, stamp, series) + series_remarks(series, full))
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
     whole = Recording(str(path), start_ns, float(stamp[-1]), series, None, notes, units, counts=full)
     return whole.checked()

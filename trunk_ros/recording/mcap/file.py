@@ -126,4 +126,5 @@ def read_mcap(
     for what, count in scan.skipped.items():
         contents.damage.append(f"{count} times: it {what}; that part is left out")
     if not ended:
-        contents.damage.append(f"it breaks off: of {len(data)} bytes the first {at} are whole")
+        whole = f"of {len(data)} bytes the first {at} are whole" if at < len(data) else "its end is missing"
+        contents.damage.append(f"it breaks off: {whole}")

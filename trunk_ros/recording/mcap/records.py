@@ -16,7 +16,7 @@ from trunk_ros.recording.messages.block import DamageError, unlz4, unzstd
 MAGIC = b"\x89MCAP0\r\n"
 FRAME = 9  # bytes of kind and length before each record
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06
-MESSAGE_INDEX, CHUNK_INDEX, METADATA, DATA_END = 0x07, 0x08, 0x0C, 0x0F
+MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, METADATA, DATA_END = 0x07, 0x08, 0x0B, 0x0C, 0x0F
 PARSED: dict[int, type[Any]] = {
     HEADER: kinds.Header,
     SCHEMA: kinds.Schema,
@@ -84,12 +84,17 @@ def messages(buffer: Buffer, start: int, end: int, most: int) -> tuple[list[int]
 
 def repeated(buffer: Buffer) -> Iterator[Record]:
     """Schemas and channels as the summary, if any, repeats them: the chunk with the first may be lost."""
+    return (record for record in summary(buffer) if record.kind in (SCHEMA, CHANNEL))
+
+
+def summary(buffer: Buffer) -> Iterator[Record]:
+    """The records of the summary that are whole, if there is one."""
     foot = len(buffer) - len(MAGIC) - 20
     if foot < len(MAGIC) or bytes(buffer[-len(MAGIC) :]) != MAGIC:
         return
     (start,) = struct.unpack_from("<Q", buffer, foot)
     for record in records(buffer, start or foot, foot):
-        if record.kind in (SCHEMA, CHANNEL) and record.end <= foot:
+        if record.end <= foot:
             yield record
 
 

@@ -1,11 +1,13 @@
 """Writes what is whole of an MCAP file anew, with index and footer, and says what is missing."""
 
 import struct
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from mcap.reader import make_reader
-from mcap.records import Attachment, Channel, Metadata, Schema
+from mcap.records import Attachment, Channel, Metadata, Schema, Statistics
 from mcap.writer import Writer
 
 from trunk_ros.recording.allowance import Allowance
@@ -16,9 +18,19 @@ _ATTACHMENT = 0x09
 _HEAD = struct.Struct("<HIQQ")
 
 
+class Promised(NamedTuple):
+    """What a file held when it was whole: messages, first and last time of recording [ns]."""
+
+    messages: int
+    first_ns: int
+    last_ns: int
+
+
 @dataclass
 class Loss:
-    """What is kept and what is missing. lost and lost_s are estimates from what the cut chunks announce."""
+    """What is kept and what is missing. Where nobody promised what the file holds, lost and lost_s are those
+    of the damaged chunks alone.
+    """
 
     messages: int = 0
     lost: int = 0
@@ -27,6 +39,8 @@ class Loss:
     skipped: int = 0
     ended: bool = False
     """Whether the file had an end, so that only its index may have been damaged."""
+    promised: bool = False
+    """Whether it is known what the file held."""
 
     def sentence(self) -> str:
         """What was kept and lost."""
@@ -36,7 +50,8 @@ class Loss:
             return f"{kept}, all that the file held; {more}"
         parts = [f"{self.lost_bytes} bytes broke off"] if self.lost_bytes else []
         parts += [f"{self.skipped} damaged chunks left out"] if self.skipped else []
-        return f"{kept}; lost: about {self.lost} messages, {self.lost_s:.3g} s ({', '.join(parts)})"
+        more = ", and what followed" if self.lost_bytes and not self.promised else ""
+        return f"{kept}; lost: about {self.lost} messages, {self.lost_s:.3g} s{more} ({', '.join(parts)})"
 
 
 def is_whole(path: Path) -> bool:
@@ -50,8 +65,11 @@ def is_whole(path: Path) -> bool:
         return False
 
 
-def repair(source: Path, target: Path) -> Loss:
-    """Copy all whole records of `source` to the new file `target`. DamageError if it is no MCAP file."""
+def repair(source: Path, target: Path, promised: Promised | None = None) -> Loss:
+    """Copy all whole records of `source` to the new file `target`. DamageError if it is no MCAP file.
+
+    promised: what the file should hold; by default what its own summary says, if it is there.
+    """
     data = mapped(source)
     if bytes(data[:8]) != mcap.MAGIC:
         raise DamageError("is not an MCAP file")
@@ -69,8 +87,19 @@ def repair(source: Path, target: Path) -> Loss:
             copy.record(data, record)
             position = min(record.end, len(data)) if record.end <= len(data) else record.start - 9
         copy.loss.lost_bytes = len(data) - position
+        copy.settle(promised or _summed_up(data))
         writer.finish()  # type: ignore[no-untyped-call]
     return copy.loss
+
+
+def _summed_up(data: mcap.Buffer) -> Promised | None:
+    """What the summary says that the file holds."""
+    for record in mcap.summary(data):
+        if record.kind == mcap.STATISTICS:
+            with suppress(DamageError):
+                told = mcap.parsed(data, record, Statistics)
+                return Promised(told.message_count, told.message_start_time, told.message_end_time)
+    return None
 
 
 @dataclass
@@ -83,6 +112,10 @@ class _Copy:
     schemas: dict[int, int] = field(default_factory=dict)
     channels: dict[int, int] = field(default_factory=dict)
     copied: int = 0
+    missing: int = 0
+    """Bytes of damaged chunks, unpacked, that were not copied."""
+    newest: int = 0
+    """ns, of the last message that is kept or was announced."""
 
     def record(self, data: mcap.Buffer, record: mcap.Record) -> None:
         """Copy one record of the file; of a chunk that is cut what is whole in it."""
@@ -91,7 +124,7 @@ class _Copy:
         elif record.end > len(data):
             self.loss.lost += record.kind == mcap.MESSAGE
         else:
-            self._plain(data, record)
+            self.newest = max(self.newest, self._plain(data, record))
 
     def _chunk(self, data: mcap.Buffer, record: mcap.Record) -> None:
         first, last, size = mcap.chunk_span(data, record, len(data))
@@ -108,12 +141,21 @@ class _Copy:
             end = inner.end
         self.copied += end
         if end < size:
-            self.loss.lost += self._estimate(size - end)
+            self.missing += size - end
             self.loss.lost_s += max(0, last - newest) / 1e9
+        self.newest = max(self.newest, newest, last)
 
-    def _estimate(self, missing: int) -> int:
-        """Messages in so many missing bytes of a chunk, from the mean of what was read."""
-        return max(1, round(missing * self.loss.messages / self.copied)) if self.copied else 1
+    def settle(self, promised: Promised | None) -> None:
+        """Say how much is lost, once all is copied: without a promise by the mean size of what was read."""
+        if self.missing:
+            here = self.missing * self.loss.messages / self.copied if self.copied else 0.0
+            self.loss.lost += max(1, round(here))
+        damaged = self.missing or self.loss.skipped or self.loss.lost_bytes
+        if damaged and promised is not None and promised.messages > self.loss.messages:
+            self.loss.promised = True
+            self.loss.lost = promised.messages - self.loss.messages
+            rest = self.loss.lost_s + max(0, promised.last_ns - self.newest) / 1e9
+            self.loss.lost_s = min(rest, (promised.last_ns - promised.first_ns) / 1e9)
 
     def _plain(self, data: mcap.Buffer, record: mcap.Record) -> int:
         """Copy a record that is whole; the log time of a message, else 0."""

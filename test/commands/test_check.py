@@ -1,0 +1,47 @@
+"""``check``: how a file is understood, and what it leaves to others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from trunk_ros.__main__ import main
+
+ARM = """/**:
+  ros__parameters:
+    arm:
+      {arm}
+    wire:
+      ratio: {ratio}
+"""
+
+
+def check(folder: Path, capsys: pytest.CaptureFixture[str], arm: str, ratio: str = "[0.5]") -> str:
+    """What is said of a model file that is right."""
+    (folder / "arm.yaml").write_text(ARM.format(arm=arm, ratio=ratio))
+    assert main(["check", str(folder / "arm.yaml")]) == 0
+    return capsys.readouterr().out
+
+
+def test_the_tip_of_an_arm_with_a_urdf_is_known(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    urdf = Path(__file__).parents[1] / "concealed" / "arms" / "three.urdf"
+    assert "tip: tool0, seen from base_link, by the URDF" in check(tmp_path, capsys, f"urdf: {urdf}")
+    assert "tip: not known: neither link lengths nor a URDF" in check(tmp_path, capsys, "joints: [a, b]")
+
+
+def test_numbers_of_the_servo_that_a_file_does_not_give_are_said_to_be_trunks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = check(tmp_path, capsys, "joints: [a]", "[0.5]\n    servo:\n      kp: 31.0")
+    assert "kp 31 1/s, tau_v 0.02 s, v_max 1.5 rad/s (not given, taken from trunk: tau_v, v_max)" in said
+    assert main(["check", "trunk"]) == 0
+    assert "not given" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("ratio", "refused"), [("[0.5, 1]", True), ("[1, 1]", False), ("[1.0, 0.5]", False)])
+def test_a_list_that_ros_2_cannot_read_is_said(
+    ratio: str, refused: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = check(tmp_path, capsys, "joints: [a, b]", ratio)
+    assert ("wire.ratio = [0.5, 1]: nodes refuse this file as --params-file" in said) is refused

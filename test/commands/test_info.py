@@ -1,0 +1,78 @@
+"""``info``: what it says of recordings that need something before they can be diagnosed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import recorded
+from test.diagnosis.test_tip_in_space import ARMS, seen
+from test.test_pages_run import an_old_bag
+from trunk_ros.__main__ import main
+from trunk_ros.commands.info import gathered, model_for
+from trunk_ros.diagnosis.data.quality import left_out
+from trunk_ros.model import load_model, save_model
+from trunk_ros.recording.importing.bag import read_bag
+from trunk_ros.recording.recording import Recording
+
+
+def test_the_tip_of_an_arm_that_a_recorded_urdf_describes_can_be_diagnosed() -> None:
+    bare = seen("six", {})
+    there = replace(bare, description=(ARMS / "six.urdf").read_text())
+    arm = gathered(*model_for(there, None))["stages"]["arm"]
+    assert arm["possible"]
+    assert "tool_offset" in arm["effects"]
+    assert gathered(*model_for(bare, None))["stages"]["arm"]["missing"] == (
+        "the model has neither link lengths nor a URDF"
+    )
+
+
+@pytest.mark.parametrize("text", ["", "\n", "\n1,2\n"])
+def test_a_table_without_a_header_is_refused(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "empty.csv").write_text(text)
+    assert main(["info", str(tmp_path / "empty.csv")]) == 2
+    assert "empty.csv: is empty: a table begins with the names of its columns" in capsys.readouterr().err
+
+
+def test_a_joint_under_two_names_is_named_by_both(tmp_path: Path) -> None:
+    t = np.arange(0.0, 20.0, 0.01)
+    angle = np.sin(np.outer(t, [1.0, 1.3]))
+    recording = Recording.from_arrays(t, angle, angle, joints=["arm", "wrist"])
+    (tmp_path / "own.yaml").write_text("/**: {ros__parameters: {arm: {joints: [arm, hand]}}}")
+    told = gathered(*model_for(recording, str(tmp_path / "own.yaml")))
+    said = "the model's hand is in no topic, which have wrist: if these are the same, give them one name"
+    assert said in told["note"]
+    assert said in left_out(recording, load_model(tmp_path / "own.yaml"))
+    assert left_out(recording, load_model("direct")) == []
+
+
+def test_motors_of_other_names_are_no_strangers(tmp_path: Path) -> None:
+    arm = replace(load_model("trunk").arm.only(("joint_1", "joint_2")), motors=("m1", "m2"))
+    save_model(replace(load_model("trunk"), arm=arm), tmp_path / "own.yaml")
+    t = np.arange(0.0, 20.0, 0.01)
+    angle = np.sin(np.outer(t, [1.0, 1.3]))
+    made = Recording.from_arrays(t, angle, 0.625 * angle, joints=["joint_1", "joint_2"])
+    series = made.series | {"gearbox_states": replace(made.series["gearbox_states"], joints=("m1", "m2"))}
+    told = gathered(*model_for(replace(made, series=series), str(tmp_path / "own.yaml")))
+    assert told["stages"]["wire"]["possible"]
+    assert told["note"] == []
+
+
+def test_a_bag_of_foreign_topics_gets_a_mapping_that_takes_them_in(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "old"
+    an_old_bag(bag, recorded(seconds=2.0))
+    assert main(["diagnose", str(bag), "-o", str(tmp_path / "verdict")]) == 2
+    assert f"`trunk_ros info {bag}` gives the mapping by which `trunk_ros import`" in capsys.readouterr().err
+    assert main(["info", str(bag)]) == 0
+    said = capsys.readouterr().out
+    assert "/elbow_angle    std_msgs/msg/Float64" in said
+    assert f"trunk_ros import {bag} --mapping MAP.yaml -o {bag}_arm" in said
+    (tmp_path / "map.yaml").write_text(said[said.index("  joints:") : said.index("then:")])
+    assert read_bag(bag, tmp_path / "map.yaml").joints == ("joint_1",)

@@ -1,0 +1,51 @@
+"""Whether the times of a table are in the unit that its mapping says."""
+
+import numpy as np
+
+from trunk_ros.recording.importing.mapping import Mapping
+from trunk_ros.recording.recording import Floats, JointSeries
+
+_SLOW, _FAST = (
+    2.0,
+    1e-4,
+)  # s from row to row: nobody samples so rarely what moves smoothly, or an arm so often
+_MANY, _SMOOTH = 300, 0.02  # rows; of the range from row to row: whoever stops to measure goes further
+_RACES = 100.0  # rad/s: no joint does
+
+
+def time_remarks(mapping: Mapping, stamp: Floats, series: dict[str, JointSeries]) -> list[str]:
+    """A question where rows come so rarely, or joints so fast, that the unit of the times (n,) is doubtful."""
+    step = np.diff(stamp)
+    if not len(step):
+        return []
+    period, asked = float(np.median(step)), "`rate_hz`" if mapping.time is None else "the unit of the time"
+    told = f"a row every {period:.3g} s, {_spoken(float(stamp[-1]))} in all"
+    if period >= _SLOW and len(stamp) >= _MANY and all(_is_smooth(each.position) for each in series.values()):
+        return [
+            f"{told}, and all moves smoothly: is {asked} right? In ms it would be {_spoken(stamp[-1] / 1e3)}"
+        ]
+    if period <= _FAST:
+        return [f"{told}: is {asked} right?"]
+    known = [each for key, each in series.items() if key == "joint_states"]
+    speed = max((_speed(step, each.position) for each in known), default=0.0)
+    if speed > _RACES and "rad" in mapping.units().values():
+        return [f"{told}, with joints at {speed:.3g} rad/s: is {asked} right, and that of the angles?"]
+    return []
+
+
+def _is_smooth(position: Floats) -> bool:
+    """Whether every joint that moves takes small steps from row to row."""
+    span = np.nanmax(position, axis=0) - np.nanmin(position, axis=0) if len(position) else np.zeros(1)
+    steps = np.nanmean(np.abs(np.diff(position, axis=0)), axis=0)
+    return bool(np.all(steps <= _SMOOTH * span))
+
+
+def _speed(step: Floats, position: Floats) -> float:
+    """rad/s that the fastest joint usually has while it moves; nothing of single jumps."""
+    speeds = np.abs(np.diff(position, axis=0)) / step[:, None]
+    moving = np.where(speeds > 0.0, speeds, np.nan)
+    return float(np.nanmax(np.nanmedian(moving, axis=0), initial=0.0)) if np.isfinite(moving).any() else 0.0
+
+
+def _spoken(seconds: float) -> str:
+    return f"{seconds / 3600:.3g} h" if seconds > 7200 else f"{seconds:.3g} s"
