@@ -27,11 +27,12 @@ HALF_WIDTH = 4e-3  # rad, of the elbow
 ELSEWHERE = {
     "docs/simulators.md": ("test/export/test_command.py", "test/export/test_page.py"),
     "docs/fleet.md": ("test/fleet/test_command.py",),
+    "docs/adding-an-effect.md": ("test/effects/test_adding_an_effect.py",),
     "docs/real.md": tuple(  # with the published data, where they are
         f"test/diagnosis/{name}.py" for name in ("test_real", "test_real_sheath", "test_real_links")
     ),
 }
-"""Pages whose commands need files of a simulator, many arms or published data: run by these tests."""
+"""Pages whose commands need a simulator, many arms, an own effect or published data: run by these tests."""
 NODES = {name for name, (module, *_) in COMMANDS.items() if module.startswith("trunk_ros.nodes")}
 RUN = [
     "README.md",

@@ -14,7 +14,7 @@ _RACES = 100.0  # rad/s: no joint does
 
 
 def time_remarks(mapping: Mapping, stamp: Floats, series: dict[str, JointSeries]) -> list[str]:
-    """A question where rows come so rarely, or joints so fast, that the unit of the times (n,) is doubtful."""
+    """A question where rows come so rarely, or joints so fast, that the unit of times (n,) is doubtful."""
     step = np.diff(stamp)
     if not len(step):
         return []
