@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,14 @@ def test_a_result_shows_itself_as_a_table(result: Diagnosis) -> None:
     assert lines[1].split() == ["stage", "effect", "joint", "parameter", "value", "sure", "or"]
     assert lines[2].split()[:4] == ["wire", "backlash", "joint_2", "half_width"]
     assert "±" in lines[2]
+
+
+@pytest.mark.parametrize("kind", [str, Path])
+def test_it_is_saved_into_a_folder_that_is_made(kind: type, result: Diagnosis, tmp_path: Path) -> None:
+    folder = tmp_path / "not" / "there"
+    for _ in range(2):
+        result.save(kind(folder))
+    assert {"diagnosis.json", "model.yaml"} <= {file.name for file in folder.iterdir()}
 
 
 def test_its_rows_are_a_table_of_pandas(result: Diagnosis) -> None:

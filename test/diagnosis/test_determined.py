@@ -7,9 +7,9 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.determined import AtBound, Determined, Place, correlation, determined
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.wire import WireStage
@@ -43,7 +43,7 @@ def told(hidden: float, start: float) -> tuple[Determined, str]:
     """Of a fit of a zero offset to a joint whose zero is off by ``hidden`` rad; the bound is 10 rad."""
     made = recorded({"zero_offset": {"offset": on(2, hidden)}}, 20.0)
     model = load_model("trunk").for_joints(made.joints)
-    context = Context.of(WireStage([wire_span(made, model)], model, made.units))
+    context = first_look(WireStage([wire_span(made, model)], model, made.units))
     term = Term("zero_offset", own={1: {"offset": start}})
     return determined(refit(context, Hypothesis({"zero_offset": term}))), context.joints[1]
 

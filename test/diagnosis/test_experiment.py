@@ -24,6 +24,7 @@ from trunk_ros.diagnosis.evidence.evidence import evidence
 from trunk_ros.diagnosis.experiment.design import Experiment, experiment, proposals
 from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -103,7 +104,7 @@ def ambiguous(doubtful: Callable[[str], tuple[Path, Diagnosis]]) -> tuple[Path, 
 def designed(ambiguous: tuple[Path, Diagnosis]) -> tuple[Context, Experiment]:
     model = load_model("trunk")
     stage = WireStage([wire_span(read_recording(ambiguous[0] / "bag"), model)], model)
-    state = search(Context.of(stage), Desk())
+    state = search(first_look(stage), Desk())
     found = experiment(state, evidence(state))
     assert found is not None
     return state.context, found
@@ -155,7 +156,7 @@ def test_a_rival_explains_in_one_form_what_is_said_of_it() -> None:
         [wire_span(recorded({"tension_error": {"factor": 1.35}}, size=0.15), load_model("trunk"))],
         load_model("trunk"),
     )
-    state = search(Context.of(stage), Desk())
+    state = search(first_look(stage), Desk())
     found = evidence(state)["tension_error"]
     assert {"stribeck_friction", "presliding_hysteresis"} <= set(found.equivalents)
     for rival in found.equivalents:

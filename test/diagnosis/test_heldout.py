@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import KNOTS, Place, redrawn, with_curve
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, held_out
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
 from trunk_ros.diagnosis.wire import WireStage
@@ -44,7 +45,7 @@ def with_added(added: Array) -> Recording:
 def looked_at(recording: Recording) -> Context:
     """The wires."""
     model = load_model("trunk")
-    return Context.of(WireStage([wire_span(recording, model)], model))
+    return first_look(WireStage([wire_span(recording, model)], model))
 
 
 def wild(stamp: Array) -> Array:

@@ -10,6 +10,7 @@ from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
@@ -20,7 +21,7 @@ TRUNK = load_model("trunk")
 
 
 def context(*recordings: Recording) -> Context:
-    return Context.of(WireStage([wire_span(recording, TRUNK) for recording in recordings], TRUNK))
+    return first_look(WireStage([wire_span(recording, TRUNK) for recording in recordings], TRUNK))
 
 
 def made(effects: dict, seed: int, name: str, size: float = 1.0) -> Recording:

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 
 from trunk_ros.diagnosis import Diagnosis, diagnose
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
@@ -42,7 +42,7 @@ def pushed(zero: float = 0.0, seed: int = 0, back: bool = False) -> tuple[Record
 def with_what_no_name_explains(back: bool) -> Hypothesis:
     """Beside a wire that stretches."""
     model = load_model("direct")
-    context = begun(Context.of(WireStage([wire_span(pushed(back=back)[0], model)], model))).context
+    context = begun(first_look(WireStage([wire_span(pushed(back=back)[0], model)], model))).context
     soft = Hypothesis(load_elasticity=Term("load_elasticity", "weight", own={0: {"compliance": 0.05}}))
     return with_banks(refit(context, soft)).hypothesis
 

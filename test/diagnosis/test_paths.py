@@ -8,9 +8,9 @@ import pytest
 from test.diagnosis.arms import on, recorded
 from test.effects.example import arm_of
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.wire import WireStage
@@ -58,7 +58,7 @@ def test_loops_are_over_the_path_of_a_joint_that_is_dragged(coupled: bool) -> No
     names = {"joint_coupling": {"gain": on(4, 0.3), "source": ["", "", "", "joint_2", ""]}} if coupled else {}
     nominal = load_model("trunk")
     context = begun(
-        Context.of(
+        first_look(
             WireStage([wire_span(recorded({**names, "unknown_loops": loops(5, 3, word)}), nominal)], nominal)
         )
     ).context

@@ -9,9 +9,9 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.wire import WireStage
@@ -28,7 +28,7 @@ def judged(effects: dict[str, dict[str, Any]]) -> Evidence:
     nominal = load_model("trunk")
     stage = WireStage([wire_span(recorded(effects, 20.0), nominal)], nominal)
     truth = hypothesis_of(effects, "wire", len(stage.joints))
-    context = Context.of(stage).seen_with(truth).weighed(truth)
+    context = first_look(stage).seen_with(truth).weighed(truth)
     return one_evidence(refit(context, truth), "sensor_delay")
 
 

@@ -22,6 +22,7 @@ from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
 from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.wire import WireStage
@@ -86,7 +87,7 @@ NONE = Hypothesis()
 
 def _seen(recording: Recording, model: Model) -> Context:
     """The wires as they are first looked at."""
-    return Context.of(WireStage([wire_span(recording, model)], model))
+    return first_look(WireStage([wire_span(recording, model)], model))
 
 
 def test_nothing_is_seen_where_nothing_is_wrong_with_clocks_and_sensors(

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.wire import WireStage
@@ -47,8 +48,8 @@ class Simulator:
         """A stage of the simulator's own recording, on the clock of the arm's."""
         own = on_the_clock(self.recording, recording)
         if stage == "servo":
-            return Context.of(ServoStage([servo_span(own, self.model)], self.model))
-        return Context.of(WireStage([wire_span(own, self.model)], self.model))
+            return first_look(ServoStage([servo_span(own, self.model)], self.model))
+        return first_look(WireStage([wire_span(own, self.model)], self.model))
 
 
 def nominal_for(joints: Sequence[str]) -> Model:
@@ -73,7 +74,7 @@ def identified(
         raise RecordingError(
             f"{other.name}: no joint_states of {', '.join(missing)}: joints go by their names"
         )
-    noise = dict(zip(span.joints, (n.std for n in Context.of(WireStage([span], model)).noise), strict=True))
+    noise = dict(zip(span.joints, (n.std for n in first_look(WireStage([span], model)).noise), strict=True))
     own = dithered(own, noise)
     base = with_room(model.for_joints(span.joints), [own, arm])
     base = base if follows(own, base, noise) else without_play(base)
@@ -108,7 +109,7 @@ def dithered(own: Recording, noise: dict[str, float]) -> Recording:
 
 def follows(own: Recording, model: Model, noise: dict[str, float]) -> bool:
     """Whether a simulator does what a model says, as far as the arm's sensors could tell."""
-    context = Context.of(WireStage([wire_span(own, model)], model))
+    context = first_look(WireStage([wire_span(own, model)], model))
     limit = FOLLOWS * np.array([noise[joint] for joint in context.joints])
     return bool(np.all([_rms(context, c) < limit[c] for c in context.columns]))
 

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import groupby
 
 import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
-from trunk_ros.diagnosis.data.louder import CONSTANT, Louder, growth
-from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
+from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
-from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.side_by_side import alike
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
@@ -61,18 +60,6 @@ class Context:
     _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
         default_factory=dict, repr=False
     )
-
-    @staticmethod
-    def of(stage: Stage, work: Work | None = None) -> Context:
-        """The first look, with what the model knows."""
-        blank = Context(stage, stage.views, (), work=work or Work())
-        blank = blank.seen_with(stage.known)
-        seen = {c: blank._motion(c) for c in blank.columns}
-        loops = {c: motion[:2] for c, motion in seen.items() if is_wide(*motion)}
-        wide = frozenset(c for c, motion in loops.items() if stage.step < SLOW and not speed_tells(*motion))
-        once = frozenset(c for c, motion in loops.items() if not repeats(*motion))
-        first = replace(blank, wide=wide, once=once)
-        return replace(first, louder=blank._louder()).weighed(stage.known)
 
     # What the stage says.
 
@@ -222,10 +209,9 @@ class Context:
     def predictions_each(self, hypotheses: Sequence[Hypothesis], column: int) -> list[list[Array]]:
         """The same of several hypotheses, computed together where they differ in values alone."""
         out: list[list[Array]] = [[] for _ in hypotheses]
-        alike = [list(same) for _, same in groupby(range(len(out)), lambda k: payload_of(hypotheses[k]))]
         for index, view in enumerate(self.views):
             self.work.done += len(view.span.grid) * len(hypotheses)
-            for same in alike:
+            for same in alike(hypotheses):
                 some = [hypotheses[k] for k in same]
                 for k, seen in zip(same, self.stage.predict_each(self, index, some, column), strict=True):
                     out[k].append(seen)
@@ -298,23 +284,3 @@ class Context:
             tells(self.now(index, column)) and tells(self.shown(column, index))
             for index in range(len(self.views))
         )
-
-    def _louder(self) -> Louder:
-        """How the noise grows with speed; not where next to nothing of the motion was sampled."""
-        if self.step >= SLOW:
-            return CONSTANT
-        seen = [[view.columns[c] for view in self.views] for c in range(len(self.joints))]
-        rests = [self.evened(self.known, c) for c in range(len(self.joints))]
-        pairs = zip(rests, seen, strict=True)
-        return Louder.of([growth(r, [s.speed for s in some], [s.valid for s in some]) for r, some in pairs])
-
-    def _motion(self, column: int) -> tuple[Array, Array, Array]:
-        """Gearbox angle, speed and what no effect explains (rows,) where a column counts."""
-        out = []
-        for index, view in enumerate(self.views):
-            now, valid = self.now(index, column), view.span.valid[:, column]
-            rows = view.span.rows[valid]
-            residual = self.residual(index, Hypothesis(), column)[valid]
-            out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual))
-        position, speed, rest = (np.concatenate(parts) for parts in zip(*out, strict=True))
-        return position, speed, rest

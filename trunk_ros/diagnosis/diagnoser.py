@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
 from trunk_ros.diagnosis.search.fit import Fit
@@ -154,7 +155,7 @@ class Diagnoser:
             self.lasting = {j: n.std if n.correlation > 0.0 else steps for j, n, steps in noises}
 
     def _stage(self, stage: Stage) -> Fit | None:
-        context = Context.of(stage)
+        context = first_look(stage)
         if not context.columns:
             self.result.stages[stage.name] = {
                 "compared": False, "joints": {}, "silent": list(stage.joints)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
@@ -215,33 +215,6 @@ def _bound(kind: type[Effect], form: str, shared: Numbers, own: Numbers, words: 
     values = {**kind.null(), **dict(shared), **dict(own)}
     numbers = {name: np.array([value]) for name, value in values.items()}
     return kind(numbers, {name: (word,) for name, word in words}, form)
-
-
-def bind_together(hypotheses: Sequence[Hypothesis], column: int) -> list[Effect] | None:
-    """The effects that hypotheses have on one joint, as blocks over as many columns; None where they differ
-    in more than values and words, or what an effect does on one column depends on the others.
-    """
-    terms = list(zip(*(h.on(column) for h in hypotheses), strict=False))
-    alike = len({len(h.on(column)) for h in hypotheses}) == 1 and len(set(map(payload_of, hypotheses))) == 1
-    if not alike or any(len({_kind_on(t, column) for t in same}) > 1 for same in terms):
-        return None
-    if any(same[0].form in effect(same[0].effect).shaking for same in terms):
-        return None
-    return [_side_by_side(same, column) for same in terms]
-
-
-def _kind_on(term: Term, column: int) -> tuple[object, ...]:
-    """What terms have to have in common to be blocks of one array."""
-    words = term.words.get(column, {})
-    return (term.effect, term.form, *term.shared, None, *term.own[column], None, *words)
-
-
-def _side_by_side(terms: Sequence[Term], column: int) -> Effect:
-    kind = effect(terms[0].effect)
-    values = [{**kind.null(), **term.values(column)} for term in terms]
-    words = [term.words.get(column, {}) for term in terms]
-    numbers = {name: np.array([each[name] for each in values]) for name in values[0]}
-    return kind(numbers, {w: tuple(each[w] for each in words) for w in words[0]}, terms[0].form)
 
 
 def bounds(free: list[Free]) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import STILL, servo_span, wire_span
 from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
@@ -63,7 +64,7 @@ def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
     try:
         span = (servo_span if stage == "servo" else wire_span)(recording, model)
         made = (ServoStage if stage == "servo" else WireStage)([span], model, recording.units)
-        context = Context.of(made)
+        context = first_look(made)
     except TrunkError as error:
         return Prospect(stage, str(error))
     judged = {context.joints[c]: context.noise[c].std for c in context.columns}

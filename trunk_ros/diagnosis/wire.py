@@ -12,9 +12,10 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View, beside
-from trunk_ros.diagnosis.hypothesis import Hypothesis, bind_together, payload_of
+from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.side_by_side import bind_together
 from trunk_ros.diagnosis.stage import Sight, Stage
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now

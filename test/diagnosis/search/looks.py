@@ -11,6 +11,7 @@ from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -71,7 +72,7 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
 def context(arm: str) -> Context:
     """The wires of an arm, weighed by what the nominal model leaves."""
     model = load_model("trunk")
-    return begun(Context.of(WireStage([wire_span(recorded(ARMS[arm]), model)], model))).context
+    return begun(first_look(WireStage([wire_span(recorded(ARMS[arm]), model)], model))).context
 
 
 def fitted(arm: str, *terms: Term) -> Fit:

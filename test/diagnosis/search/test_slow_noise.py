@@ -9,10 +9,10 @@ import pytest
 from scipy.signal import lfilter
 
 from test.diagnosis.arms import NOISE, on, recorded
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.evidence.wandering import steadied
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
@@ -33,7 +33,7 @@ def left(name: str = "", wanders: float = WANDERS, swings: float = 0.0, **values
     series = {**recording.series, "joint_states": replace(shown, position=shown.position + wander)}
     model = load_model("trunk")
     stage = WireStage([wire_span(replace(recording, series=series), model)], model, recording.units)
-    return begun(Context.of(stage))
+    return begun(first_look(stage))
 
 
 def told(fit: Fit) -> set[int]:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_together
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
+from trunk_ros.diagnosis.side_by_side import bind_together
 from trunk_ros.effects import effect, registry
 
 BASE = Hypothesis(

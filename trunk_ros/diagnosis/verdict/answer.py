@@ -86,8 +86,12 @@ class Answer:
         assert isinstance(plain, dict)
         return plain
 
-    def save(self, folder: Path) -> None:
-        """Write ``diagnosis.json``, ``model.yaml`` and the experiments' trajectories into a folder."""
+    def save(self, folder: str | Path) -> None:
+        """Write ``diagnosis.json``, ``model.yaml`` and the experiments' trajectories into a folder, which is
+        made where it is not there.
+        """
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
         (folder / "diagnosis.json").write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n")
         save_model(self.model, folder / "model.yaml")
         if self.simulator is not None:

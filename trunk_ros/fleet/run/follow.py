@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.evidence import Spread, spreads
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
@@ -65,7 +65,7 @@ def stages(recording: Recording, model: Model) -> Iterator[Stage]:
 
 
 def _fitted(stage: Stage, effects: Followed) -> Iterator[dict[str, Any]]:
-    context = Context.of(stage)
+    context = first_look(stage)
     now = refit(context, context.known)
     for _ in range(ROUNDS):
         now = refit(context.seen_with(now.hypothesis).weighed(now.hypothesis), now.hypothesis)

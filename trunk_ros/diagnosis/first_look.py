@@ -1,0 +1,49 @@
+"""The first look at a stage: what its model knows, what its motion is like, how loud its sensors are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.louder import CONSTANT, Louder, growth
+from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.work import Work
+from trunk_ros.recording.signal.resample import SLOW
+
+
+def first_look(stage: Stage, work: Work | None = None) -> Context:
+    """A stage as the model sees it, before anything is found."""
+    blank = Context(stage, stage.views, (), work=work or Work()).seen_with(stage.known)
+    seen = {c: _motion(blank, c) for c in blank.columns}
+    loops = {c: motion[:2] for c, motion in seen.items() if is_wide(*motion)}
+    wide = frozenset(c for c, motion in loops.items() if stage.step < SLOW and not speed_tells(*motion))
+    once = frozenset(c for c, motion in loops.items() if not repeats(*motion))
+    first = replace(blank, wide=wide, once=once)
+    return replace(first, louder=_louder(first)).weighed(stage.known)
+
+
+def _louder(context: Context) -> Louder:
+    """How the noise grows with speed; not where next to nothing of the motion was sampled."""
+    if context.step >= SLOW:
+        return CONSTANT
+    seen = [[view.columns[c] for view in context.views] for c in range(len(context.joints))]
+    rests = [context.evened(context.known, c) for c in range(len(context.joints))]
+    pairs = zip(rests, seen, strict=True)
+    return Louder.of([growth(r, [s.speed for s in some], [s.valid for s in some]) for r, some in pairs])
+
+
+def _motion(context: Context, column: int) -> tuple[Array, Array, Array]:
+    """Gearbox angle, speed and what no effect explains (rows,) where a column counts."""
+    out = []
+    for index, view in enumerate(context.views):
+        now, valid = context.now(index, column), view.span.valid[:, column]
+        rows = view.span.rows[valid]
+        residual = context.residual(index, Hypothesis(), column)[valid]
+        out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual))
+    position, speed, rest = (np.concatenate(parts) for parts in zip(*out, strict=True))
+    return position, speed, rest
