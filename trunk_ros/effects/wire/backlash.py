@@ -16,7 +16,14 @@ class Backlash(Effect):
     )
     source = "Nordin & Gutman (2002), Automatica 38(10): backlash as a play operator, eq. (1)."
     parameters = (
-        Parameter("half_width", "rad", (0.0, 1.0), "added half-width of the dead band", typical=3e-4),
+        Parameter(
+            "half_width",
+            "rad",
+            (0.0, 1.0),
+            "added half-width of the dead band",
+            typical=3e-4,
+            scan=(3e-4, 3e-3),
+        ),
     )
     confused_with = (
         ("tension_error", "compare joints: a tension error scales the nominal backlash of all"),

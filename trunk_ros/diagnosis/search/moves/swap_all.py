@@ -23,10 +23,14 @@ from trunk_ros.effects import Effect, effect
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each effect of most joints, by each that acts on all."""
+    """Each effect of most joints, by each that acts on all; one of several joints, as others may have more of
+    the same for another effect, by those that show in the same regime.
+    """
     kinds = [k for k in usable(best.context) if k.everywhere and k.id not in best.hypothesis]
-    for name in [name for name in best.hypothesis if kinds and on_most(best, name)]:
-        yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
+    for name, term in best.hypothesis.items():
+        some = kinds if on_most(best, name) else [k for k in kinds if k.regime == effect(name).regime]
+        if some and len(term.columns) >= SEVERAL:
+            yield Group(name, best.context.columns, partial(_swapped, best, desk, name, some))
 
 
 def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
