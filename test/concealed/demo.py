@@ -164,7 +164,8 @@ class Demo:
         """
         doubts = verdict["experiments"]
         for one in doubts:
-            self.console.print(f"  proposed: {one['statement']}")
+            open_ = f"no motion within the limits tells {' from '.join(map(str, one['separates']))}"
+            self.console.print(f"  {'proposed: ' + one['statement'] if one['trajectory'] else open_}")
         told = [one for one in doubts if one["trajectory"]]
         if not told:
             return verdict

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded, reshaped
+from test.diagnosis.made import backlash
 from trunk_ros.__main__ import main
+from trunk_ros.commands.diagnose import spoken
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.write import write_recording
@@ -105,3 +107,21 @@ def test_a_model_that_is_not_there_is_refused_naming_the_choices(
     said = refused(["simulate", str(bag), "--model", "nowhere", "--output", str(tmp_path / "out")], capsys)
     assert "trunk" in said
     assert "direct" in said
+
+
+def test_pairs_that_no_motion_decides_take_one_line_and_a_motion_is_told_in_full() -> None:
+    result = backlash()
+    result.experiments += [
+        {
+            "separates": ["backlash", "stribeck_friction"],
+            "statement": "Play it.",
+            "trajectory": "motion.yaml",
+        },
+        {"separates": ["backlash", ["ratio_error", "zero_offset"]], "statement": "Long.", "trajectory": ""},
+        {"separates": ["sensor_delay", "viscous_lag"], "statement": "Longer.", "trajectory": ""},
+    ]
+    assert spoken(result)[-2:] == [
+        "  experiment: Play it.",
+        "  no motion within the joint limits decides between backlash and ratio_error + zero_offset, or "
+        "sensor_delay and viscous_lag",
+    ]

@@ -6,7 +6,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from trunk_ros import __version__
 from trunk_ros.commands.arguments import Parser, add_namespace, add_settle, count
@@ -144,7 +144,20 @@ def spoken(result: Diagnosis) -> list[str]:
     for name, told in result.quality.items():
         lines += [f"  {name}: {note}" for note in told["notes"]]
     lines += [f"  unexplained: {rest.statement}" for rest in result.unexplained]
-    return lines + [f"  experiment: {proposed['statement']}" for proposed in result.experiments]
+    return [*lines, *_motions(result.experiments)]
+
+
+def _motions(experiments: Sequence[dict[str, Any]]) -> list[str]:
+    """What to play; and, in one line, of what no motion decides."""
+    lines = [f"  experiment: {one['statement']}" for one in experiments if one["trajectory"]]
+    pairs = [" and ".join(map(_words, one["separates"])) for one in experiments if not one["trajectory"]]
+    if pairs:
+        lines.append(f"  no motion within the joint limits decides between {', or '.join(pairs)}")
+    return lines
+
+
+def _words(effects: str | list[str]) -> str:
+    return effects if isinstance(effects, str) else " + ".join(effects)
 
 
 def named(finding: Finding) -> str:
