@@ -23,7 +23,7 @@ from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
-from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
+from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_what_it_stood_for
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
@@ -150,6 +150,8 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         if not may_win(leader, there, screen, candidate.gain):
             continue
         trial = dated(refit(context, there), candidate.effect)
+        if score(trial) < score(best) and not shared_by_most(best, trial, candidate.effect):
+            trial = with_what_it_stood_for(best, trial)
         trial = descend_with(
             shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk, score(leader)
         )
