@@ -57,6 +57,10 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         "load_elasticity": {"compliance": np.full(5, 0.1)},
     },
     "tension": {"tension_error": {"factor": 3.0}},
+    "loose, and worn on two": {
+        "tension_error": {"factor": 0.5},
+        "friction_wear": {"rate": on(2, 1.5e-5) + on(3, 1.5e-5), "form": "straight"},
+    },
     "rough": {
         "unknown": {
             "low": on(2, -0.5),

@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.search.looks import best_of, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.search.descent import Desk, Move
+from trunk_ros.diagnosis.search.descent import Desk, Move, renewed
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for
@@ -48,6 +48,23 @@ def test_add_finds_ratio_and_zero_of_a_wheel_that_nobody_described_at_once() -> 
     best = improved("add", "unknown wheel")
     assert best.hypothesis["ratio_error"].own[2]["relative"] == pytest.approx(-1.9, abs=1e-3)
     assert best.hypothesis["zero_offset"].own[2]["offset"] == pytest.approx(1.2, abs=1e-3)
+
+
+def test_add_finds_what_acts_on_all_joints_also_where_two_of_five_have_more_of_something_else() -> None:
+    best = renewed(improved("add", "loose, and worn on two"))
+    assert best.hypothesis["tension_error"].shared["factor"] == pytest.approx(0.5, abs=0.01)
+    assert best.hypothesis["friction_wear"].columns == [1, 2]
+
+
+def test_what_several_joints_have_gives_way_to_what_acts_on_all_beside_what_others_had_for_it() -> None:
+    best = improved(
+        "swap_all", "tension",
+        Term("backlash", own={c: {"half_width": 1e-3} for c in (0, 4)}),
+        Term("presliding_hysteresis", "spread", own={c: {"width": 1e-3, "shape": 0.2} for c in (1, 2)}),
+        Term("stribeck_friction", "hyperbolic", own={3: {"amplitude": 1e-3, "velocity": 3.0}}),
+    )  # fmt: skip
+    assert list(best.hypothesis) == ["tension_error"]
+    assert best.hypothesis["tension_error"].shared["factor"] == pytest.approx(3.0, abs=0.05)
 
 
 def test_add_exchanges_what_does_not_show_any_more_beside_what_is_added() -> None:

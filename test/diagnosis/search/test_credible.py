@@ -1,0 +1,50 @@
+"""What begins or ends has to be seen to and fro on both sides of its moment."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.search.looks import context
+from trunk_ros.diagnosis.search.credible import ends_within
+from trunk_ros.effects import effect
+
+STAMP = np.linspace(0.0, 40.0, 4001)
+
+
+def seen(angle: np.ndarray, **moments: float) -> bool:
+    """Whether a backlash with moments shows on a joint that moves as ``angle`` (n,) does."""
+    now = context("clean").now(0, 2)
+    now = replace(now, stamp=STAMP, gearbox=angle[:, None], load=np.zeros((len(angle), 1)))
+    return ends_within(effect("backlash")({n: np.array([t]) for n, t in moments.items()}), now)
+
+
+def swings(begin: float, end: float, times: float) -> np.ndarray:
+    """So many swings between two moments, at rest before and after."""
+    share = np.clip((STAMP - begin) / (end - begin), 0.0, 1.0)
+    return np.asarray(np.sin(2.0 * np.pi * times * share))
+
+
+@pytest.mark.parametrize(("moment", "shown"), [(20.0, True), (3.0, False), (37.0, False)])
+def test_a_beginning_is_seen_in_the_midst_of_motion_and_not_at_its_ends(moment: float, shown: bool) -> None:
+    assert seen(swings(0.0, 40.0, 4.0), **{"from": moment}) == shown
+    assert seen(swings(0.0, 40.0, 4.0), until=moment) == shown
+
+
+def test_what_lasts_for_one_stroke_goes_by_the_direction() -> None:
+    there_and_back = swings(0.0, 40.0, 1.0)
+    assert not seen(there_and_back, **{"from": 10.0, "until": 30.0})
+    assert not seen(there_and_back, until=30.0)
+    assert seen(swings(0.0, 40.0, 6.0), **{"from": 10.0, "until": 30.0})
+
+
+def test_a_joint_that_stands_on_one_side_of_the_moment_does_not_show_it() -> None:
+    assert not seen(swings(10.0, 20.0, 3.0), **{"from": 9.0})
+    assert not seen(swings(10.0, 20.0, 3.0), until=21.0)
+    assert seen(swings(10.0, 20.0, 3.0), until=15.0)
+
+
+def test_what_acts_all_the_time_needs_no_motion() -> None:
+    assert seen(np.zeros_like(STAMP))
