@@ -56,6 +56,14 @@ class Term:
         """The joints that the effect is on."""
         return sorted(self.own)
 
+    def reform(self, form: str) -> None:
+        """Take another form, without the values that it does not use."""
+        self.form = form
+        used = {p.name for p in effect(self.effect).used(form)}
+        self.shared = {name: value for name, value in self.shared.items() if name in used}
+        for column, values in self.own.items():
+            self.have(column, values)
+
     def have(self, column: int, values: Mapping[str, float]) -> None:
         """Be on a joint with values that it may have had in another form: those that this one uses."""
         used = {p.name for p in effect(self.effect).used(self.form)}

@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for
 from trunk_ros.diagnosis.search.score import beats, score
+from trunk_ros.effects import effect
 
 MOVE = {move.name: move for move in MOVES}
 BACKLASH = Term("backlash", own={2: {"half_width": 1e-3}})
@@ -229,3 +230,16 @@ def test_trials_leave_the_hypothesis_that_they_begin_with_as_it_is(move: Move) -
     best_of(move, now)
     assert before == dict(now.hypothesis)
     assert np.isfinite(now.total)
+
+
+def test_no_form_keeps_values_of_another() -> None:
+    """A stretch before the wire's friction, as links that swing: these know of no before and behind."""
+    now = fitted("upstream", sag(range(5), upstream=1.0))
+    desk = Desk()
+    tried = [trial for group in MOVE["shake"].groups(now, desk) for trial in group.trials()]
+    tried += [trial for group in MOVE["form"].groups(now, desk) for trial in group.trials()]
+    terms = [term for trial in tried for term in trial.hypothesis.values()]
+    assert {term.form for term in terms} > {"weight"}
+    for term in terms:
+        used = {p.name for p in effect(term.effect).used(term.form)}
+        assert used >= {*term.shared, *(name for own in term.own.values() for name in own)}

@@ -53,7 +53,7 @@ def reforms(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator[
 def _goal(best: Fit, name: str, form: str) -> float:
     """What squared residuals have to come to, if all else on the effect's joints is not needed any more."""
     there = best.hypothesis.copy()
-    there[name].form = form
+    there[name].reform(form)
     for column in there[name].columns:
         there = there.less([term.effect for term in there.on(column) if term.effect != name], column)
     return score(best) - priced(Fit(there, {}, best.context))
@@ -97,7 +97,7 @@ def refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypoth
     added = [p for p in effect(name).own_parameters(form) if p not in known]
     for k in range(max((len(p.scan) for p in added), default=0)):
         out = hypothesis.copy()
-        out[name].form = form
+        out[name].reform(form)
         for parameter in added:
             start = parameter.scan[k % len(parameter.scan)] if parameter.scan else parameter.typical
             for values in [out[name].shared] if parameter.shared else out[name].own.values():
