@@ -14,11 +14,11 @@ from trunk_ros.effects import effect
 STAMP = np.linspace(0.0, 40.0, 4001)
 
 
-def seen(angle: np.ndarray, **moments: float) -> bool:
-    """Whether a backlash with moments shows on a joint that moves as ``angle`` (n,) does."""
+def seen(angle: np.ndarray, name: str = "backlash", **moments: float) -> bool:
+    """Whether an effect with moments shows on a joint that moves as ``angle`` (n,) does."""
     now = context("clean").now(0, 2)
     now = replace(now, stamp=STAMP, gearbox=angle[:, None], load=np.zeros((len(angle), 1)))
-    return ends_within(effect("backlash")({n: np.array([t]) for n, t in moments.items()}), now)
+    return ends_within(effect(name)({n: np.array([t]) for n, t in moments.items()}), now)
 
 
 def swings(begin: float, end: float, times: float) -> np.ndarray:
@@ -38,6 +38,12 @@ def test_what_lasts_for_one_stroke_goes_by_the_direction() -> None:
     assert not seen(there_and_back, **{"from": 10.0, "until": 30.0})
     assert not seen(there_and_back, until=30.0)
     assert seen(swings(0.0, 40.0, 6.0), **{"from": 10.0, "until": 30.0})
+
+
+def test_a_ratio_is_the_same_on_either_way_so_that_one_is_enough() -> None:
+    there_and_back = swings(0.0, 40.0, 1.0)
+    assert seen(there_and_back, "ratio_error", until=30.0)
+    assert not seen(swings(10.0, 20.0, 3.0), "ratio_error", until=21.0)
 
 
 def test_a_joint_that_stands_on_one_side_of_the_moment_does_not_show_it() -> None:

@@ -14,6 +14,7 @@ from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 from trunk_ros.parameter import FROM, UNTIL
 
+BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
 SEEN = 0.1  # of what a joint does in all, to and fro, before and after a moment that it shows
 
 
@@ -42,10 +43,10 @@ def hidden(context: Context, term: Term) -> list[int]:
 
 
 def ends_within(block: Effect, now: Now) -> bool:
-    """Whether what begins or ends does so while it is looked at: on both sides of each moment, as far as to
-    the next one, the joint or what it follows moves to and fro, or its load changes so. What was there on one
-    way and not on the way back went by the direction, and of joints that move one after the other none shows
-    when something began.
+    """Whether what begins or ends does so while it is looked at: the joint or what it follows moves, or its
+    load changes, on both sides of each moment, as far as to the next one; of joints that move one after the
+    other none shows that. What acts by the way of the motion has to be seen to and fro there: if it was there
+    on one way and not on the way back, it went by the direction.
     """
     times = sorted(t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ()))
     if not times:
@@ -54,8 +55,14 @@ def ends_within(block: Effect, now: Now) -> bool:
     signals = [now.gearbox[:, 0], *(now.angles[:, now.joints.index(joint)] for joint in followed)]
     signals += [now.load[:, 0]] if "load" in block.needs else []
     rows = np.split(np.arange(len(now.stamp)), np.searchsorted(now.stamp, times))
-    goes = np.array([[_to_and_fro(signal, part) for part in rows] for signal in signals])
+    seen = _to_and_fro if block.regime in BY_THE_WAY else _moves
+    goes = np.array([[seen(signal, part) for part in rows] for signal in signals])
     return bool((goes[:, :-1] & goes[:, 1:]).any(axis=0).all())
+
+
+def _moves(signal: Array, part: np.ndarray) -> bool:
+    """Whether a signal (n,) changes in some rows of it."""
+    return bool(len(part) and np.ptp(signal[part]) > SEEN * np.ptp(signal))
 
 
 def _to_and_fro(signal: Array, part: np.ndarray) -> bool:
