@@ -10,9 +10,10 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
+from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import Look, may_win, refit_to_win, refitted
@@ -29,7 +30,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     for name, term in best.hypothesis.items():
         alike = effect(name).begins and not any(term.moments(c) for c in term.columns)
         for mass in effect(name).carried() if alike else ():
-            trials, promise = partial(_taken_up, best, name, mass), partial(_promise, best, name, mass)
+            trials, promise = partial(_taken_up, best, desk, name, mass), partial(_promise, best, name, mass)
             yield Group((name, mass.name), best.context.columns, trials, promise)
         taken_up = any(m.name in term.shared for m in effect(name).moments())
         own = effect(name).begins and any(term.own.values()) and not taken_up
@@ -68,8 +69,10 @@ def _promise(now: Fit, name: str, mass: Parameter) -> float:
     return score(now) - now.total + gain / PROMISED
 
 
-def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
-    """With a mass at the tip for the time in which that gains most, or always where it was for a time."""
+def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]:
+    """With a mass at the tip for the time in which that gains most, judged with the options that follow, or
+    always where it was for a time.
+    """
     bare, carried = _without(now.hypothesis, name, mass)
     if any(when in carried for when in _when(name, mass)):
         always = bare.copy()
@@ -82,7 +85,8 @@ def _taken_up(now: Fit, name: str, mass: Parameter) -> Iterator[Fit]:
         return
     there[name].shared[mass.name] = _mass(mass, window.rd, window.dd)
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
-    yield dated(refit(now.context, there), name)
+    trial = dated(refit(now.context, there), name)
+    yield descend_with(trial, (OPTION,), desk) if trial.total < score(now) else trial
 
 
 def _when(name: str, mass: Parameter) -> list[str]:
