@@ -56,6 +56,22 @@ def test_of_an_effect_that_changed_only_the_joints_that_changed_are_said() -> No
     assert "2 mrad too little" in only.statement
 
 
+def test_a_payload_that_changed_is_said_also_where_the_wires_are_as_they_were() -> None:
+    soft = {"compliance": np.full(5, 0.05), "form": "weight"}
+    result = told(
+        {"load_elasticity": {**soft, "payload": 0.05}}, {"load_elasticity": {**soft, "payload": 0.15}}
+    )
+    (only,) = result.findings
+    assert only.effect == "load_elasticity"
+    assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.15, abs=0.01)
+
+
+def test_an_effect_of_the_model_that_now_begins_in_mid_run_keeps_its_moment() -> None:
+    late = {"backlash": {"half_width": on(3, 3e-3), "from": np.full(5, 12.0)}}
+    (only,) = told(SLACK, late).findings
+    assert only.parameters["joint_3"]["from"]["value"] == pytest.approx(12.0, abs=0.2)
+
+
 def test_what_comes_new_beside_the_model_is_a_finding_as_ever() -> None:
     (only,) = told(SLACK, SLACK | STRETCH).findings
     assert (only.effect, only.joints) == ("ratio_error", ["joint_2"])

@@ -75,16 +75,17 @@ def _difference(result: Diagnosis, reference: Model, name: str, known: Values, w
     """The finding on one effect that a reference has, if the recording shows more or less of it."""
     kind, seen = effect(name), result.model.effects.get(name, {})
     found = next((f for f in result.findings if f.effect == name), None)
+    if found is not None and (seen.get("form") != known.get("form") or _has_more(found, known)):
+        return found
     lead, *others = kind.own_parameters(str(known.get("form", kind.forms[0])))
     had, there = _by_owner(reference, known, lead), _by_owner(result.model, seen, lead)
     parameters: dict[str, dict[str, dict[str, Any]]] = {}
     said, gone = [], True
-    for owner in had.keys() & {ARM, *result.stages[kind.stage].get("joints", had)}:
+    for owner in (*result.stages[kind.stage].get("joints", result.model.arm.joints), ARM):
         told = dict(found.parameters.get(owner, {})) if found else {}
-        std = told.get(lead.name, {}).get("std")
-        none = abs(there[owner] - lead.null) <= max(ROUGH * abs(had[owner]), SURE * (std or 0.0))
-        words = []
-        if not unchanged({"value": there[owner], "std": std}, had[owner]):
+        std, none, words = told.get(lead.name, {}).get("std"), False, []
+        if owner in had and not unchanged({"value": there[owner], "std": std}, had[owner]):
+            none = abs(there[owner] - lead.null) <= max(ROUGH * abs(had[owner]), SURE * (std or 0.0))
             unit = unit_of(lead.unit, told.get(lead.name, {}).get("unit", "rad"))
             apart = lead.null == 0.0 and who == SIMULATION
             size = there[owner] - had[owner] if apart else there[owner]
@@ -93,9 +94,9 @@ def _difference(result: Diagnosis, reference: Model, name: str, known: Values, w
                 "value": size, "std": std, "unit": unit, "simulation": had[owner], "recording": there[owner]
             }  # fmt: skip
             words = [_said(lead, unit, had[owner], lead.null if none else there[owner], who)]
-        for other in (p for p in others if p.name in told and owner in _by_owner(reference, known, p)):
-            theirs, value = _by_owner(reference, known, other)[owner], told[other.name]
-            if not unchanged(value, theirs):
+        for other in (p for p in others if p.name in told):
+            theirs, value = _by_owner(reference, known, other).get(owner), told[other.name]
+            if theirs is not None and not unchanged(value, theirs):
                 words.append(f"{other.name} {_said(other, value['unit'], theirs, value['value'], who)}")
         if words:
             parameters[owner], gone = told, gone and none
@@ -104,9 +105,14 @@ def _difference(result: Diagnosis, reference: Model, name: str, known: Values, w
         return None
     joints = [j for j in result.model.arm.joints if j in parameters]
     joints = joints or (found.joints if found else list(result.stages[kind.stage].get("joints", [])))
-    statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(sorted(said))}."
+    statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(said)}."
     base = _unseen(kind, SUREST) if found is None or gone else found
     return replace(base, joints=joints, parameters=parameters, statement=statement)
+
+
+def _has_more(found: Finding, known: Values) -> bool:
+    """Whether a finding has values of a kind that a reference has none of, such as a moment or a source."""
+    return any(name not in known for named in found.parameters.values() for name in named)
 
 
 def _by_owner(model: Model, values: Values, lead: Parameter) -> dict[str, float]:

@@ -201,9 +201,11 @@ def is_known(context: Context, finding: Finding) -> bool:
 
 
 def unchanged(found: dict[str, Any], believed: float | None) -> bool:
-    """Whether a value is the one that the model has, within its spread."""
-    if believed is None or isinstance(found["value"], str):
+    """Whether a value is the one that the model has, within its spread; words are taken to be the same."""
+    if isinstance(found["value"], str):
         return True
+    if believed is None:
+        return False
     near = max(SURE * (found["std"] or 0.0), UNCHANGED * abs(believed))
     return bool(abs(found["value"] - believed) <= near)
 
