@@ -75,39 +75,45 @@ def _difference(result: Diagnosis, reference: Model, name: str, known: Values, w
     """The finding on one effect that a reference has, if the recording shows more or less of it."""
     kind, seen = effect(name), result.model.effects.get(name, {})
     found = next((f for f in result.findings if f.effect == name), None)
-    if found is not None and (seen.get("form") != known.get("form") or _has_more(found, known)):
-        return found
     lead, *others = kind.own_parameters(str(known.get("form", kind.forms[0])))
     had, there = _by_owner(reference, known, lead), _by_owner(result.model, seen, lead)
+    stds = {o: told.get(lead.name, {}).get("std") for o, told in found.parameters.items()} if found else {}
+    none = {o for o in had if _is_none(there[o] - lead.null, had[o], stds.get(o))}
+    if found and (seen.get("form") != known.get("form") or _has_more(found, known)) and len(none) < len(had):
+        return found
     parameters: dict[str, dict[str, dict[str, Any]]] = {}
-    said, gone = [], True
+    said: list[str] = []
     for owner in (*result.stages[kind.stage].get("joints", result.model.arm.joints), ARM):
         told = dict(found.parameters.get(owner, {})) if found else {}
-        std, none, words = told.get(lead.name, {}).get("std"), False, []
+        std, words = stds.get(owner), []
         if owner in had and not unchanged({"value": there[owner], "std": std}, had[owner]):
-            none = abs(there[owner] - lead.null) <= max(ROUGH * abs(had[owner]), SURE * (std or 0.0))
             unit = unit_of(lead.unit, told.get(lead.name, {}).get("unit", "rad"))
             apart = lead.null == 0.0 and who == SIMULATION
             size = there[owner] - had[owner] if apart else there[owner]
-            told = {} if none else told
+            told = {} if owner in none else told
             told[lead.name] = {
                 "value": size, "std": std, "unit": unit, "simulation": had[owner], "recording": there[owner]
             }  # fmt: skip
-            words = [_said(lead, unit, had[owner], lead.null if none else there[owner], who)]
+            words = [_said(lead, unit, had[owner], lead.null if owner in none else there[owner], who)]
         for other in (p for p in others if p.name in told):
             theirs, value = _by_owner(reference, known, other).get(owner), told[other.name]
             if theirs is not None and not unchanged(value, theirs):
                 words.append(f"{other.name} {_said(other, value['unit'], theirs, value['value'], who)}")
         if words:
-            parameters[owner], gone = told, gone and none
+            parameters[owner] = told
             said.append(f"{owner}: {', '.join(words)}")
     if not parameters:
         return None
     joints = [j for j in result.model.arm.joints if j in parameters]
     joints = joints or (found.joints if found else list(result.stages[kind.stage].get("joints", [])))
     statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(said)}."
-    base = _unseen(kind, SUREST) if found is None or gone else found
+    base = _unseen(kind, SUREST) if found is None or none.issuperset(parameters) else found
     return replace(base, joints=joints, parameters=parameters, statement=statement)
+
+
+def _is_none(value: float, theirs: float, std: float | None) -> bool:
+    """Whether a value is none, beside what a reference has."""
+    return abs(value) <= max(ROUGH * abs(theirs), SURE * (std or 0.0))
 
 
 def _has_more(found: Finding, known: Values) -> bool:
