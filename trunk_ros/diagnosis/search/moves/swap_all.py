@@ -28,8 +28,9 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """
     kinds = [k for k in usable(best.context) if k.everywhere and k.id not in best.hypothesis]
     for name, term in best.hypothesis.items():
-        some = kinds if on_most(best, name) else [k for k in kinds if k.regime == effect(name).regime]
-        if some and len(term.columns) >= SEVERAL:
+        several = len(term.columns) >= SEVERAL
+        some = [k for k in kinds if on_most(best, name) or (several and k.regime == effect(name).regime)]
+        if some:
             yield Group(name, best.context.columns, partial(_swapped, best, desk, name, some))
 
 
