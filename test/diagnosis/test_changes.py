@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from test.diagnosis import arms
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import Diagnosis, diagnose
 from trunk_ros.diagnosis.report.page import render
 from trunk_ros.errors import ModelError
-from trunk_ros.model import Model, load_model
+from trunk_ros.model import Model, load_model, save_model
 
 SLACK = {"backlash": {"half_width": on(3, 3e-3)}}
 STRETCH = {"ratio_error": {"relative": on(2, 0.02)}}
@@ -70,6 +73,84 @@ def test_an_effect_of_the_model_that_now_begins_in_mid_run_keeps_its_moment() ->
     late = {"backlash": {"half_width": on(3, 3e-3), "from": np.full(5, 12.0)}}
     (only,) = told(SLACK, late).findings
     assert only.parameters["joint_3"]["from"]["value"] == pytest.approx(12.0, abs=0.2)
+
+
+def test_a_small_value_within_its_spread_is_no_finding() -> None:
+    small = {"ratio_error": {"relative": on(2, 1.5e-4) + on(4, 1.5e-4)}}
+    assert told(small, small).verdict == "no_mismatch"
+
+
+def test_a_model_for_any_joints_is_compared_joint_by_joint() -> None:
+    loose = load_model("direct").arm
+    result = diagnose(
+        recorded({}, seconds=25.0), Model(loose, {"backlash": {"half_width": np.array([3e-3])}})
+    )
+    assert "joint_1: the model has 3 mrad, the recording shows" in next(
+        f.statement for f in result.findings if f.effect == "backlash"
+    )
+
+
+LATE = {"backlash": {"half_width": on(3, 3e-3), "from": on(3, 12.0)}}
+
+
+def test_a_moment_of_the_model_that_is_kept_is_none_and_one_that_is_gone_or_moved_is_said(
+    tmp_path: Path,
+) -> None:
+    save_model(Model(load_model("trunk").arm, LATE), tmp_path / "model.yaml")
+    assert diagnose(recorded(LATE, seconds=25.0), tmp_path / "model.yaml").verdict == "no_mismatch"
+    for shows in (SLACK, {"backlash": {"half_width": on(3, 3e-3), "from": on(3, 6.0)}}):
+        (only,) = told(LATE, shows).findings
+        assert (
+            "from: the model has 1.2e+04 ms" in only.statement or "from: the model has 12 s" in only.statement
+        )
+
+
+def test_a_coupling_that_moved_to_another_joint_is_said_with_both() -> None:
+    def pulled(source: str) -> dict[str, Any]:
+        return {"joint_coupling": {"gain": on(3, 0.03), "source": ["", "", source, "", ""], "form": "angle"}}
+
+    (only,) = told(pulled("joint_1"), pulled("joint_5")).findings
+    assert "joint_1: the model has 0.03, the recording shows none" in only.statement
+    assert "joint_5: the model has none, the recording shows 0.03" in only.statement
+
+
+def test_sizes_are_said_in_the_units_of_their_values() -> None:
+    has, shows = ({"load_dependent_friction": {"gain": on(2, g)}} for g in (0.05, 0.07))
+    (only,) = told(has, shows).findings
+    assert only.parameters["joint_2"]["gain"]["unit"] == "rad/(N*m)"
+    assert "the model has 0.05 rad/(N*m), the recording shows 0.07" in only.statement
+
+
+def test_what_is_gone_on_one_joint_is_said_beside_what_is_new_on_another() -> None:
+    (only,) = told(SLACK, {"backlash": {"half_width": on(5, 2e-3), "from": on(5, 9.0)}}).findings
+    assert "joint_3: the model has 3 mrad, the recording shows none" in only.statement
+    assert "joint_5: the model has none, the recording shows 2 mrad" in only.statement
+
+
+def test_a_payload_is_found_also_where_one_joint_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    moves = arms.setpoints_of
+
+    def four(seconds: float, joints: int, seed: int = 0) -> np.ndarray:
+        return np.asarray(moves(seconds, joints, seed) * (np.arange(joints) < joints - 1))
+
+    monkeypatch.setattr(arms, "setpoints_of", four)
+    soft = {"compliance": np.full(5, 0.05), "form": "weight"}
+    (only,) = told(
+        {"load_elasticity": {**soft, "payload": 0.05}}, {"load_elasticity": {**soft, "payload": 0.15}}
+    ).findings
+    assert only.effect == "load_elasticity"
+    assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.15, abs=0.01)
+
+
+def test_a_joint_that_was_not_recorded_keeps_what_the_model_has_of_it() -> None:
+    has = {"backlash": {"half_width": on(3, 3e-3) + on(5, 2e-3)}}
+    run = recorded(has, seconds=25.0)
+    some = replace(run, series={k: s.select(s.joints[:4]) for k, s in run.series.items()})
+    result = diagnose(some, Model(load_model("trunk").arm, has))
+    assert result.verdict == "no_mismatch"
+    assert result.model.effects["backlash"]["half_width"] == pytest.approx(
+        has["backlash"]["half_width"], abs=1e-4
+    )
 
 
 def test_what_comes_new_beside_the_model_is_a_finding_as_ever() -> None:

@@ -122,6 +122,6 @@ def test_pairs_that_no_motion_decides_take_one_line_and_a_motion_is_told_in_full
     ]
     assert spoken(result)[-2:] == [
         "  experiment: Play it.",
-        "  no motion within the joint limits decides between backlash and ratio_error + zero_offset, or "
+        "  no motion that was tried decides between backlash and ratio_error + zero_offset, or "
         "sensor_delay and viscous_lag",
     ]

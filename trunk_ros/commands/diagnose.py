@@ -152,7 +152,7 @@ def _motions(experiments: Sequence[dict[str, Any]]) -> list[str]:
     lines = [f"  experiment: {one['statement']}" for one in experiments if one["trajectory"]]
     pairs = [" and ".join(map(_words, one["separates"])) for one in experiments if not one["trajectory"]]
     if pairs:
-        lines.append(f"  no motion within the joint limits decides between {', or '.join(pairs)}")
+        lines.append(f"  no motion that was tried decides between {', or '.join(pairs)}")
     return lines
 
 

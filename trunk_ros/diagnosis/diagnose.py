@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.other_simulator import completed, sides_told
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
-from trunk_ros.diagnosis.verdict.differences import told_as_changes, told_as_differences
+from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.errors import ModelError
@@ -58,8 +58,7 @@ def diagnose(
     nominal, read = described(model, read, urdf)
     read, mixed = put_right(read, nominal)
     if other is None:
-        result = Diagnoser(read, nominal, None, progress, mixed, settle=settle).run()
-        return told_as_changes(result, nominal)
+        return Diagnoser(read, nominal, None, progress, mixed, settle=settle).run()
     if nominal.arm.coupling is not None:
         raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
     progress("what the simulation has itself")

@@ -27,7 +27,8 @@ from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
-from trunk_ros.diagnosis.verdict.findings import findings, is_known, left_over, without_a_name
+from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION, changes
+from trunk_ros.diagnosis.verdict.findings import findings, left_over, without_a_name
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effect_values import Values, lateness
@@ -164,7 +165,8 @@ class Diagnoser:
         done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
         state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
         effects = state.hypothesis.model_effects(len(stage.joints))
-        self.effects |= _on_the_arm(effects, stage.joints, self.model.arm.joints)
+        had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
+        self.effects |= _on_the_arm(effects, had, stage.joints, self.model.arm.joints)
         if stage.name == "wire":
             self.error = {stage.joints[c]: e.usual for c, e in errors.items()}
         self.result.stages[stage.name] = {
@@ -185,7 +187,8 @@ class Diagnoser:
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
         every = findings(context, state.hypothesis, found, std, determined(state))
-        new = [f for f in every if not is_known(context, f)]
+        who = MODEL if self.against is None else SIMULATION
+        new = changes(context, state.hypothesis, every, std, who)
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, power in powers(context, state.hypothesis).items() if power > STRONG}
@@ -193,7 +196,8 @@ class Diagnoser:
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
         self._plot(context, state.hypothesis)
-        self._experiment(done.part, {f.effect: found[f.effect] for f in new if f.equivalents})
+        seen = [f.effect for f in new if f.equivalents and f.evidence["gain"]]
+        self._experiment(done.part, {name: found[name] for name in seen})
         return state
 
     def _experiment(self, state: Fit, found: dict[str, Evidence]) -> None:
@@ -252,18 +256,37 @@ def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[Mix
 
 
 def _on_the_arm(
-    effects: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
+    effects: dict[str, Values], had: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
 ) -> dict[str, Values]:
-    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``."""
+    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``: the others
+    keep what they ``had``, where that is of the same form.
+    """
+    unseen = [k for k, joint in enumerate(joints) if joint not in seen]
 
     def spread(name: str, key: str, value: Any) -> Any:
+        before, now = had.get(name, {}), effects.get(name, {})
         if isinstance(value, (str, float)):
             return value
-        here = dict(zip(seen, value, strict=True))
-        if isinstance(value, list):
-            return [here.get(joint, "") for joint in joints]
-        return np.array([here.get(joint, effect(name).parameter(key).null) for joint in joints])
+        null = "" if isinstance(value, list) else effect(name).parameter(key).null
+        kept = before.get(key) if before.get("form") == now.get("form", before.get("form")) else None
+        there = dict(zip(seen, value, strict=True)) if name in effects and key in now else {}
+        whole = [
+            there.get(j, kept[k] if kept is not None and k in unseen else null) for k, j in enumerate(joints)
+        ]
+        return whole if isinstance(value, list) else np.array(whole)
 
-    return {
-        name: {key: spread(name, key, v) for key, v in values.items()} for name, values in effects.items()
+    gone = {
+        name: values
+        for name, values in had.items()
+        if name not in effects and any(_acts(name, values, k) for k in unseen)
     }
+    return {
+        name: {key: spread(name, key, v) for key, v in values.items()}
+        for name, values in {**effects, **gone}.items()
+    }
+
+
+def _acts(name: str, values: Values, joint: int) -> bool:
+    """Whether a model has an effect on a joint by a value of its own."""
+    own = [p for p in effect(name).parameters if not p.shared and p.name in values]
+    return any(values[p.name][joint] != p.null for p in own)

@@ -102,9 +102,9 @@ class Hypothesis(dict[str, Term]):
         """The effects on one joint, as blocks over that joint alone."""
         return [bind_column(term, column) for term in self.on(column)]
 
-    def free(self, columns: list[int]) -> list[Free]:
-        """What a fit of these joints moves; shared values only if the fit covers all joints they act on."""
-        return [f for term in self.values() for f in _free(term, columns)]
+    def free(self, columns: list[int], judged: Iterable[int] | None = None) -> list[Free]:
+        """What a fit of these joints moves; shared values only if it covers all of theirs that are judged."""
+        return [f for t in self.values() for f in _free(t, columns, t.own if judged is None else judged)]
 
     def get(self, free: list[Free]) -> Array:  # type: ignore[override]
         """The free values, logarithms where the parameter is fitted so."""
@@ -199,7 +199,7 @@ def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
     form = str(values.get("form", kind.forms[0]))
     used = [p for p in kind.used(form) if p.name in values]
     own = {p.name: np.broadcast_to(values[p.name], joints) for p in used if not p.shared}
-    nulls = kind.null()
+    nulls = {p.name: p.null for p in kind.used(form)}
     on = [j for j in range(joints) if not own or any(v[j] != nulls[n] for n, v in own.items())]
     words = {j: {t: values[t][j] for t in kind.texts if t in values and values[t][j]} for j in on}
     return Term(
@@ -242,13 +242,13 @@ def _usual(free: Free, loads: Array) -> float:
     return abs(free.parameter.typical) * free.parameter.under(float(load))
 
 
-def _free(term: Term, columns: list[int]) -> Iterator[Free]:
+def _free(term: Term, columns: list[int], judged: Iterable[int]) -> Iterator[Free]:
     kind = effect(term.effect)
     for parameter in kind.used(term.form):
         if parameter.name in term.given or parameter.measured:
             continue
         if parameter.shared:
-            if parameter.name in term.shared and set(term.own) <= set(columns):
+            if parameter.name in term.shared and set(term.own).intersection(judged) <= set(columns):
                 yield Free(term.effect, parameter, None)
         else:
             for column in columns:

@@ -48,7 +48,7 @@ class Residuals:
 
     def __init__(self, context: Context, hypothesis: Hypothesis, columns: list[int]):
         self.context, self.hypothesis, self.columns = context, hypothesis, columns
-        self.free = hypothesis.free(columns)
+        self.free = hypothesis.free(columns, context.columns)
         self.scale = scales(self.free, context.stage.loads)
         self._moved = hypothesis.copy()
         self._at: tuple[bytes, list[Array]] | None = None

@@ -186,26 +186,20 @@ def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, flo
 
 
 def is_known(context: Context, finding: Finding) -> bool:
-    """Whether the model has the effect already, on these joints and in this size."""
+    """Whether the model has a curve, or a bank, already on these joints, going by what it depends on."""
     if finding.effect not in context.known:
         return False
     term = context.known[finding.effect]
-    if {context.joints[c] for c in term.columns} != set(finding.joints):
-        return False
-    believed = {ARM: term.shared} | {context.joints[c]: own for c, own in term.own.items()}
-    return all(
-        unchanged(found, believed.get(owner, {}).get(name))
-        for owner, named in finding.parameters.items()
-        for name, found in named.items()
+    return {context.joints[c] for c in term.columns} == set(finding.joints) and all(
+        value["value"] in term.words.get(context.joints.index(joint), {}).values()
+        for joint, named in finding.parameters.items()
+        for value in named.values()
+        if isinstance(value["value"], str)
     )
 
 
-def unchanged(found: dict[str, Any], believed: float | None) -> bool:
-    """Whether a value is the one that the model has, within its spread; words are taken to be the same."""
-    if isinstance(found["value"], str):
-        return True
-    if believed is None:
-        return False
+def unchanged(found: dict[str, Any], believed: float) -> bool:
+    """Whether a value is the one that the model has, within its spread."""
     near = max(SURE * (found["std"] or 0.0), UNCHANGED * abs(believed))
     return bool(abs(found["value"] - believed) <= near)
 

@@ -34,10 +34,16 @@ def time_remarks(mapping: Mapping, stamp: Floats, series: dict[str, JointSeries]
 
 
 def _is_smooth(position: Floats) -> bool:
-    """Whether every joint that moves takes small steps from row to row."""
-    span = np.nanmax(position, axis=0) - np.nanmin(position, axis=0) if len(position) else np.zeros(1)
-    steps = np.nanmean(np.abs(np.diff(position, axis=0)), axis=0)
-    return bool(np.all(steps <= _SMOOTH * span))
+    """Whether every joint that moves takes small steps from row to row; of one without readings nothing is
+    known.
+    """
+    position = position[:, np.isfinite(position).sum(axis=0) > 1]
+    if not position.size:
+        return True
+    span = np.nanmax(position, axis=0) - np.nanmin(position, axis=0)
+    steps = np.abs(np.diff(position, axis=0))
+    told = np.isfinite(steps).any(axis=0)
+    return bool(np.all(np.nanmean(steps[:, told], axis=0) <= _SMOOTH * span[told]))
 
 
 def _speed(step: Floats, position: Floats) -> float:

@@ -35,7 +35,8 @@ def swapped(pair: Pair) -> list[MixUp]:
 
 def turned_signs(pair: Pair) -> list[MixUp]:
     """Joints that turn against what drives them; a remark where the model knows no ratio."""
-    sign = own_correlation(pair)
+    moved, turned = map(_moves, (pair.target, pair.driven))
+    sign = np.where(moved & turned, own_correlation(pair), 0.0)
     against, along = sign < -FOLLOWS, sign > FOLLOWS
     if not against.any() or not (pair.ratio_known or along.any()):
         return []
@@ -54,9 +55,15 @@ def likeness(driven: Array, shown: Array) -> Array:
     is like what stands.
     """
     out = np.zeros((shown.shape[1], driven.shape[1]))
-    moved, turned = (np.ptp(each, axis=0) > STILL * np.ptp(each, axis=0).max() for each in (shown, driven))
+    moved, turned = map(_moves, (shown, driven))
     for i, reading in enumerate(shown.T):
         for j, drive in enumerate(driven.T):
             both = moved[i] and turned[j]
             out[i, j] = abs(correlation(reading, drive)) if both else float(moved[i] == turned[j])
     return out
+
+
+def _moves(angles: Array) -> np.ndarray:
+    """(joints,) whether each of them (n, joints) moves, beside the one that moves most."""
+    span = np.ptp(angles, axis=0)
+    return np.asarray(span > STILL * span.max())
