@@ -110,8 +110,8 @@ def test_a_coupling_that_moved_to_another_joint_is_said_with_both() -> None:
         return {"joint_coupling": {"gain": on(3, 0.03), "source": ["", "", source, "", ""], "form": "angle"}}
 
     (only,) = told(pulled("joint_1"), pulled("joint_5")).findings
-    assert "joint_1: the model has 0.03, the recording shows none" in only.statement
-    assert "joint_5: the model has none, the recording shows 0.03" in only.statement
+    assert "of joint_1 the model has 0.03, the recording shows none" in only.statement
+    assert "of joint_5 the model has none, the recording shows 0.03" in only.statement
 
 
 def test_sizes_are_said_in_the_units_of_their_values() -> None:

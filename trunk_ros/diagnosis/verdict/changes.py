@@ -142,7 +142,7 @@ def _values(
     gains = _gains(known, now, column)
     for source, (gain, was, there) in gains.items():
         unit = unit_of(gain.unit, joint)
-        yield Value(gain, f"{source}: ", was, there, std.get((name, gain.name, column)), unit, True)
+        yield Value(gain, f"of {source} ", was, there, std.get((name, gain.name, column)), unit, True)
     form = (now or known).form
     for p in kind.used(form):
         if p.shared != (column is None) or (p.name not in old and p.name not in new) or _has_a_word(kind, p):
@@ -208,5 +208,6 @@ def _beside(changed: Finding, new: Sequence[Finding]) -> Finding:
 
 
 def _sized(value: float, unit: str) -> str:
-    factor, name = SMALL.get(unit, (1.0, "" if unit == "1" else unit))
+    usual = 1.0, "" if unit == "1" else unit
+    factor, name = SMALL.get(unit, usual) if abs(value) < 1.0 else usual
     return f"{value * factor:.3g} {name}".rstrip()
