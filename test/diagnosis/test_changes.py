@@ -100,9 +100,7 @@ def test_a_moment_of_the_model_that_is_kept_is_none_and_one_that_is_gone_or_move
     assert diagnose(recorded(LATE, seconds=25.0), tmp_path / "model.yaml").verdict == "no_mismatch"
     for shows in (SLACK, {"backlash": {"half_width": on(3, 3e-3), "from": on(3, 6.0)}}):
         (only,) = told(LATE, shows).findings
-        assert (
-            "from: the model has 1.2e+04 ms" in only.statement or "from: the model has 12 s" in only.statement
-        )
+        assert "from: the model has 12 s" in only.statement
 
 
 def test_a_coupling_that_moved_to_another_joint_is_said_with_both() -> None:
