@@ -118,13 +118,15 @@ def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     assert coarse.scaled(0.5) == "(0.1, 0.005, 0.0)"
     assert by_name["context.LEAST"].scaled(4 / 3) == "67"
     assert policy.Constant("x.py", "MOST", 1, "2").scaled(4 / 3) == "3"
-    policy.changed(coarse, 0.5, tmp_path)
+    policy.changed([(by_name["descent.LARGE"], 0.5), (coarse, 0.5)], tmp_path)
     old, new = (
         (root / coarse.path).read_text().splitlines() for root in (Path(__file__).parents[1], tmp_path)
     )
-    assert [b for a, b in zip(old, new, strict=True) if a != b] == [
-        old[coarse.line - 1].replace("(0.2, 0.01, 0.0)", "(0.1, 0.005, 0.0)")
+    changes = [(a, b) for a, b in zip(old, new, strict=True) if a != b]
+    assert [b for _, b in changes] == [
+        a.replace("0.5", "0.25", 1).replace("(0.2, 0.01, 0.0)", "(0.1, 0.005, 0.0)") for a, _ in changes
     ]
+    assert len(changes) == 2
     works = (
         "from trunk_ros.diagnosis.search.descent import COARSE; from trunk_ros.model import load_model;"
         "load_model('trunk'); print(COARSE)"
@@ -133,6 +135,16 @@ def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
         [sys.executable, "-c", works], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert said.stdout.strip() == "(0.1, 0.005, 0.0)"
+
+
+def test_policy_changes_each_constant_once_in_either_direction() -> None:
+    every = policy.constants()
+    groups = list(policy.dealt(every, 12))
+    assert sorted(str(each) for group in groups for each, _ in group) == sorted(map(str, every))
+    assert max(map(len, groups)) == 12
+    for group in groups:
+        both = zip(group, policy.mirrored(group), strict=True)
+        assert all({a[1], b[1]} == set(policy.FACTORS) for a, b in both)
 
 
 def test_policy_refuses_a_constant_that_there_is_not(capsys: pytest.CaptureFixture[str]) -> None:
