@@ -190,6 +190,7 @@ class Chain:
         true = back(y, self._outer, now, old, new)
         now.follow(true)
         x = (true - self._deflection(stamp, state)) / self.arm.ratio
+        now.winds(x, state.x if state else None)
         now.see(x, true)
         inside, inner = self._known_back(true, now, old, new)
         passes, again = Passes(state, AGREED_BACK), True
@@ -198,14 +199,30 @@ class Chain:
                 u, memory = self._friction_back(inside, inner, now, begun, old, new)
                 again = "gearbox" in now.asked
             better = back(u, self.order.path, now, old, new) / self.arm.ratio
-            settled = "gearbox" not in now.asked or passes.agree(better, x)
-            x = better
-            if settled:
+            if "gearbox" not in now.asked or passes.agree(better, x):
+                x = better
                 break
+            if "winding" not in now.asked:
+                x = better
+            elif len(x) == 1:
+                x = passes.onward(better, x)
+            else:
+                return self._row_by_row(y, stamp, state, given)
             now.see(x, true)
         leaving = drift(stamp, x, true, state, self.arm.ratio)
         after = State(float(stamp[-1]), x[-1], true[-1], new, memory, leaving, passes.calm, now.swing)
         return x, true, after
+
+    def _row_by_row(
+        self, y: Array, stamp: Array, state: State | None, given: Given
+    ) -> tuple[Array, Array, State]:
+        """The same where a gearbox's speed counts, which hangs on where it stood before."""
+        x, true = np.empty_like(y), np.empty_like(y)
+        for k in range(len(y)):
+            row = slice(k, k + 1)
+            x[row], true[row], state = self._wire_back(y[row], stamp[row], state, given)
+        assert state is not None
+        return x, true, state
 
     def _known_back(self, true: Array, now: Look, old: Memory, new: Memory) -> tuple[Array, list[Effect]]:
         """The joints' angles as far back as nothing depends on the gearbox yet, and the effects before

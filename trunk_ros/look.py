@@ -36,8 +36,8 @@ UNKNOWN = Given()
 
 
 class Look(Now):
-    """``asked`` holds what the answers depended on, of "gearbox" and "angles": if it changes, they have to
-    be worked out anew.
+    """``asked`` holds what the answers depended on, of "gearbox", its speed on the way back ("winding"), and
+    "angles": if it changes, they have to be worked out anew.
     """
 
     def __init__(
@@ -61,7 +61,22 @@ class Look(Now):
         self._path, self._before, self._given, self._carried = path, before, given, carried
         ahead = 0.0 if before is None or swing is None else swing[0] - before[1]
         self._joint_path, self._swing = path + ahead, swing
+        self._wound: Array | None = None
         self.see(path, path)
+
+    def winds(self, gearbox: Array, before: Array | None) -> None:
+        """On the way back only the joints' path is known: the speed of the gearbox is that of its estimate
+        (n, joints) rad, after it stood at ``before`` (joints,) rad.
+        """
+        self._wound = (gearbox[0] if before is None else before) * self.ratio
+
+    @property
+    def winding(self) -> Array:
+        if self._wound is None:
+            return self.speed
+        self.asked.add("winding")
+        wound = slope_of(self.wires, self.dt, self._wound)
+        return wound if self._arm.coupling is None else np.asarray(self._arm.asked(wound))
 
     def follow(self, path: Array) -> None:
         """Take another path (n, joints) for that of the joints."""
@@ -150,10 +165,14 @@ class Look(Now):
 
     def _slope(self) -> Array:
         """(n, joints) rad/s since the sample before; 0 where no time has passed."""
-        out = np.empty_like(self._path)
-        before = self._path[0] if self._before is None else self._before[1]
-        slope(self._path, self.dt, before, out)
-        return out
+        return slope_of(self._path, self.dt, self._path[0] if self._before is None else self._before[1])
+
+
+def slope_of(path: Array, dt: Array, before: Array) -> Array:
+    """(n, columns) rad/s of a path since the sample before; 0 where no time has passed."""
+    out = np.empty_like(path)
+    slope(path, dt, before, out)
+    return out
 
 
 @compiled

@@ -220,13 +220,6 @@ class Effect(ABC):
         return number
 
     @classmethod
-    def compensated(cls, values: dict[str, Any], gain: Array) -> dict[str, Any]:
-        """Of a model's values what a compensator may go by whose servo has a position loop of ``gain``
-        (joints,) 1/s: less where that would carry the joint past its reference.
-        """
-        return values
-
-    @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:
         """The same physics in the values that one would write down, such as a positive amplitude."""
         return values

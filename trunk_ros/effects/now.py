@@ -44,6 +44,13 @@ class Now:
     arm: Arm | None = None
     """With the payload that it carries; None where its links' masses are of no account."""
 
+    @property
+    def winding(self) -> Array:
+        """(n, columns) rad/s, like ``speed``; but where the way goes from the joints to the gearbox it is the
+        gearbox's still, not the joints'.
+        """
+        return self.speed
+
     @cached_property
     def masses(self) -> Array:
         """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""

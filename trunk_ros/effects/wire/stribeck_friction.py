@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
@@ -48,14 +46,6 @@ class StribeckFriction(Effect):
     )
     confused_with = (("backlash", "reverse slowly and fast: a backlash stays the same"),)
 
-    @classmethod
-    def compensated(cls, values: dict[str, Any], gain: Array) -> dict[str, Any]:
-        """The loop goes through a dead band w at about gain w; where friction has faded at that speed it
-        carries the joint along.
-        """
-        most = np.asarray(values["velocity"]) / gain
-        return {**values, "amplitude": np.minimum(values["amplitude"], most)}
-
     @property
     def acts_at(self) -> int:
         return self.CORE
@@ -64,7 +54,7 @@ class StribeckFriction(Effect):
         if self.form == "film":
             core.width = core.width + self._of_the_joint(core, now)
         else:
-            core.width = core.width + self["amplitude"] * self._fade(np.abs(now.speed) / self["velocity"])
+            core.width = core.width + self["amplitude"] * self._fade(np.abs(now.winding) / self["velocity"])
 
     def _of_the_joint(self, core: Core, now: Now) -> Array:
         """(n, columns) rad that the friction has more, where the joint moves behind its own dead band."""

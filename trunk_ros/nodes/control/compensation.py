@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from trunk_ros.chain import Chain, State
-from trunk_ros.effects import effect
-from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.nodes.bus import between, gearbox_limits, within
+from trunk_ros.nodes.control.lead import Lead
 from trunk_ros.trajectory import Array
 
 NUDGE = 1e-4  # rad, tells a new model in which direction a joint came
@@ -26,6 +24,8 @@ class Compensation:
 
         ``position``: gearbox angle that the motors hold, the first setpoint. None: start at the reference.
         """
+        self._aim = position
+        self._lead: Lead | None = None
         self.reversal = reversal
         self.out: Array | None = None if position is None else position.copy()
         self.limited = np.zeros(len(model.arm.joints), dtype=bool)
@@ -35,7 +35,7 @@ class Compensation:
 
     def _use(self, model: Model) -> None:
         self.model = model
-        self.chain = Chain(tamed(model), "wire", hold_time=True)
+        self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
         self.top_speed, self.gain = slowest(model), position_gain(model)
         self._state: State | None = None
@@ -55,32 +55,38 @@ class Compensation:
         shown, _ = self.chain.run(gearbox[None], np.zeros(1))
         return np.clip(shown[0], self.model.arm.lower, self.model.arm.upper)
 
-    def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
-        """How far a reference with these derivatives (joints,) has to run ahead for the servo to be in time.
-
-        From the servo's equations, setpoint - phi = (v + tau_v dv/dt)/Kp, in the middle of the ``dt`` for
-        which a setpoint is held; the loop's own steps are half a step early.
+    def step(
+        self, reference: Array, dt: float, velocity: Array | None = None, acceleration: Array | None = None
+    ) -> Array:
+        """The setpoint for ``dt`` s after the last one; of a reference whose derivatives (joints,) are known
+        the servo's lag is made up for. ``limited`` tells which joints a limit held back.
         """
-        later = max(dt - STEP, 0.0) / 2
-        travelled = later * (velocity + acceleration * later / 2)
-        tau_v = self.model.arm.tau_v
-        return travelled + (velocity + (later + tau_v) * acceleration) / self.gain
-
-    def step(self, reference: Array, dt: float) -> Array:
-        """The setpoint for ``dt`` s after the last one. ``limited`` tells which joints a limit held back."""
+        lead, before = None, self._lead
+        if velocity is not None and acceleration is not None and self._aim is not None:
+            lead = before or Lead(self._aim)
+            lead.use(self.gain, self.model.arm.tau_v, self.top_speed)
+            reference = reference + lead.ahead(velocity, acceleration, dt)
         wanted = self.ideal(reference, dt)
-        if self.out is None:
-            self.out = np.clip(wanted, self.lower, self.upper)
-        if self._fresh:
-            self._fade, self._fresh = self.out - wanted, False
+        if self._aim is None or self.out is None:
+            self._aim = self.out = np.clip(wanted, self.lower, self.upper)
+        if self._fresh or (lead is None) != (before is None):
+            self._fade, self._fresh = self._aim - wanted, False
         else:
             self._fade = self._fade * math.exp(-dt / FADE)
         target = wanted + self._fade
-        reach = self.top_speed * dt
-        self.out = self.out + between(between(target, self.lower, self.upper) - self.out, -reach, reach)
-        self.out = within(self.out, self.model.arm)
-        self.limited = (np.abs(self.out - target) > 1e-12) | self._clipped
+        self._aim = self._towards(target, self._aim, dt)
+        self.limited = (np.abs(self._aim - target) > 1e-12) | self._clipped
+        self.out = self._towards(self._aim if lead is None else lead.setpoint(self._aim, dt), self.out, dt)
+        if lead is not None:
+            lead.went(self.out, dt)
+        self._lead = lead
         return self.out
+
+    def _towards(self, target: Array, last: Array, dt: float) -> Array:
+        """The next of ``last`` (joints,) rad: no faster than the servo, and within the limits."""
+        reach = self.top_speed * dt
+        there = last + between(between(target, self.lower, self.upper) - last, -reach, reach)
+        return within(there, self.model.arm)
 
     def ideal(self, reference: Array, dt: float) -> Array:
         """What the inverse alone asks for, with memory of direction."""
@@ -102,13 +108,6 @@ class Compensation:
         self._direction = np.where(passes & (step != 0), np.sign(step), self._direction)
         self._held = np.where(passes, reference, self._held)
         return self._held
-
-
-def tamed(model: Model) -> Model:
-    """The model with no more of its effects than the servo can compensate without overshoot."""
-    gain = position_gain(model)
-    effects = {name: effect(name).compensated(values, gain) for name, values in model.effects.items()}
-    return replace(model, effects=effects)
 
 
 def position_gain(model: Model) -> Array:

@@ -191,10 +191,10 @@ class Controller:
         compensation = running.compensation
         if running.idle and compensation.out is not None:
             return Command(compensation.out, own)
-        lead = compensation.ahead(velocity, acceleration, period) if self.settings.lead else 0.0
         settings, limited = self.settings.feedback, compensation.limited
         trim = self.observation.correction(now, graph.fresh, settings, reference, limited, period)
-        out = compensation.step(reference + lead + trim, period)
+        known = (velocity, acceleration) if self.settings.lead and self.foreign is None else (None, None)
+        out = compensation.step(reference + trim, period, *known)
         held = compensation.limited
         self.limited = self.joints[int(np.argmax(held))] if held.any() else ""
         return Command(out, own)

@@ -1,0 +1,65 @@
+"""Setpoints that have a servo be where it should be in time, and cross a dead band faster than it would."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from trunk_ros.effects.servo.loop import STEP
+from trunk_ros.trajectory import Array
+
+QUICKER = 2.0  # times the servo's own pace: setpoints then run ahead by up to its square of what they would
+
+
+class Lead:
+    """The servo's equations run backward behind a filter of second order.
+
+    The motors go over to where they are wanted as m'' = w^2 (wanted - m) - 2 w m', critically damped; the
+    setpoint for that is m + (m' + tau_v m'')/Kp. m is where the servo stands by these equations under the
+    setpoints that really went out: what a limit held back is caught up with, not overshot.
+    """
+
+    def __init__(self, at: Array):
+        """``at`` (joints,) rad: where the motors stand."""
+        self._wanted, self._at, self._speed = at, at, np.zeros_like(at)
+
+    def use(self, gain: Array, tau_v: float, top_speed: float) -> None:
+        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` rad/s of the servo."""
+        self.gain, self.tau_v, self.top_speed = gain, tau_v, top_speed
+        self.pace = QUICKER * np.sqrt(gain / tau_v)
+
+    def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
+        """How far a reference with these derivatives (joints,) has to run ahead for the filter, which hears
+        of it a period ``dt`` late.
+        """
+        late = 2.0 / self.pace + dt
+        return late * velocity + (late**2 - 2.0 / self.pace**2) / 2.0 * acceleration
+
+    def setpoint(self, wanted: Array, dt: float) -> Array:
+        """What brings the motors to where they are ``wanted`` (joints,) rad; it holds for ``dt`` s."""
+        if dt == 0.0:
+            return wanted
+        slope, w = (wanted - self._wanted) / dt, self.pace
+        later = (
+            max(dt - STEP, 0.0) / 2.0
+        )  # the middle of the period; the loop's own steps are half a step early
+        lag = self._at - self._wanted + 2.0 * slope / w
+        gains = self._speed - slope + w * lag
+        left = np.exp(-w * later)
+        goal = self._wanted + slope * later
+        at = goal - 2.0 * slope / w + (lag + gains * later) * left
+        speed = slope + (self._speed - slope - w * gains * later) * left
+        acceleration = w**2 * (goal - at) - 2.0 * w * speed
+        self._wanted = wanted
+        return np.asarray(at + (speed + self.tau_v * acceleration) / self.gain)
+
+    def went(self, setpoint: Array, dt: float) -> None:
+        """What went out for ``dt`` s."""
+        steps = max(1, round(dt / STEP))
+        h = dt / steps
+        smooth = -math.expm1(-h / self.tau_v) if self.tau_v < h else h / self.tau_v
+        for _ in range(steps if dt else 0):
+            asked = np.clip(self.gain * (setpoint - self._at), -self.top_speed, self.top_speed)
+            self._speed = self._speed + smooth * (asked - self._speed)
+            self._at = self._at + h * self._speed
