@@ -97,3 +97,8 @@ def test_a_clean_recording_has_no_hum_and_few_joints_tell_of_none(model: Model) 
     assert hums(series["gearbox_states"], series["joint_states"], model.arm.only(two)) == []
     clean = _recording(model, 0.0 * tone).series
     assert hums(clean["gearbox_states"], clean["joint_states"], model.arm) == []
+
+
+def test_what_comes_back_four_times_may_have_happened_to_the_arm(model: Model) -> None:
+    slow = _recording(model, _tone(4.0 / STAMP[-1], np.full(5, 2.0 * SIZE))).series
+    assert hums(slow["gearbox_states"], slow["joint_states"], model.arm) == []

@@ -24,6 +24,7 @@ from trunk_ros.recording.signal.resample import SLOW
 JOINTS = 3  # of which one size says something
 NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
+TURNS = 5.0  # in the recording: what comes back less often may be what happened to the arm, such as a payload
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | No
     """
     rest = [one - u @ (u.T @ one) for one, u in zip(off.T, says, strict=True)]
     frequency = _shared(stamp, rest, says)
-    if frequency <= 0.0:
+    if frequency * float(np.ptp(stamp)) < TURNS:
         return None
     lines = []
     for one, u in zip(rest, says, strict=True):
