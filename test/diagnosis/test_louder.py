@@ -39,6 +39,13 @@ def test_what_rings_in_fast_motion_is_no_noise() -> None:
     assert growth([_loud(0.0) + ringing], [SPEED], [EVERY]) == 0.0
 
 
+def test_readings_that_stand_between_counts_at_some_speeds_tell_nothing_of_growth() -> None:
+    speed = np.sort(np.abs(SPEED))  # stretches of one speed each, as jogs are
+    slowest, silent = np.quantile(speed, [0.15, 0.5])
+    seen = np.where(speed < slowest, 1e-4, np.where(speed < silent, 0.0, 1.0)) * _loud(15.0, speed)
+    assert growth([seen], [speed], [EVERY]) == 0.0
+
+
 def test_sensors_are_alike_where_most_agree() -> None:
     assert Louder.of([10.0, 0.0, 12.0]).each == (10.0, 11.0, 12.0)
     assert Louder.of([10.0, 0.0, 0.0]).each == (10.0, 0.0, 0.0)

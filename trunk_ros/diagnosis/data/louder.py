@@ -46,7 +46,8 @@ CONSTANT = Louder()
 
 def growth(residuals: Sequence[Array], speeds: Sequence[Array], masks: Sequence[np.ndarray]) -> float:
     """k [s/rad] of noise whose standard deviation goes with sqrt(1 + (k speed)^2); 0 where it is the same at
-    every speed, or where what grows with speed is no noise.
+    every speed, or where what grows with speed is no noise, or where readings stand between counts and show
+    none at some speed.
 
     ``residuals`` and ``speeds`` (n,) rad/s of each recording, and where they count (n,).
     """
@@ -57,7 +58,7 @@ def growth(residuals: Sequence[Array], speeds: Sequence[Array], masks: Sequence[
     group = np.argsort(np.argsort(speed, kind="stable"), kind="stable") * GROUPS // len(speed)
     each = np.array([trimmed(size[group == g]) for g in range(GROUPS)])
     fast = group >= GROUPS // 2
-    if each[0] <= LEAST or each[-1] < CLEARLY * each[0] or float(np.mean(turns[fast])) > ALTERNATES:
+    if each.min() <= LEAST or each[-1] < CLEARLY * each[0] or float(np.mean(turns[fast])) > ALTERNATES:
         return 0.0
     squares = np.array([np.mean(speed[group == g] ** 2) for g in range(GROUPS)])
     rest, rising = _line(squares, each**2)
