@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from trunk_ros.chain import Chain
+from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.noise import Noise, noise_of
+from trunk_ros.evaluate.score import score
+from trunk_ros.evaluate.signals import Signal
+from trunk_ros.evaluate.source import Prediction
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import JointSeries, Recording
 
 N = 20_000
 EVERYWHERE = np.ones(N, dtype=bool)
@@ -50,3 +57,42 @@ def test_coloured_noise_under_an_encoders_steps_leaves_no_memory_either(white: f
 
 def test_a_signal_without_noise_gets_a_floor_that_can_be_divided_by() -> None:
     assert noise_of([np.zeros(N)], [EVERYWHERE]).std > 0.0
+
+
+STAMP = np.arange(6000) * 0.01
+COUNT = 2 * np.pi / 2**13  # rad
+
+
+def scans(seed: int) -> np.ndarray:
+    """(n,) rad: slow scans to and fro of 10 s, each at about one count a sample."""
+    speeds = np.random.default_rng(seed).uniform(0.96, 1.04, 6) * [1, -1, 1, -1, 1, -1]
+    return COUNT * np.cumsum(np.repeat(speeds, 1000))
+
+
+def counted(angle: np.ndarray) -> np.ndarray:
+    noise = 0.06e-3 * np.random.default_rng(3).normal(size=angle.shape)
+    return np.asarray(np.round((angle + noise) / COUNT) * COUNT)
+
+
+def test_a_joint_that_scans_from_count_to_count_is_as_loud_as_its_encoder_s_steps() -> None:
+    nominal = load_model("trunk")
+    joints = nominal.arm.joints
+    phi = np.column_stack([scans(j) for j in range(len(joints))]) / nominal.arm.ratio
+    theta, _ = Chain(nominal, "wire").run(phi, STAMP)
+    series = {
+        "gearbox_states": JointSeries(STAMP, joints, phi),
+        "joint_states": JointSeries(STAMP, joints, counted(theta)),
+    }
+    found = diagnose([Recording("scans", 1_750_000_000_000_000_000, STAMP[-1], series)])
+    assert found.findings == []
+    floors = [joint["noise_floor"] for joint in found.stages["wire"]["joints"].values()]
+    assert min(floors) > 0.95 * COUNT / np.sqrt(12.0)
+
+
+@pytest.mark.parametrize("rounded", [True, False])
+def test_a_score_is_in_the_steps_of_an_encoder_and_exact_data_need_none(rounded: bool) -> None:
+    angle = scans(0)
+    seen = counted(angle) if rounded else angle
+    signal = Signal("wire", "a", "rad", STAMP, seen, seen - angle)
+    (row,) = score("scans", [Prediction("exact", [signal], [signal])])
+    assert row.noise == pytest.approx(COUNT / np.sqrt(12.0) if rounded else 1e-9, rel=0.01)

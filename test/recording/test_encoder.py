@@ -46,7 +46,11 @@ def test_no_angle_is_moved_by_more_than_half_a_count(kick):
     assert np.abs(moved).max() <= 0.5 * STEP * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("position", [moving(), 0.5 * np.abs((0.1 * T) % 2 - 1), np.zeros(len(T))])
+SCANS = 0.5 * np.abs((0.1 * T) % 2 - 1)  # rad, at one speed
+STOPS = np.clip(SCANS, 0.1, 0.4)
+
+
+@pytest.mark.parametrize("position", [moving(), SCANS, STOPS, np.zeros(len(T))])
 def test_what_is_no_encoder_s_is_left_as_it_is(position):
     assert count(position) == 0.0
     assert (between_counts(series(position)).position[:, 0] == position).all()
@@ -54,6 +58,16 @@ def test_what_is_no_encoder_s_is_left_as_it_is(position):
 
 def test_the_step_is_found_wherever_the_count_begins():
     assert count(rounded(moving()) + 0.123) == pytest.approx(STEP, rel=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.3, 0.6, 0.97, 1.03, 1.98])
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_the_step_is_found_on_a_joint_so_slow_that_no_reading_is_far_from_the_last(
+    speed: float, noise: float
+) -> None:
+    scans = speed * STEP * 1000 * np.abs((0.1 * T) % 2 - 1)  # ``speed`` counts a sample, ``noise`` in counts
+    seen = rounded(scans + noise * STEP * np.random.default_rng(0).normal(size=len(T)))
+    assert count(seen) == pytest.approx(STEP, rel=1e-9)
 
 
 def test_unknown_angles_stay_unknown_and_those_beside_lost_ones_as_they_are():

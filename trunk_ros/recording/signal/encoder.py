@@ -14,6 +14,8 @@ from trunk_ros.recording.signal.resample import stops_to_measure
 WINDOWS = (3, 5, 7, 9, 13, 17, 23, 33, 47, 65)  # samples, the longest that fits counts
 CURVED = 2  # order of the polynomial in a window
 KINDS = 4  # different steps, in counts, from which a grid of readings is an encoder's and no accident
+VARIES = 0.02  # of the steps that are unlike the one before: at constant speed all are alike without rounding
+MANY = 50  # different readings of a slow joint that tell its grid: a list of postures has fewer
 ON_GRID = 0.02  # counts
 NEAR = 0.55  # counts that a reading may lie from a curve through it and its neighbours
 CALM = 200  # samples in which a joint may hardly move
@@ -81,8 +83,17 @@ def count(readings: Floats) -> float:
     step = _refined(known - known[0], float(smallest))
     multiples = (known - known[0]) / step
     on_grid = bool((np.abs(multiples - np.round(multiples)) < ON_GRID).all())
-    kinds = len(np.unique(np.round(moved / step)))
-    return step if on_grid and kinds >= KINDS else 0.0
+    return step if on_grid and _rounded(np.round(multiples)) else 0.0
+
+
+def _rounded(readings: Floats) -> bool:
+    """Whether readings (n,), in counts, are an encoder's: their steps are of many kinds, or, of a joint too
+    slow for that, change all the time.
+    """
+    moved = np.abs(np.diff(readings))
+    if len(np.unique(moved)) >= KINDS:
+        return True
+    return len(np.unique(readings)) >= MANY and float(np.mean(np.diff(moved) != 0.0)) > VARIES
 
 
 def _refined(distance: Floats, step: float) -> float:
