@@ -79,6 +79,24 @@ def test_empty_fields_and_nan_are_masked_and_counted(tmp_path):
     assert "joint_states: 3 values not finite, masked" in recording.notes
 
 
+def test_a_table_of_topics_as_they_came_has_a_message_for_each_row_that_is_of_it(tmp_path):
+    several = mapping(joints=["a", "b"], joint_states=position("x", "y"), gearbox_states=position("u", "v"))
+    text = "t,u,v,x,y\n0,1,2,,\n0.003,,,3,4\n0.01,5,6,,\n0.013,,,7,\n0.02,8,9,,\n"
+    recording = read_csv(table(tmp_path, text), several)
+    np.testing.assert_allclose(recording.require("gearbox_states").stamp, [0.0, 0.01, 0.02])
+    shown = recording.require("joint_states")
+    np.testing.assert_allclose(shown.stamp, [0.003, 0.013])
+    np.testing.assert_array_equal(shown.position, [[3, 4], [7, np.nan]])
+    assert "rows of single topics: gearbox_states in 3, joint_states in 2" in recording.notes
+
+
+def test_a_reading_that_was_lost_among_whole_rows_is_masked(tmp_path):
+    several = mapping(joints=["a"], gearbox_states=position("u"))
+    recording = read_csv(table(tmp_path, "t,u,x\n0,1,1\n1,2,\n2,3,3\n3,4,4\n"), several)
+    assert np.isnan(recording.require("joint_states").position).sum() == 1
+    assert len(recording.require("joint_states").stamp) == 4
+
+
 def test_a_column_without_a_finite_value_is_an_error(tmp_path):
     with pytest.raises(RecordingError, match="joint_states has no finite position of a"):
         read_csv(table(tmp_path, "t,x\n0,\n1,nan\n"), mapping())

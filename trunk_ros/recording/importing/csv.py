@@ -14,13 +14,15 @@ from trunk_ros.recording.messages.block import Whole
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
 
+ALIKE = 0.5  # of the rows that are of all topics: of a table whose topics have the same times
 _LATEST_NS = (2**31) * 10**9
 
 
 def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     """The table at `path` as a recording in SI units. mapping: a file, a name in config/import, or loaded.
 
-    Of rows with the same stamp the first counts. RecordingError in one line.
+    Of rows with the same stamp the first counts. Where most rows are of some topics only, a topic has a
+    message for each row that is of it. RecordingError in one line.
     """
     path = Path(path)
     mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
@@ -34,8 +36,11 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
         key: _series(stamp, mapping.joints, {n: _values(q, table)[rows] for n, q in topic.items()})
         for key, topic in mapping.topics.items()
     }
-    full = {key: Counts(len(stamp), not_finite=_not_finite(each)) for key, each in series.items()}
-    notes = tuple(remarks + timing + time_remarks(mapping, stamp, series) + series_remarks(series, full))
+    series, sparse = _of_their_rows(series)
+    full = {key: Counts(len(each.stamp), not_finite=_not_finite(each)) for key, each in series.items()}
+    notes = tuple(
+        remarks + timing + sparse + time_remarks(mapping, stamp, series) + series_remarks(series, full)
+    )
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
     whole = Recording(str(path), start_ns, float(stamp[-1]), series, None, notes, units, counts=full)
     return whole.checked()
@@ -82,6 +87,27 @@ def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats]) -
     return JointSeries(stamp, joints, values["position"], values.get("velocity"), values.get("effort"))
 
 
+def _of_their_rows(series: dict[str, JointSeries]) -> tuple[dict[str, JointSeries], list[str]]:
+    """Topics that were written as they came, each with its own rows; else an empty field is a reading
+    that was lost.
+    """
+    says = {key: _says(each) for key, each in series.items()}
+    topics = np.sum(list(says.values()), axis=0)
+    whole, some = int(np.sum(topics == len(says))), int(np.sum(topics > 0))
+    if whole > ALIKE * some or not all(each.any() for each in says.values()):
+        return series, []
+    told = ", ".join(f"{key} in {int(each.sum())}" for key, each in says.items())
+    return {key: each.rows(says[key]) for key, each in series.items()}, [f"rows of single topics: {told}"]
+
+
+def _says(series: JointSeries) -> np.ndarray:
+    """(rows,) whether any field of a topic is filled."""
+    return np.asarray(np.isfinite(np.hstack(_measured(series))).any(axis=1))
+
+
 def _not_finite(series: JointSeries) -> int:
-    values = [each for each in (series.position, series.velocity, series.effort) if each is not None]
-    return sum(int(np.isnan(each).sum()) for each in values)
+    return sum(int(np.isnan(each).sum()) for each in _measured(series))
+
+
+def _measured(series: JointSeries) -> list[Floats]:
+    return [each for each in (series.position, series.velocity, series.effort) if each is not None]

@@ -27,7 +27,7 @@ def time_remarks(mapping: Mapping, stamp: Floats, series: dict[str, JointSeries]
     if period <= _FAST:
         return [f"{told}: is {asked} right?"]
     known = [each for key, each in series.items() if key == "joint_states"]
-    speed = max((_speed(step, each.position) for each in known), default=0.0)
+    speed = max((_speed(np.diff(each.stamp), each.position) for each in known), default=0.0)
     if speed > _RACES and "rad" in mapping.units().values():
         return [f"{told}, with joints at {speed:.3g} rad/s: is {asked} right, and that of the angles?"]
     return []
