@@ -73,7 +73,7 @@ class Controller:
         self.note, self.refused, self.interrupted = note, refused, interrupted
         self.joints = model.arm.joints
         still = np.zeros(len(self.joints))
-        Compensation(model, 0.0, still).step(still, 0.01)  # compiles, so that no step is late
+        Compensation(model, 0.0, still).step(still, 0.01, still, still)  # compiles, so that no step is late
         self.stop()
 
     def stop(self) -> None:

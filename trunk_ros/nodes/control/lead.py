@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.loop import STEP
-from trunk_ros.trajectory import Array
 
 QUICKER = 2.0  # times the servo's own pace: setpoints then run ahead by up to its square of what they would
 
@@ -56,10 +54,20 @@ class Lead:
 
     def went(self, setpoint: Array, dt: float) -> None:
         """What went out for ``dt`` s."""
-        steps = max(1, round(dt / STEP))
-        h = dt / steps
-        smooth = -math.expm1(-h / self.tau_v) if self.tau_v < h else h / self.tau_v
-        for _ in range(steps if dt else 0):
-            asked = np.clip(self.gain * (setpoint - self._at), -self.top_speed, self.top_speed)
-            self._speed = self._speed + smooth * (asked - self._speed)
-            self._at = self._at + h * self._speed
+        self._at, self._speed = self._at.copy(), self._speed.copy()
+        follow(setpoint, dt, self.gain, self.tau_v, self.top_speed, self._at, self._speed)
+
+
+@compiled
+def follow(
+    setpoint: Array, dt: float, gain: Array, tau_v: float, top_speed: float, at: Array, speed: Array
+) -> None:
+    """The nominal servo (joints,) under a setpoint that holds for ``dt`` s; ``at`` and ``speed`` change."""
+    steps = max(1, int(np.round(dt / STEP)))
+    h = dt / steps
+    smooth = -np.expm1(-h / tau_v) if tau_v < h else h / tau_v
+    for j in range(len(at)):
+        for _ in range(steps):
+            asked = min(max(gain[j] * (setpoint[j] - at[j]), -top_speed), top_speed)
+            speed[j] += smooth * (asked - speed[j])
+            at[j] += h * speed[j]
