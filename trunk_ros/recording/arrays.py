@@ -54,7 +54,7 @@ def from_arrays(
             raise RecordingError(f"{name}: {key} has {each.shape[1]} columns for {len(names)} joints")
     effort = None if torque is None else _columns("torque", torque, len(stamp))
     series = {
-        key: JointSeries(stamp, names, each, None, effort if key == "gearbox_states" else None)
+        key: JointSeries(stamp, names, each, None, effort if key == "gearbox_states" else None).positioned()
         for key, each in values.items()
     }
     units = {} if si == "rad" else dict.fromkeys(names, si)

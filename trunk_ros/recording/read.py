@@ -9,7 +9,14 @@ from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.bag.bag import read_blocks
 from trunk_ros.recording.child_process import HELD, brought_together
 from trunk_ros.recording.messages import holes
-from trunk_ros.recording.messages.assemble import all_times, first_stamp, joint_series, table_bytes, within
+from trunk_ros.recording.messages.assemble import (
+    all_times,
+    first_stamp,
+    joint_series,
+    positioned,
+    table_bytes,
+    within,
+)
 from trunk_ros.recording.messages.block import Contents, DamageError, Progress, Whole
 from trunk_ros.recording.messages.decode import Decoder
 from trunk_ros.recording.messages.layout import joint_layout, pose_layout
@@ -73,7 +80,7 @@ def _read_parts(path: Path, namespace: str | None, progress: Progress) -> list[R
     decoders, texts = _decode(path, contents, progress)
     chosen, remarks = choose(str(path), contents.topics, namespace)
     text = _nearest(texts, set(chosen.values()))
-    decoders = {key: decoders[topic] for key, topic in chosen.items()}
+    decoders = {key: _positioned(key, decoders[topic]) for key, topic in chosen.items()}
     times = [all_times(decoder.pieces) for decoder in decoders.values() if decoder.pieces]
     found = holes.parts(times) if times else []
     if len(found) < 2:
@@ -86,6 +93,14 @@ def _read_parts(path: Path, namespace: str | None, progress: Progress) -> list[R
         cut = _assemble(path, contents, _cut(decoders, part), remarks + others)
         out.append(replace(cut, description=text))
     return out
+
+
+def _positioned(key: str, decoder: Decoder) -> Decoder:
+    """Without messages that say nothing of where joints are; of a wire the tension is enough."""
+    if key == "wire_states":
+        return decoder
+    pieces, blank = positioned(decoder.pieces)
+    return replace(decoder, pieces=pieces, blank=blank)
 
 
 def _is_worth(
@@ -150,7 +165,12 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     for key, decoder in full.items():
         contents.allowance.check(table_bytes(decoder.pieces))
         series[key], count, remark = joint_series(decoder.pieces, start_ns)
-        counts[key] = replace(count, unreadable=decoder.unreadable)
+        counts[key] = replace(
+            count,
+            messages=count.messages + decoder.blank,
+            unreadable=decoder.unreadable,
+            blank=decoder.blank,
+        )
         remarks += [f"{TOPICS[key]}: {remark}"] if remark else []
     duration = max(float(each.stamp[-1]) for each in series.values())
     remarks += [f"read up to {duration:.6g} s"] if contents.damage else []

@@ -65,6 +65,8 @@ def _counted(counts: Counts) -> list[str]:
         texts.append(f"{_many(counts.out_of_order, 'message')} out of order, sorted by stamp")
     if counts.not_finite:
         texts.append(f"{_many(counts.not_finite, 'value')} not finite, masked")
+    if counts.blank:
+        texts.append(f"{_many(counts.blank, 'message')} without any position, left out")
     return texts
 
 

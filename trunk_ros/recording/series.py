@@ -20,6 +20,7 @@ class Counts:
     out_of_order: int = 0
     not_finite: int = 0
     unreadable: int = 0
+    blank: int = 0
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,11 @@ class JointSeries:
         )
         assert position is not None
         return JointSeries(self.stamp[keep], self.joints, position, velocity, effort)
+
+    def positioned(self) -> "JointSeries":
+        """The samples that have the position of a joint; all of them where none has."""
+        known = np.asarray(np.isfinite(self.position).any(axis=1))
+        return self if known.all() or not known.any() else self.rows(known)
 
 
 @dataclass(frozen=True)

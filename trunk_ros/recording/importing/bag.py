@@ -9,7 +9,7 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.recording.bag.columns import Columns, read_columns
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.importing.units import UNITS
-from trunk_ros.recording.messages.assemble import first_stamp, joint_series, sample_times
+from trunk_ros.recording.messages.assemble import first_stamp, joint_series, positioned, sample_times
 from trunk_ros.recording.messages.decode import Piece
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
@@ -32,15 +32,17 @@ def read_bag(path: str | Path, mapping: Mapping | str | Path) -> Recording:
             "and name columns /topic.field"
         )
     read = read_columns(path, mapping.columns)
-    pieces = {key: _pieces(path, key, mapping, read) for key in mapping.topics}
-    start_ns = min(first_stamp(each) for each in pieces.values())
+    pieces = {key: positioned(_pieces(path, key, mapping, read)) for key in mapping.topics}
+    start_ns = min(first_stamp(each) for each, _ in pieces.values())
     series: dict[str, JointSeries] = {}
     counts: dict[str, Counts] = {}
     remarks = [f"{topic}: {said}" for topic, each in read.items() if (said := _unstamped(each))]
-    for key, each in pieces.items():
+    for key, (each, blank) in pieces.items():
         series[key], counted, _ = joint_series(each, start_ns)
         disorder = sum(int((np.diff(piece.stamp_ns) < 0).sum()) for piece in each)
-        counts[key] = replace(counted, out_of_order=disorder)  # of each topic: they have no common order
+        # of each topic: they have no common order
+        messages = counted.messages + blank
+        counts[key] = replace(counted, messages=messages, out_of_order=disorder, blank=blank)
         series[key] = series[key].select(mapping.joints)
     duration = max(float(each.stamp[-1]) for each in series.values())
     notes = tuple(remarks + series_remarks(series, counts))

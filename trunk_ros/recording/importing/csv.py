@@ -13,41 +13,43 @@ from trunk_ros.recording.importing.units import UNITS
 from trunk_ros.recording.messages.block import Whole
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
+from trunk_ros.recording.topics import TOPICS
 
-ALIKE = 0.5  # of the rows that are of all topics: of a table whose topics have the same times
 _LATEST_NS = (2**31) * 10**9
 
 
 def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     """The table at `path` as a recording in SI units. mapping: a file, a name in config/import, or loaded.
 
-    Of rows with the same stamp the first counts. Where most rows are of some topics only, a topic has a
-    message for each row that is of it. RecordingError in one line.
+    A row without a value of a topic is no message of it; of the others with the same stamp the first counts.
+    RecordingError in one line.
     """
     path = Path(path)
     mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
     if mapping.of_bag:
         raise RecordingError(f"{path}: is a table: give `time: {{column: …, unit: s}}` or `rate_hz`")
     table, remarks = read_table(path, mapping.columns, mapping.delimiter)
-    stamp_ns, rows, timing = _times(path, mapping, table)
-    start_ns = int(stamp_ns[0])
-    stamp = (stamp_ns - start_ns) / 1e9
-    series = {
-        key: _series(stamp, mapping.joints, {n: _values(q, table)[rows] for n, q in topic.items()})
+    every_ns, rows, timing = _times(path, mapping, table)
+    values = {
+        key: {name: _values(each, table)[rows] for name, each in topic.items()}
         for key, topic in mapping.topics.items()
     }
-    series, sparse = _of_their_rows(series)
+    kept = {key: _kept(every_ns, list(each.values())) for key, each in values.items()}
+    start_ns = min(int(every_ns[each[0]]) for each in kept.values())
+    series = {
+        key: _series((every_ns[each] - start_ns) / 1e9, mapping.joints, values[key], each)
+        for key, each in kept.items()
+    }
     full = {key: Counts(len(each.stamp), not_finite=_not_finite(each)) for key, each in series.items()}
-    notes = tuple(
-        remarks + timing + sparse + time_remarks(mapping, stamp, series) + series_remarks(series, full)
-    )
+    timing += _left_out(every_ns, {key: list(each.values()) for key, each in values.items()})
+    notes = tuple(remarks + timing + time_remarks(mapping, series) + series_remarks(series, full))
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
-    whole = Recording(str(path), start_ns, float(stamp[-1]), series, None, notes, units, counts=full)
-    return whole.checked()
+    duration = max(float(each.stamp[-1]) for each in series.values())
+    return Recording(str(path), start_ns, duration, series, None, notes, units, counts=full).checked()
 
 
 def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whole, Whole, list[str]]:
-    """Stamps in ns (rising, unique), the rows that they belong to, and remarks."""
+    """Stamps in ns, the rows that they belong to, and remarks."""
     count = len(next(iter(table.values())))
     if mapping.time is None:
         seconds = np.arange(count) / mapping.rate_hz
@@ -67,12 +69,38 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
     if not seconds.max() < _LATEST_NS / 1e9:
         raise RecordingError(f"{path}: the time reaches {seconds.max():.3g} s: is its unit right?")
     every = np.rint(seconds * 1e9).astype(np.int64)
-    stamp_ns, first = np.unique(every, return_index=True)
-    if len(every) > len(stamp_ns):
-        remarks.append(f"{len(every) - len(stamp_ns)} rows repeated a stamp: the first of each counts")
     if disorder := int((np.diff(every) < 0).sum()):
         remarks.append(f"{disorder} rows out of order, sorted by stamp")
-    return stamp_ns, known[first], remarks
+    return every, known, remarks
+
+
+def _told(values: list[Floats]) -> Whole:
+    """The rows that have a value of a topic; all where none has, so that its joints can be named."""
+    rows = np.flatnonzero(np.isfinite(np.column_stack(values)).any(axis=1))
+    return rows if len(rows) else np.arange(len(values[0]))
+
+
+def _kept(every_ns: Whole, values: list[Floats]) -> Whole:
+    """The rows of a topic's messages, in the order of their stamps, of which each comes once."""
+    rows = _told(values)
+    first: Whole = np.unique(every_ns[rows], return_index=True)[1]
+    return rows[first]
+
+
+def _left_out(every_ns: Whole, values: dict[str, list[Floats]]) -> list[str]:
+    """What is said of rows that are no messages of a topic."""
+    said: dict[str, list[str]] = {}
+    for key, each in values.items():
+        told = _told(each)
+        if blank := len(every_ns) - len(told):
+            said.setdefault(f"{blank} rows hold no value, left out", []).append(TOPICS[key])
+        if repeated := len(told) - len(np.unique(every_ns[told])):
+            text = f"{repeated} rows repeated a stamp: the first of each counts"
+            said.setdefault(text, []).append(TOPICS[key])
+    return [
+        text if len(topics) == len(values) and "repeated" in text else f"{', '.join(topics)}: {text}"
+        for text, topics in said.items()
+    ]
 
 
 def _values(quantity: Quantity, table: dict[str, Floats]) -> Floats:
@@ -83,31 +111,11 @@ def _values(quantity: Quantity, table: dict[str, Floats]) -> Floats:
     return np.where(is_reading(scaled), scaled, np.nan)
 
 
-def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats]) -> JointSeries:
-    return JointSeries(stamp, joints, values["position"], values.get("velocity"), values.get("effort"))
-
-
-def _of_their_rows(series: dict[str, JointSeries]) -> tuple[dict[str, JointSeries], list[str]]:
-    """Topics that were written as they came, each with its own rows; else an empty field is a reading
-    that was lost.
-    """
-    says = {key: _says(each) for key, each in series.items()}
-    topics = np.sum(list(says.values()), axis=0)
-    whole, some = int(np.sum(topics == len(says))), int(np.sum(topics > 0))
-    if whole > ALIKE * some or not all(each.any() for each in says.values()):
-        return series, []
-    told = ", ".join(f"{key} in {int(each.sum())}" for key, each in says.items())
-    return {key: each.rows(says[key]) for key, each in series.items()}, [f"rows of single topics: {told}"]
-
-
-def _says(series: JointSeries) -> np.ndarray:
-    """(rows,) whether any field of a topic is filled."""
-    return np.asarray(np.isfinite(np.hstack(_measured(series))).any(axis=1))
+def _series(stamp: Floats, joints: tuple[str, ...], values: dict[str, Floats], rows: Whole) -> JointSeries:
+    taken = {name: each[rows] for name, each in values.items()}
+    return JointSeries(stamp, joints, taken["position"], taken.get("velocity"), taken.get("effort"))
 
 
 def _not_finite(series: JointSeries) -> int:
-    return sum(int(np.isnan(each).sum()) for each in _measured(series))
-
-
-def _measured(series: JointSeries) -> list[Floats]:
-    return [each for each in (series.position, series.velocity, series.effort) if each is not None]
+    values = [each for each in (series.position, series.velocity, series.effort) if each is not None]
+    return sum(int(np.isnan(each).sum()) for each in values)

@@ -13,12 +13,16 @@ _MANY, _SMOOTH = 300, 0.02  # rows; of the range from row to row: whoever stops 
 _RACES = 100.0  # rad/s: no joint does
 
 
-def time_remarks(mapping: Mapping, stamp: Floats, series: dict[str, JointSeries]) -> list[str]:
-    """A question where rows come so rarely, or joints so fast, that the unit of times (n,) is doubtful."""
-    step = np.diff(stamp)
-    if not len(step):
+def time_remarks(mapping: Mapping, series: dict[str, JointSeries]) -> list[str]:
+    """A question where rows come so rarely, or joints so fast, that the unit of their times is doubtful.
+
+    The pace is that of the topic with the most rows: those of others may lie anywhere between.
+    """
+    stamp = max((each.stamp for each in series.values()), key=len)
+    if len(stamp) < 2:
         return []
-    period, asked = float(np.median(step)), "`rate_hz`" if mapping.time is None else "the unit of the time"
+    period = float(np.median(np.diff(stamp)))
+    asked = "`rate_hz`" if mapping.time is None else "the unit of the time"
     told = f"a row every {period:.3g} s, {_spoken(float(stamp[-1]))} in all"
     if period >= _SLOW and len(stamp) >= _MANY and all(_is_smooth(each.position) for each in series.values()):
         return [

@@ -39,6 +39,30 @@ def first_stamp(pieces: list[Piece]) -> int:
     return int(all_times(pieces).min())
 
 
+def positioned(pieces: list[Piece]) -> tuple[list[Piece], int]:
+    """The pieces without messages that have no position of any joint, and how many those are.
+
+    Joints of which there is no position at all stay, so that they can be named.
+    """
+    known = [_positions(piece) for piece in pieces]
+    there = {joint for piece, rows in zip(pieces, known, strict=True) for joint in piece.joints if rows.any()}
+    kept, blank = [], 0
+    for piece, rows in zip(pieces, known, strict=True):
+        if rows.all() or not there.issuperset(piece.joints):
+            kept.append(piece)
+            continue
+        blank += int((~rows).sum())
+        kept += [piece.rows(rows)] if rows.any() else []
+    return kept, blank
+
+
+def _positions(piece: Piece) -> Bools:
+    """(n,): the messages that have the position of a joint."""
+    if piece.position is None:
+        return np.zeros(len(piece.place), dtype=bool)
+    return np.asarray(is_reading(piece.position).any(axis=1))
+
+
 def within(pieces: list[Piece], first_ns: int, end_ns: int) -> list[Piece]:
     """The samples with first_ns <= time < end_ns."""
     times, begin, kept = all_times(pieces), 0, []

@@ -45,6 +45,7 @@ class Decoder:
     pieces: list[Piece] = field(default_factory=list)
     messages: int = 0
     unreadable: int = 0
+    blank: int = 0
     kinds: int = 0
 
     def add(self, block: Block) -> None:
