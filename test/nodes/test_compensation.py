@@ -50,6 +50,33 @@ def test_a_swapped_model_does_not_make_it_jump():
     assert np.abs(after[-1] - fresh).max() < 2 * 2e-3 / 0.625
 
 
+def led(compensation, seconds, begin=0.0):
+    """Setpoints of the first joint for 0.2 sin t, known with its derivatives."""
+    five, out = np.ones(5), []
+    for t in np.arange(begin, begin + seconds, STEP):
+        known = (0.2 * np.cos(t) * five, -0.2 * np.sin(t) * five)
+        out.append(compensation.step(0.2 * np.sin(t) * five, STEP if t else 0.0, *known)[0])
+    return np.array(out)
+
+
+@pytest.mark.parametrize(("model", "kick"), [(NOMINAL, 1e-5), (LOOSE, 1e-3)])
+def test_a_model_that_is_swapped_in_motion_does_not_stop_it(model, kick):
+    compensation = Compensation(NOMINAL, REVERSAL, np.zeros(5))
+    before = led(compensation, 3.0)
+    compensation.swap(model)
+    steps = np.diff(np.concatenate([before[-20:], led(compensation, 0.2, 3.0)]))
+    assert np.abs(np.diff(steps)).max() < kick
+
+
+def test_a_reference_that_leaps_after_a_trajectory_is_followed_as_fast_as_ever():
+    compensation = Compensation(NOMINAL, REVERSAL, np.zeros(5))
+    led(compensation, 3.0)
+    far = np.full(5, 0.2 * np.sin(3.0) + 0.2)
+    reached = np.array([compensation.step(far, STEP)[0] for _ in range(40)])
+    assert np.argmax(reached > 0.9 * reached[-1]) < 30
+    assert reached[-1] == pytest.approx(far[0] / 0.625, abs=0.02)
+
+
 def test_noise_below_the_reversal_does_not_make_it_chatter():
     rng = np.random.default_rng(1)
     references = 0.1 + 2e-5 * rng.uniform(-1, 1, (400, 5))

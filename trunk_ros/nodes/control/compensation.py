@@ -48,7 +48,9 @@ class Compensation:
         self._fresh = True
         if began:
             for angle in (self._held - NUDGE * self._direction, self._held):
-                _, self._state = self.chain.invert(angle[None], np.array([self._time]), self._state)
+                (wanted,), self._state = self.chain.invert(angle[None], np.array([self._time]), self._state)
+            if self._aim is not None:
+                self._fade, self._fresh = self._aim - wanted, False
 
     def joint_angle(self, gearbox: Array) -> Array:
         """Where the model believes the joints stand after a start at ``gearbox``, memory at its centre."""
@@ -69,7 +71,7 @@ class Compensation:
         wanted = self.ideal(reference, dt)
         if self._aim is None or self.out is None:
             self._aim = self.out = np.clip(wanted, self.lower, self.upper)
-        if self._fresh or (lead is None) != (before is None):
+        if self._fresh:
             self._fade, self._fresh = self._aim - wanted, False
         else:
             self._fade = self._fade * math.exp(-dt / FADE)
