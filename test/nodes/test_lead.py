@@ -8,16 +8,17 @@ from trunk_ros.model import load_model
 from trunk_ros.nodes.control.lead import Lead
 
 NOMINAL = load_model("trunk")
+SERVO = np.full(5, NOMINAL.arm.kp), NOMINAL.arm.tau_v, NOMINAL.arm.v_max
 STEP = 0.01
 AT = np.arange(0, 3, STEP)
 
 
 def led(wanted, most=np.inf):
     """Where the servo goes (n,) rad, of setpoints that change by ``most`` at a time."""
-    lead, last = Lead(np.full(5, wanted[0])), np.full(5, wanted[0])
+    last = np.full(5, wanted[0])
+    lead = Lead(last, *SERVO)
     out = []
     for each in wanted:
-        lead.use(np.full(5, NOMINAL.arm.kp), NOMINAL.arm.tau_v, NOMINAL.arm.v_max)
         last = last + np.clip(lead.setpoint(np.full(5, each), STEP) - last, -most, most)
         lead.went(last, STEP)
         out.append(last)
@@ -44,8 +45,7 @@ def test_what_a_limit_held_back_is_caught_up_with_and_not_overshot(size):
 
 
 def test_a_reference_that_is_led_is_followed_to_a_thousandth():
-    lead = Lead(np.zeros(5))
-    lead.use(np.full(5, NOMINAL.arm.kp), NOMINAL.arm.tau_v, NOMINAL.arm.v_max)
+    lead = Lead(np.zeros(5), *SERVO)
     angle, speed = 0.2 * np.sin(2 * AT), 0.4 * np.cos(2 * AT)
     ahead = np.array([lead.ahead(v, a, STEP)[0] for v, a in zip(speed, -4 * angle, strict=True)])
     assert np.abs(led(angle + ahead) - angle)[100:].max() < 2e-4

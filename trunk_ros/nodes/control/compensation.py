@@ -38,6 +38,8 @@ class Compensation:
         self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
         self.top_speed, self.gain = slowest(model), position_gain(model)
+        if self._lead is not None:
+            self._lead.use(self.gain, model.arm.tau_v, self.top_speed)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 
@@ -63,11 +65,11 @@ class Compensation:
         """The setpoint for ``dt`` s after the last one; of a reference whose derivatives (joints,) are known
         the servo's lag is made up for. ``limited`` tells which joints a limit held back.
         """
-        lead, before = None, self._lead
-        if velocity is not None and acceleration is not None and self._aim is not None:
-            lead = before or Lead(self._aim)
-            lead.use(self.gain, self.model.arm.tau_v, self.top_speed)
-            reference = reference + lead.ahead(velocity, acceleration, dt)
+        if velocity is None or acceleration is None or self._aim is None:
+            self._lead = None
+        else:
+            self._lead = self._lead or Lead(self._aim, self.gain, self.model.arm.tau_v, self.top_speed)
+            reference = reference + self._lead.ahead(velocity, acceleration, dt)
         wanted = self.ideal(reference, dt)
         if self._aim is None or self.out is None:
             self._aim = self.out = np.clip(wanted, self.lower, self.upper)
@@ -78,10 +80,10 @@ class Compensation:
         target = wanted + self._fade
         self._aim = self._towards(target, self._aim, dt)
         self.limited = (np.abs(self._aim - target) > 1e-12) | self._clipped
-        self.out = self._towards(self._aim if lead is None else lead.setpoint(self._aim, dt), self.out, dt)
-        if lead is not None:
-            lead.went(self.out, dt)
-        self._lead = lead
+        asked = self._aim if self._lead is None else self._lead.setpoint(self._aim, dt)
+        self.out = self._towards(asked, self.out, dt)
+        if self._lead is not None:
+            self._lead.went(self.out, dt)
         return self.out
 
     def _towards(self, target: Array, last: Array, dt: float) -> Array:

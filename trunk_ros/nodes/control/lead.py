@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.servo.loop import STEP
+from trunk_ros.compiled import Array
+from trunk_ros.effects.servo.loop import STEP, servo_loop
 
 QUICKER = 2.0  # times the servo's own pace: setpoints then run ahead by up to its square of what they would
 
@@ -18,14 +18,18 @@ class Lead:
     setpoints that really went out: what a limit held back is caught up with, not overshot.
     """
 
-    def __init__(self, at: Array):
-        """``at`` (joints,) rad: where the motors stand."""
-        self._wanted, self._at, self._speed = at, at, np.zeros_like(at)
+    def __init__(self, at: Array, gain: Array, tau_v: float, top_speed: float):
+        """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
+        still = np.zeros_like(at)
+        self._wanted, self._servo = at, np.array([at, still, at])
+        self.use(gain, tau_v, top_speed)
 
     def use(self, gain: Array, tau_v: float, top_speed: float) -> None:
         """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` rad/s of the servo."""
-        self.gain, self.tau_v, self.top_speed = gain, tau_v, top_speed
+        self.gain, self.tau_v = gain, tau_v
         self.pace = QUICKER * np.sqrt(gain / tau_v)
+        none, row = np.zeros_like(gain), np.zeros((1, len(gain)))
+        self._law = gain, none + tau_v, none + top_speed, none, row, none, none, row, np.zeros((3, len(gain)))
 
     def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
         """How far a reference with these derivatives (joints,) has to run ahead for the filter, which hears
@@ -39,35 +43,21 @@ class Lead:
         if dt == 0.0:
             return wanted
         slope, w = (wanted - self._wanted) / dt, self.pace
-        later = (
-            max(dt - STEP, 0.0) / 2.0
-        )  # the middle of the period; the loop's own steps are half a step early
-        lag = self._at - self._wanted + 2.0 * slope / w
-        gains = self._speed - slope + w * lag
+        later = max(dt - STEP, 0.0) / 2.0  # the middle of it; the loop's own steps are half a step early
+        stands, moves, _ = self._servo
+        lag = stands - self._wanted + 2.0 * slope / w
+        gains = moves - slope + w * lag
         left = np.exp(-w * later)
         goal = self._wanted + slope * later
         at = goal - 2.0 * slope / w + (lag + gains * later) * left
-        speed = slope + (self._speed - slope - w * gains * later) * left
+        speed = slope + (moves - slope - w * gains * later) * left
         acceleration = w**2 * (goal - at) - 2.0 * w * speed
         self._wanted = wanted
         return np.asarray(at + (speed + self.tau_v * acceleration) / self.gain)
 
     def went(self, setpoint: Array, dt: float) -> None:
         """What went out for ``dt`` s."""
-        self._at, self._speed = self._at.copy(), self._speed.copy()
-        follow(setpoint, dt, self.gain, self.tau_v, self.top_speed, self._at, self._speed)
-
-
-@compiled
-def follow(
-    setpoint: Array, dt: float, gain: Array, tau_v: float, top_speed: float, at: Array, speed: Array
-) -> None:
-    """The nominal servo (joints,) under a setpoint that holds for ``dt`` s; ``at`` and ``speed`` change."""
-    steps = max(1, int(np.round(dt / STEP)))
-    h = dt / steps
-    smooth = -np.expm1(-h / tau_v) if tau_v < h else h / tau_v
-    for j in range(len(at)):
-        for _ in range(steps):
-            asked = min(max(gain[j] * (setpoint[j] - at[j]), -top_speed), top_speed)
-            speed[j] += smooth * (asked - speed[j])
-            at[j] += h * speed[j]
+        times = np.array([0.0, dt])
+        servo_loop(
+            np.array([setpoint, setpoint]), times, *self._law, 1, self._servo, np.empty((1, len(setpoint)))
+        )
