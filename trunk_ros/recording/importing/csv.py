@@ -34,14 +34,15 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
         key: {name: _values(each, table)[rows] for name, each in topic.items()}
         for key, topic in mapping.topics.items()
     }
-    kept = {key: _kept(every_ns, list(each.values())) for key, each in values.items()}
+    told = {key: _told(list(each.values())) for key, each in values.items()}
+    kept = {key: each[np.unique(every_ns[each], return_index=True)[1]] for key, each in told.items()}
     start_ns = min(int(every_ns[each[0]]) for each in kept.values())
     series = {
         key: _series((every_ns[each] - start_ns) / 1e9, mapping.joints, values[key], each)
         for key, each in kept.items()
     }
     full = {key: Counts(len(each.stamp), not_finite=_not_finite(each)) for key, each in series.items()}
-    timing += _left_out(every_ns, {key: list(each.values()) for key, each in values.items()})
+    timing += _left_out(len(every_ns), told, kept)
     notes = tuple(remarks + timing + time_remarks(mapping, series) + series_remarks(series, full))
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
     duration = max(float(each.stamp[-1]) for each in series.values())
@@ -80,25 +81,19 @@ def _told(values: list[Floats]) -> Whole:
     return rows if len(rows) else np.arange(len(values[0]))
 
 
-def _kept(every_ns: Whole, values: list[Floats]) -> Whole:
-    """The rows of a topic's messages, in the order of their stamps, of which each comes once."""
-    rows = _told(values)
-    first: Whole = np.unique(every_ns[rows], return_index=True)[1]
-    return rows[first]
-
-
-def _left_out(every_ns: Whole, values: dict[str, list[Floats]]) -> list[str]:
-    """What is said of rows that are no messages of a topic."""
+def _left_out(rows: int, told: dict[str, Whole], kept: dict[str, Whole]) -> list[str]:
+    """What is said of rows that are no messages of a topic: those that were not ``told``, and repeated
+    stamps, of which one was ``kept``.
+    """
     said: dict[str, list[str]] = {}
-    for key, each in values.items():
-        told = _told(each)
-        if blank := len(every_ns) - len(told):
+    for key, each in told.items():
+        if blank := rows - len(each):
             said.setdefault(f"{blank} rows hold no value, left out", []).append(TOPICS[key])
-        if repeated := len(told) - len(np.unique(every_ns[told])):
+        if repeated := len(each) - len(kept[key]):
             text = f"{repeated} rows repeated a stamp: the first of each counts"
             said.setdefault(text, []).append(TOPICS[key])
     return [
-        text if len(topics) == len(values) and "repeated" in text else f"{', '.join(topics)}: {text}"
+        text if len(topics) == len(told) and "repeated" in text else f"{', '.join(topics)}: {text}"
         for text, topics in said.items()
     ]
 
