@@ -18,6 +18,8 @@ from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.errors import ModelError
 
+HELD, SAMPLED = "held", "sampled"
+
 AnyModel = TypeVar("AnyModel", bound="ArmModel")  # what is made of a model is of its kind
 
 
@@ -37,6 +39,8 @@ class ArmModel:
     duration: float = 0.0
     error: Array = field(default_factory=lambda: np.empty(0))
     reach: Array = field(default_factory=lambda: np.empty(0))
+    setpoints: str = HELD
+    """What recorded setpoints are: each held until the next, or samples of what the servo got (SAMPLED)."""
 
     @property
     def any_joints(self) -> bool:

@@ -12,7 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.lasting import Payload, share
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import FROM, GROWN, NEVER, UNTIL
+from trunk_ros.parameter import FROM, GROWN, NEVER, UNTIL, Parameter
 
 Values = dict[str, Any]
 """Of one effect: (joints,) by parameter, a float where it is shared; words as lists; ``form``."""
@@ -42,6 +42,7 @@ def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[st
         p.name: np.atleast_1d(np.asarray(given.get(p.name, p.null), dtype=float))
         for p in (*kind.parameters, *kind.moments())
     }
+    used = {p.name: p for p in kind.used(form)}
     set_ = {p.name for p in kind.parameters if np.any(numbers[p.name] != p.null)}
     if not set_:
         return {}
@@ -54,15 +55,24 @@ def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[st
                 "no joints: name them in arm.joints" if joints == (ANY_JOINTS,) else f"{len(joints)} joints"
             )
             raise ModelError(f"effects.{kind.id}.{p.name} has {numbers[p.name].size} values for {there}")
-        if p.name in set_ or (p in kind.own_parameters(form) and not p.optional):
-            values[p.name] = (
-                float(numbers[p.name][0]) if p.shared else spread_over(numbers[p.name], len(joints))
-            )
+        if p.name in set_ or (p.name in used and not p.moment and not p.optional):
+            values[p.name] = _held(kind, used[p.name], numbers[p.name], len(joints))
     values |= {
         text: spread_over(list(given[text]), len(joints)) for text in kind.texts if any(given.get(text, []))
     }
     bind(kind.id, values, joints)
     return values
+
+
+def _held(kind: type[Effect], parameter: Parameter, numbers: Array, joints: int) -> Any:
+    """A value as a model has it. Raises ModelError for several of what a form shares."""
+    if not parameter.shared:
+        return spread_over(numbers, joints)
+    if numbers.size > 1:
+        raise ModelError(
+            f"effects.{kind.id}.{parameter.name} has {numbers.size} values: give 1, or form: {kind.apart}"
+        )
+    return float(numbers[0])
 
 
 def _check_form(kind: type[Effect], form: str, names: set[str]) -> None:
@@ -85,7 +95,7 @@ def check_rivals(effects: Mapping[str, Values]) -> None:
 
 def _acts(name: str, effects: Mapping[str, Values]) -> Any:
     """(joints,) where an effect has values of its own that are not null; everywhere if all are shared."""
-    own = [p for p in effect(name).parameters if not p.shared and p.name in effects[name]]
+    own = [p for p in effect(name).parameters if np.ndim(effects[name].get(p.name, 0.0))]
     return np.any([effects[name][p.name] != p.null for p in own], axis=0) if own else np.True_
 
 
@@ -109,7 +119,7 @@ def at_end(name: str, values: Values, duration: float, joints: tuple[str, ...]) 
     lead = kind.own_parameters(str(values.get("form", kind.forms[0])))[0]
     for p in (p for p in kind.parameters if p.name in left):
         there = payload_in(p.name, values).lasts(duration) if p.carried else acts
-        if not (p.shared and np.size(there) > 1):
+        if np.ndim(left[p.name]) or np.size(there) == 1:
             size = there if p is lead else there > 0
             left[p.name] = np.asarray(p.null + size * (left[p.name] - p.null))[()]
     return effect_values(kind, left, joints)

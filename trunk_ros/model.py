@@ -16,6 +16,7 @@ import numpy as np
 
 from trunk_ros.arm.flat import arm_from, arm_parameters, per_joint
 from trunk_ros.arm.parameters import RENAMED, check_names, checked, declared_arm, shortened
+from trunk_ros.arm_model import HELD, SAMPLED
 from trunk_ros.effect_values import Values, check_rivals, effect_values
 from trunk_ros.effects import effect, registry
 from trunk_ros.errors import ModelError
@@ -32,6 +33,8 @@ class Model(Predictor):
         """Flat ROS parameters, effects at their null left out."""
         flat = arm_parameters(self.arm)
         flat["recording.duration"] = float(self.duration)
+        if self.setpoints != HELD:
+            flat["recording.setpoints"] = self.setpoints
         flat |= {
             f"recording.{name}": known.tolist()
             for name, known in (("error", self.error), ("reach", self.reach))
@@ -66,7 +69,11 @@ class Model(Predictor):
                 effects[name] = values
         check_rivals(effects)
         known = {name: per_joint(given, f"recording.{name}", len(arm.joints)) for name in ("error", "reach")}
-        return Model(arm, effects, given.get("recording.duration", 0.0), **known)
+        setpoints = given.get("recording.setpoints", HELD)
+        if setpoints not in (HELD, SAMPLED):
+            raise ModelError(f"recording.setpoints = {shortened(setpoints)}: choose {HELD} or {SAMPLED}")
+        duration = given.get("recording.duration", 0.0)
+        return Model(arm, effects, duration, **known, setpoints=setpoints)
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""
@@ -93,8 +100,10 @@ def declared_parameters() -> list[Declaration]:
     for name, kind in registry().items():
         for p in (*kind.parameters, *kind.moments()):
             default: Any = float(p.null) if p.shared else [float(p.null)]
+            both = p.shared and bool(kind.apart)
+            meaning = f"{name}: {p.meaning}" + (f"; one per joint in form {kind.apart}" if both else "")
             declared.append(
-                Declaration(f"effects.{name}.{p.name}", default, p.unit, p.bounds, f"{name}: {p.meaning}")
+                Declaration(f"effects.{name}.{p.name}", default, p.unit, p.bounds, meaning, free=both)
             )
         for text in kind.texts:
             declared.append(

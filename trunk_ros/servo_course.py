@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
-from trunk_ros.arm_model import ArmModel
+from trunk_ros.arm_model import HELD, ArmModel
 from trunk_ros.chain import Chain
+from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.recording.recording import Floats, JointSeries, Recording
 from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
-from trunk_ros.recording.signal.fill import fill, hold
+from trunk_ros.recording.signal.fill import between, fill, hold
 from trunk_ros.recording.signal.gaps import bridged
 from trunk_ros.recording.signal.resample import SAME, joint_grid, stops_to_measure
 
@@ -27,6 +28,14 @@ def servo_course(setpoints: JointSeries, wanted: Floats, model: ArmModel) -> Joi
     return JointSeries(wanted[kept], setpoints.joints, phi[rows])
 
 
+def given(setpoints: JointSeries, model: ArmModel) -> JointSeries:
+    """The setpoints that a servo got: those recorded, or what these are samples of."""
+    if model.setpoints == HELD:
+        return setpoints
+    stamp, position = between(setpoints.stamp, setpoints.position, STEP)
+    return JointSeries(stamp, setpoints.joints, position)
+
+
 def all_setpoints(recording: Recording, joints: tuple[str, ...], model: ArmModel) -> JointSeries | None:
     """Setpoints of the joints with those that were lost on the way to the bag, which move as the reference
     does; None where they were not recorded.
@@ -36,10 +45,10 @@ def all_setpoints(recording: Recording, joints: tuple[str, ...], model: ArmModel
         return None
     setpoints = setpoints.select(joints)
     if reference is None or not set(joints) <= set(reference.joints):
-        return bridged(setpoints, longest=LOST)
+        return given(bridged(setpoints, longest=LOST), model)
     asked = bridged(reference.select(joints), longest=LOST)
     guide = JointSeries(asked.stamp, joints, model.only(joints).arm.asked(asked.position))
-    return bridged(setpoints, guide, LOST)
+    return given(bridged(setpoints, guide, LOST), model)
 
 
 def as_the_servo_went(

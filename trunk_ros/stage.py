@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.arm import SERVO_OF_EACH
 from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
@@ -137,11 +138,12 @@ def run_servo(
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
+    kp, tau_v, v_max, delay = (_of_servo(getattr(arm, name), now) for name in SERVO_OF_EACH)
     core = Core(
-        kp=np.full(columns, arm.kp),
-        tau_v=np.full(columns, arm.tau_v),
-        v_max=np.full(columns, arm.v_max),
-        delay=np.zeros(columns),
+        kp=kp,
+        tau_v=tau_v,
+        v_max=v_max,
+        delay=delay,
         pull=np.zeros((n, columns)),
         rub=np.zeros(columns),
         reach=reach(arm, now),
@@ -170,6 +172,12 @@ def run_servo(
         out,
     )
     return out, state
+
+
+def _of_servo(number: float | Array, now: Now) -> Array:
+    """(columns,) a number of the servos, which may be one for all."""
+    some = number[list(now.columns)] if isinstance(number, np.ndarray) and now.columns else number
+    return np.full(len(now.ratio), some)
 
 
 def reach(arm: Arm, now: Now) -> Array:

@@ -34,9 +34,18 @@ class Run:
         return Run(self.stamp[rows], self.commands[rows], self.loads[rows], self.angles[rows])
 
 
+def ends(recording: Recording) -> tuple[str, str]:
+    """The topic that drives, and the one that shows where that led."""
+    wires = "gearbox_states", "joint_states"
+    return wires if "joint_states" in recording.series else ("setpoints", "gearbox_states")
+
+
 def run_of(recording: Recording, joints: tuple[str, ...]) -> Run:
-    """Commands are held at what was last asked for; angles of ``joints`` alone."""
-    driven, shown = recording.require("gearbox_states"), recording.require("joint_states").select(joints)
+    """Commands are held at what was last asked for; angles of ``joints`` alone. Of a recording without joints
+    the servos' setpoints, and where these went.
+    """
+    driven, shown = (recording.require(topic) for topic in ends(recording))
+    shown = shown.select(joints)
     last = np.clip(np.searchsorted(driven.stamp, shown.stamp + 1e-6, side="right") - 1, 0, None)
     loads = np.empty((len(last), 0)) if driven.effort is None else driven.effort[last]
     return Run(shown.stamp, np.nan_to_num(driven.position[last]), np.nan_to_num(loads), shown.position)

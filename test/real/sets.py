@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from trunk_ros.recording.importing.bag import read_bag
 from trunk_ros.recording.importing.csv import read_csv
-from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.share import config_path
 
@@ -27,10 +27,10 @@ class RealSet:
 
     def read(self, home: Path, name: str) -> Recording:
         """A recording by the name of its file."""
-        bag = home / self.folder / f"{name}.bag"
+        mapping, bag = config_path(f"import/{self.mapping}"), home / self.folder / f"{name}.bag"
         if bag.exists():
-            return read_recording(bag)
-        return read_csv(home / self.folder / f"{name}.csv", config_path(f"import/{self.mapping}"))
+            return read_bag(bag, mapping)
+        return read_csv(home / self.folder / f"{name}.csv", mapping)
 
     def rows(self) -> Iterator[tuple[str, bool]]:
         """Names of what is judged, and whether only the part is that was not fitted."""
@@ -40,6 +40,10 @@ class RealSet:
 
 
 SHEATH = "tendon-sheath"
+PSM = tuple(f"outer_{j}" for j in ("yaw", "pitch", "insertion", "roll", "wrist_pitch", "wrist_yaw"))
+TRAVEL = "EccA_load-square-wave-"
+ECCENTRIC = f"{TRAVEL}full-travel-1Hz", f"{TRAVEL}half-travel-1Hz"
+SLIDE = ("LinA_pp-square-wave-10mm-0.5Hz",)
 SETS = (
     RealSet("dvrk-wrist", "dvrk-wrist", ("train_random",), ("exp1", "exp2", "exp4"), ("q4", "q5", "q6"), 0.7),
     RealSet(SHEATH, SHEATH, ("test0224",), ("odd_test",), ("bend",), 0.7),
@@ -56,4 +60,7 @@ SETS = (
     RealSet(
         "instrument-jaw", "instrument-jaw", ("t4_04", "t4_20", "t4_29", "t4_44"), ("t4_00", "t4_22"), ("jaw",)
     ),
+    RealSet("psm-servo", "psm-servo", ("traj_01",), (), PSM, 0.7),
+    RealSet("camber", "camber-eccentric", (f"{TRAVEL}full-travel-0.5Hz",), ECCENTRIC, ("ecc",), 0.7),
+    RealSet("camber", "camber-slide", ("LinA_pp-sine-sweep-10mm-0.5Hz",), SLIDE, ("slide",), 0.7),
 )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from test.real.features import Array, Run, run_of
+from test.real.features import Array, Run, ends, run_of
 from test.real.peers import PEERS
 from test.real.sets import RealSet
 from trunk_ros.diagnosis import diagnose
@@ -48,17 +48,19 @@ def compared(real: RealSet, home: Path, peers: Sequence[str], every: bool = Fals
     model = diagnose(
         [read[name] for name in real.fitted], model="direct", until=f"{100 * real.share:g}%"
     ).model
-    own = [read[real.fitted[0]].require("gearbox_states").joints.index(joint) for joint in real.joints]
+    first = read[real.fitted[0]]
+    own = [first.require(ends(first)[0]).joints.index(joint) for joint in real.joints]
     seen = [_head(run_of(read[name], real.joints), real.share) for name in real.fitted]
     fitted = {name: PEERS[name](seen, own) for name in peers}
+    servo = ends(first)[0] == "setpoints"
     out = []
     for name, rest in real.rows():
         run = run_of(read[name], real.joints)
-        first = real.share * run.stamp[-1] if rest else run.stamp[0] + SETTLE
-        rows = run.stamp > (first if rest or not every else -np.inf)
+        begin = real.share * run.stamp[-1] if rest else run.stamp[0] + SETTLE
+        rows = run.stamp > (begin if rest or not every else -np.inf)
         said = {
             HERE: _simulated(read[name], model, real),
-            NOMINAL: _simulated(read[name], load_model("direct"), real),
+            NOMINAL: _nothing(run, own) if servo else _simulated(read[name], load_model("direct"), real),
         }
         said |= {peer: predict(run) for peer, predict in fitted.items()}
         seen_there = np.nan_to_num(run.angles) if every else run.angles
@@ -71,9 +73,15 @@ def compared(real: RealSet, home: Path, peers: Sequence[str], every: bool = Fals
     return out
 
 
+def _nothing(run: Run, own: list[int]) -> Array:
+    """A servo that is where it was asked to be."""
+    return run.commands[:, own]
+
+
 def _simulated(recording: Recording, model: Model, real: RealSet) -> Array:
-    predicted = simulate(recording, model).series["joint_states"]
-    shown = recording.require("joint_states").stamp
+    source, topic = ends(recording)
+    predicted = simulate(recording, model, source).series[topic]
+    shown = recording.require(topic).stamp
     there = predicted.select(real.joints).position
     if len(predicted.stamp) == len(shown):
         return there

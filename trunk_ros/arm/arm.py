@@ -15,6 +15,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 
 GRAVITY = 9.81  # m/s^2, along -z
+SERVO_OF_EACH = ("kp", "tau_v", "v_max", "delay")
 LOADS = ("weight", "weight_and_inertia", "effort")
 
 
@@ -41,9 +42,13 @@ class Arm:
     """m/s^2: along -z of the world, or a vector in it."""
     mounting: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Roll, pitch, yaw [rad] of the base in the world (REP 103: about fixed X, Y, Z)."""
-    kp: float = 20.0
-    tau_v: float = 0.02
-    v_max: float = 1.5
+    servo_stated: bool = True
+    """Whether anything is said of the servos; if not, the numbers below are those of any."""
+    kp: float | Array = 20.0
+    """1/s, and the numbers below as well: one for all joints, or (joints,)."""
+    tau_v: float | Array = 0.02
+    v_max: float | Array = 1.5
+    delay: float | Array = 0.0
     counts_per_rev: float = 131072.0
     wire: Wire | None = field(default=None)
     load_from: str = "weight"
@@ -181,9 +186,9 @@ class Arm:
     def top_speed(self) -> Array:
         """(joints,) rad/s that all joints can have at once with no motor beyond its top speed."""
         if self.coupling is None:
-            return self.v_max * np.abs(self.ratio)
+            return np.asarray(self.v_max * np.abs(self.ratio))
         asked = np.abs(np.linalg.inv(self.coupling)).sum(axis=1).max()
-        return np.full(len(self.joints), self.v_max / asked)
+        return np.full(len(self.joints), float(np.min(self.v_max)) / asked)
 
     def driven(self, motors: Array) -> Array:
         """What motor angles (…, motors) are at the joints, (…, joints): also of speeds."""
@@ -225,6 +230,8 @@ class Arm:
         motors = tuple(self.motors[c] for c in columns) if self.motors else ()
         empty = np.empty(0)
         cut |= {"link_length": empty, "link_mass": empty}
+        own = {name: getattr(self, name) for name in SERVO_OF_EACH}
+        cut |= {name: value[columns] for name, value in own.items() if np.ndim(value)}
         return replace(self, joints=joints, motors=motors, description=None, wire=None, **cut)
 
 

@@ -34,6 +34,7 @@ def arm_from(flat: Mapping[str, Any], folder: Path | None = None) -> Arm:
     wire, coupling = _wire(flat, here), _coupling(flat, here)
     lower, upper = limits_in(description, joints)
     ratio = _array(flat, "wire.ratio", here, wire.ratio if wire else 1.0)
+    servo: dict[str, Any] = {name: _of_servo(flat, name, here) for name in SERVO}
     arm = Arm(
         joints=joints,
         ratio=ratio if coupling is None else np.ones(here),
@@ -53,7 +54,8 @@ def arm_from(flat: Mapping[str, Any], folder: Path | None = None) -> Arm:
         description=description,
         coupling=coupling,
         motors=_motors(flat, here),
-        **{name: flat.get(f"servo.{name}", value) for name, (value, *_) in SERVO.items()},
+        servo_stated=any(f"servo.{name}" in flat for name in SERVO),
+        **servo,
     )
     _check_arm(arm)
     return arm
@@ -181,7 +183,14 @@ def arm_parameters(arm: Arm) -> dict[str, Any]:
     if arm.wire is not None:
         flat |= {f"wire.{name}": float(getattr(arm.wire, name)) for name in WIRE_SCALARS}
         flat |= {f"wire.{name}": getattr(arm.wire, name).tolist() for name in WIRE_ARRAYS}
-    return flat | {f"servo.{name}": float(getattr(arm, name)) for name in SERVO}
+    servo = {name: np.asarray(getattr(arm, name), dtype=float) for name in SERVO if arm.servo_stated}
+    return flat | {f"servo.{name}": value.tolist() for name, value in servo.items() if value.any()}
+
+
+def _of_servo(flat: Mapping[str, Any], name: str, joints: int) -> float | Array:
+    """A number of the servos: one for all, or (joints,)."""
+    values = _array(flat, f"servo.{name}", joints, SERVO[name][0])
+    return values if np.size(flat.get(f"servo.{name}", 0.0)) > 1 else float(values[0])
 
 
 def _plain(gravity: float | tuple[float, float, float]) -> float | list[float]:

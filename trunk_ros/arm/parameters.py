@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm.arm import GRAVITY, LOADS
+from trunk_ros.arm.arm import GRAVITY, LOADS, SERVO_OF_EACH
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Declaration
@@ -24,6 +24,12 @@ RENAMED = {"model.duration": "recording.duration"}
 
 def _per_joint(name: str, unit: str, bounds: tuple[float, float], meaning: str) -> Declaration:
     return Declaration(name, [float("nan")], unit, bounds, meaning + ", per joint (nan: not given)")
+
+
+def _of_servo(name: str, value: float, unit: str, meaning: str, bounds: tuple[float, float]) -> Declaration:
+    each = name in SERVO_OF_EACH
+    meaning += ", or one per joint" if each else ""
+    return Declaration(f"servo.{name}", value, unit, bounds, meaning, free=each)
 
 
 WIRE_SCALARS = {
@@ -46,6 +52,7 @@ SERVO = {
     "kp": (20.0, "1/s", "position gain"),
     "tau_v": (0.02, "s", "time constant of the velocity loop"),
     "v_max": (1.5, "rad/s", "top speed of the gearbox shaft"),
+    "delay": (0.0, "s", "age of a setpoint when it acts"),
     "counts_per_rev": (131072.0, "1", "encoder counts per turn of the gearbox shaft"),
 }
 
@@ -107,7 +114,7 @@ def declared_arm() -> list[Declaration]:
         ),
         *(_per_joint(f"wire.{name}", unit, large, meaning) for name, (unit, meaning) in WIRE_ARRAYS.items()),
         *(
-            Declaration(f"servo.{name}", value, unit, positive, meaning)
+            _of_servo(name, value, unit, meaning, large if value == 0.0 else positive)
             for name, (value, unit, meaning) in SERVO.items()
         ),
         Declaration(
@@ -116,6 +123,13 @@ def declared_arm() -> list[Declaration]:
             "s",
             large,
             "length of the recording that effects of time were fitted on",
+        ),
+        Declaration(
+            "recording.setpoints",
+            "held",
+            "",
+            None,
+            "recorded setpoints: held until the next, or sampled from what moves on between them",
         ),
         _per_joint(
             "recording.error", "rad", large, "what the model usually left of what its fit did not see, rms"

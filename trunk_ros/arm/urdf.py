@@ -81,7 +81,7 @@ def _link(robot: Element, name: str, length: float, mass: float, colour: int) ->
 def _joint(robot: Element, arm: Arm, j: int, name: str, parent: str, child: str, height: float) -> None:
     joint = _connect(robot, name, "revolute", parent, child, height)
     SubElement(joint, "axis", xyz="1 0 0")
-    top = arm.v_max * abs(arm.ratio[j])
+    top = arm.top_speed[j]
     ends = {"lower": arm.lower[j], "upper": arm.upper[j], "velocity": top, "effort": 10.0}
     SubElement(joint, "limit", {key: repr(float(value)) for key, value in ends.items()})
 

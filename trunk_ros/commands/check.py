@@ -10,6 +10,7 @@ from trunk_ros.commands.console import columns, say
 
 if TYPE_CHECKING:
     from trunk_ros.arm import Arm
+    from trunk_ros.compiled import Array
     from trunk_ros.model import Model
     from trunk_ros.recording.importing.mapping import Mapping, Quantity
     from trunk_ros.trajectory import Trajectory
@@ -115,10 +116,17 @@ def _tip(arm: Arm) -> str:
     return "not known: neither link lengths nor a URDF, so no arm stage"
 
 
+def _listed(number: float | Array) -> str:
+    values = [number] if isinstance(number, float) else number.tolist()
+    return "/".join(f"{value:g}" for value in values)
+
+
 def _servo(arm: Arm, given: dict[str, Any]) -> str:
     """Its numbers, and which of them are not the file's."""
     units = {"kp": " 1/s", "tau_v": " s", "v_max": " rad/s"}
-    numbers = ", ".join(f"{name} {getattr(arm, name):g}{unit}" for name, unit in units.items())
+    numbers = ", ".join(f"{name} {_listed(getattr(arm, name))}{unit}" for name, unit in units.items())
+    if not arm.servo_stated:
+        return f"not given: a diagnosis finds it in the recording, a simulation takes {numbers}"
     taken = [name for name in units if f"servo.{name}" not in given]
     return numbers + (f" (not given, taken from trunk: {', '.join(taken)})" if taken else "")
 

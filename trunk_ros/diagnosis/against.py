@@ -86,7 +86,7 @@ def with_room(model: Model, recordings: Sequence[Recording]) -> Model:
     """The model with no top speed to speak of, where a gearbox was faster than that: it is not theirs."""
     driven = [r.series["gearbox_states"] for r in recordings if "gearbox_states" in r.series]
     fastest = max((top_speed(series.stamp, series.position) for series in driven), default=0.0)
-    if fastest <= FASTER * model.arm.v_max:
+    if fastest <= FASTER * np.max(model.arm.v_max):
         return model
     return replace(model, arm=replace(model.arm, v_max=ROOM * fastest))
 

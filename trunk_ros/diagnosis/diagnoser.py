@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.against import SERVO, Simulator
+from trunk_ros.diagnosis.against import SERVO, Simulator, with_room
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp
@@ -21,6 +21,7 @@ from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
+from trunk_ros.diagnosis.nominal_servo import with_its_servo
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
@@ -139,10 +140,14 @@ class Diagnoser:
         if other is not None and other.has_servo:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         spans = [s for s in spans if s.joints == self.joints]
-        if spans:
-            self.say("servo")
-            arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
-            self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
+        if not spans:
+            return
+        self.say("servo")
+        if not (self.model.arm.servo_stated or any(effect(n).stage == "servo" for n in self.model.effects)):
+            self.model = with_its_servo(with_room(self.model, recorded), recorded)
+            spans = [servo_span(r, self.model) for r in recorded]
+        arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
+        self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
 
     def wire(self) -> None:
         """Gearbox to joint, where the joints have sensors."""
@@ -288,5 +293,5 @@ def _on_the_arm(
 
 def _acts(name: str, values: Values, joint: int) -> bool:
     """Whether a model has an effect on a joint by a value of its own."""
-    own = [p for p in effect(name).parameters if not p.shared and p.name in values]
+    own = [p for p in effect(name).parameters if np.ndim(values.get(p.name, 0.0))]
     return any(values[p.name][joint] != p.null for p in own)

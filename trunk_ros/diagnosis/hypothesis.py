@@ -57,16 +57,22 @@ class Term:
         return sorted(self.own)
 
     def reform(self, form: str) -> None:
-        """Take another form, without the values that it does not use."""
+        """Take another form, without the values that it does not use; what joints shared each then has, and
+        the other way round.
+        """
         self.form = form
-        used = {p.name for p in effect(self.effect).used(form)}
-        self.shared = {name: value for name, value in self.shared.items() if name in used}
+        used = effect(self.effect).used(form)
+        shared, names = self.shared, {p.name for p in used if p.shared}
+        self.shared = {n: v for n, v in shared.items() if n in names}
+        for n in names - self.shared.keys():
+            if each := [values[n] for values in self.own.values() if n in values]:
+                self.shared[n] = float(np.median(each))
         for column, values in self.own.items():
-            self.have(column, values)
+            self.have(column, {**shared, **values})
 
     def have(self, column: int, values: Mapping[str, float]) -> None:
         """Be on a joint with values that it may have had in another form: those that this one uses."""
-        used = {p.name for p in effect(self.effect).used(self.form)}
+        used = {p.name for p in effect(self.effect).used(self.form) if not p.shared}
         self.own[column] = {name: value for name, value in values.items() if name in used}
 
     def moments(self, column: int) -> tuple[str, ...]:

@@ -43,6 +43,8 @@ class Effect(ABC):
     forms: ClassVar[tuple[str, ...]] = ("",)
     refined: ClassVar[tuple[str, ...]] = ()
     """Forms with more to them, which are looked at once another form has been found."""
+    apart: ClassVar[str] = ""
+    """The form in which each joint has values of its own of what all share in the others."""
     shaking: ClassVar[tuple[str, ...]] = ()
     """Forms by which joints move each other, so that all are computed together."""
     beyond: ClassVar[str] = ""
@@ -69,7 +71,7 @@ class Effect(ABC):
     shifts_readings: ClassVar[bool] = False
     """Its first parameter is a constant in a joint's reading, as where its sensor's zero is off."""
     changes: ClassVar[str] = ""
-    """The number of the arm that it says is another one, ``ratio``, ``kp`` or ``v_max``; see ``changed``."""
+    """The number of the arm that it says is another one, such as ``ratio`` or ``kp``; see ``changed``."""
     begins: ClassVar[bool] = False
     """It may begin or end in the middle of a recording."""
     grows: ClassVar[bool] = False
@@ -189,7 +191,13 @@ class Effect(ABC):
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         """The parameters that a form uses."""
-        return cls.parameters
+        return cls.of_each() if form and form == cls.apart else cls.parameters
+
+    @classmethod
+    @cache
+    def of_each(cls) -> tuple[Parameter, ...]:
+        """The parameters as values of each joint."""
+        return tuple(replace(p, shared=False) for p in cls.parameters)
 
     @classmethod
     @cache

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import ClassVar
 from xml.etree.ElementTree import Element
 
+import numpy as np
+
 from trunk_ros.effect_values import Values
 from trunk_ros.errors import TrunkError
 from trunk_ros.export.markup import commented, parse, to_text, written
@@ -72,7 +74,7 @@ class JointWriter(Writer):
         for k, joint in enumerate(self.joints):
             limit = self.limit(joint)
             assert limit is not None
-            top = float(values["v_max"]) * abs(float(self.model.arm.ratio[k]))
-            self.tell(limit, "velocity", written([top]))
-            self.note("joint", joint, f"velocity_saturation {values['v_max']:.4g} rad/s at the motor: limit")
+            fastest = float(np.broadcast_to(values["v_max"], len(self.joints))[k])
+            self.tell(limit, "velocity", written([fastest * abs(float(self.model.arm.ratio[k]))]))
+            self.note("joint", joint, f"velocity_saturation {fastest:.4g} rad/s at the motor: limit")
         return {}

@@ -55,7 +55,7 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
     for name in theirs.effects:
         if name not in model.effects and name not in (*PLAY, "ratio_error"):
             remarks.append(EXCESS.format(name, "the arm has none"))
-    servo = float(replace(theirs, arm=model.arm).number("kp"))
+    servo = float(np.median(replace(theirs, arm=model.arm).number("kp")))
     arm = replace(model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=servo)
     return Missing(replace(model, arm=arm, effects=effects), tuple(remarks))
 

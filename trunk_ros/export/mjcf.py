@@ -152,10 +152,11 @@ class MjcfWriter(MjcfFile):
         """The actuators' gain."""
         if not all(self.drives.values()):
             return values
-        for drive in self.drives.values():
+        each = np.broadcast_to(values["relative"], len(self.drives))
+        for drive, more in zip(self.drives.values(), each.tolist(), strict=True):
             assert drive is not None
-            drive.strengthen(1.0 + float(values["relative"]))
-            self._told(drive, f"servo_bandwidth {values['relative']:+.4g}: kp")
+            drive.strengthen(1.0 + more)
+            self._told(drive, f"servo_bandwidth {more:+.4g}: kp")
         return {}
 
     def link_length_error(self, values: Values) -> Values:

@@ -27,7 +27,7 @@ from trunk_ros.recording.signal.resample import (
     stops_to_measure,
 )
 from trunk_ros.resistance import Resistance, resistance
-from trunk_ros.servo_course import as_the_servo_went
+from trunk_ros.servo_course import as_the_servo_went, given
 from trunk_ros.start import TURNS
 from trunk_ros.transmission import at_joints
 
@@ -171,12 +171,14 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     """Setpoints against gearbox angles."""
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = common_joints(recording, model, setpoints, gearbox)
-    setpoints, gearbox = setpoints.select(joints), gearbox.select(joints)
+    setpoints, gearbox = given(setpoints.select(joints), model), gearbox.select(joints)
     grid, rows, kept = joint_grid(setpoints.stamp, gearbox.stamp, fine=False)
     held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     source = hold(setpoints.position)[held]
     measured = gearbox.position[kept]
-    unsettled = _after_gaps(setpoints, grid, model.for_joints(joints).arm.v_max) | (grid < grid[0] + SETTLING)
+    unsettled = _after_gaps(setpoints, grid, float(np.min(model.for_joints(joints).arm.v_max))) | (
+        grid < grid[0] + SETTLING
+    )
     valid = np.isfinite(measured) & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)

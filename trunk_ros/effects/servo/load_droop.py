@@ -16,8 +16,9 @@ class LoadDroop(Effect):
     stage, place, regime = "servo", 100, "posture"
     signature = "The gearbox stands off its setpoint in proportion to the weight on the joint."
     source = "Proportional loop without integral part: standing error = moment over loop stiffness."
-    forms = ("weight", "weight_and_friction")
-    refined = ("weight_and_friction",)
+    forms = ("weight", "weight_and_friction", "apart")
+    refined = ("weight_and_friction", "apart")
+    apart = "apart"
     parameters = (
         Parameter("gain", "rad/(N*m)", (-5.0, 5.0), "standing error per moment", typical=1e-3, shared=True),
         Parameter("friction", "N*m", (0.0, 50.0), "dry friction that the motor pulls as well", typical=0.1),
@@ -32,4 +33,6 @@ class LoadDroop(Effect):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        if form == cls.apart:
+            return cls.of_each()[:1]
         return cls.parameters if form == "weight_and_friction" else cls.parameters[:1]

@@ -1,4 +1,4 @@
-"""The servo of the nominal arm: position loop over velocity loop, stepped at about 2 ms."""
+"""The servo of the nominal arm: position loop over velocity loop, stepped at about 2 ms, stiff ones more finely."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.sine import sine
 
 STEP = 0.002  # s
+CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
 EDGE = 0.01  # of a dead zone, over which the loop's answer rises: with a jump no two runs would agree
 LONGEST = 30.0  # s without a new setpoint, after which a servo stands
 
@@ -42,10 +43,11 @@ def servo_loop(
     for j in range(columns):
         phi, v, stuck = state[0, j], state[1, j], state[2, j]
         held, smooth, known = 0, 0.0, -1.0
+        step = min(STEP, CLOSE / kp[j])
         for k in range(skip, rows):
             if k > 0:
                 span = min(stamp[k] - stamp[k - 1], LONGEST)
-                substeps = max(1, int(np.round(span / STEP)))
+                substeps = max(1, int(np.round(span / step)))
                 h = span / substeps
                 if h != known:
                     known, smooth = h, -np.expm1(-h / tau_v[j]) if tau_v[j] < h else h / tau_v[j]

@@ -28,6 +28,9 @@ class ServoBandwidth(Effect):
             relative=True,
         ),
     )
+    forms = ("alike", "apart")
+    refined = ("apart",)
+    apart = "apart"
     everywhere = True
     changes = "kp"
     compensable = False

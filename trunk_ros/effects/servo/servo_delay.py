@@ -1,5 +1,10 @@
 """Setpoints take effect late."""
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
@@ -23,11 +28,19 @@ class ServoDelay(Effect):
             scan=(0.005, 0.02, 0.08),
         ),
     )
+    forms = ("alike", "apart")
+    refined = ("apart",)
+    apart = "apart"
     everywhere = True
+    changes = "delay"
     compensable = False
     confused_with = (
         ("servo_bandwidth", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),
     )
+
+    @classmethod
+    def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
+        return number + np.asarray(values.get("delay", 0.0), dtype=float)
 
     def adjust(self, core: Core, now: Now) -> None:
         core.delay = core.delay + self["delay"]

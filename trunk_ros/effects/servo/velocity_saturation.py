@@ -37,6 +37,9 @@ class VelocitySaturation(Effect):
             shared=True,
         ),
     )
+    forms = ("alike", "apart")
+    refined = ("apart",)
+    apart = "apart"
     everywhere = True
     changes = "v_max"
     view = View("time", window=6.0)

@@ -71,6 +71,7 @@ class Plant:
         environments = self._shape[0]
         self._servo, self._wire = Servo(self.model, environments), Wire(self.model, environments)
         self._arm, self._time = self.model.loaded_arm(), 0.0
+        self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, self._arm.v_max)]
         self._gearbox, self._velocity, self._theta = (np.zeros(self._shape) for _ in range(3))
         self._anew = np.zeros(environments, bool)
 
@@ -86,7 +87,8 @@ class Plant:
         wanted = self._servo.step(asked, here, self._time, anew)
         gearbox, velocity = before.copy(), self._velocity.copy()
         arm = self._arm
-        follow(wanted, dt, arm.kp, arm.tau_v, arm.v_max, gearbox, velocity)
+        kp, tau_v, v_max = self._loop
+        follow(wanted, dt, kp, tau_v, v_max, gearbox, velocity)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -106,7 +108,7 @@ class Plant:
 
 @compiled
 def follow(
-    setpoints: Array, dt: float, kp: float, tau_v: float, v_max: float, gearbox: Array, velocity: Array
+    setpoints: Array, dt: float, kp: Array, tau_v: Array, v_max: Array, gearbox: Array, velocity: Array
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
     the nominal servo.
@@ -116,6 +118,6 @@ def follow(
     for e in range(setpoints.shape[0]):
         for j in range(setpoints.shape[1]):
             for _ in range(steps):
-                wanted = min(max(kp * (setpoints[e, j] - gearbox[e, j]), -v_max), v_max)
-                velocity[e, j] += h * (wanted - velocity[e, j]) / tau_v
+                wanted = min(max(kp[j] * (setpoints[e, j] - gearbox[e, j]), -v_max[j]), v_max[j])
+                velocity[e, j] += h * (wanted - velocity[e, j]) / tau_v[j]
                 gearbox[e, j] += h * velocity[e, j]

@@ -36,12 +36,13 @@ class Servo:
 
         self.fastest = spread(core.v_max)
         self.gain = spread(core.kp)
-        self.kp = arm.kp
+        self.kp = spread(np.asarray(arm.kp))
         self.cogging = core.cogging if core.cogging.shape[1] > 1 else None
         self.rub = spread(core.rub)
         self.reach = np.maximum(spread(np.abs(arm.dead_band / arm.ratio)), self.rub)
         self.held: Array | None = None
-        self.past = Past(spread(core.delay)) if np.any(core.delay > 0.0) else None
+        late = spread(core.delay + arm.delay)
+        self.past = Past(late) if np.any(late > 0.0) else None
         self.before: Array | None = None
         self.low: Array = np.zeros(columns)
         self.stuck: Array | None = None
@@ -106,7 +107,7 @@ class Servo:
 
 @compiled
 def shape_commands(
-    x: Array, dt: float, fastest: Array, gain: Array, kp: float, before: Array, low: Array, out: Array
+    x: Array, dt: float, fastest: Array, gain: Array, kp: Array, before: Array, low: Array, out: Array
 ) -> None:
     """Commands (columns,) held back to a speed, then with the bandwidth ``gain`` times ``kp`` instead of
     ``kp``; ``before`` and ``low`` (columns,) are the memory.
@@ -115,7 +116,7 @@ def shape_commands(
         most = fastest[j] * dt
         y = min(max(x[j], before[j] - most), before[j] + most) if dt > 0.0 else before[j]
         if gain[j] != 1.0:
-            ramp, decay = lag_step(dt, 1.0 / (kp * gain[j]))
+            ramp, decay = lag_step(dt, 1.0 / (kp[j] * gain[j]))
             low[j] = ramp * y + (1.0 - ramp - decay) * before[j] + decay * low[j]
             out[j] = gain[j] * y + (1.0 - gain[j]) * low[j]
         else:

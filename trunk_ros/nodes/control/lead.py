@@ -18,13 +18,13 @@ class Lead:
     setpoints that really went out: what a limit held back is caught up with, not overshot.
     """
 
-    def __init__(self, at: Array, gain: Array, tau_v: float, top_speed: float):
+    def __init__(self, at: Array, gain: Array, tau_v: float | Array, top_speed: float):
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
         still = np.zeros_like(at)
         self._wanted, self._servo = at, np.array([at, still, at])
         self.use(gain, tau_v, top_speed)
 
-    def use(self, gain: Array, tau_v: float, top_speed: float) -> None:
+    def use(self, gain: Array, tau_v: float | Array, top_speed: float) -> None:
         """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` rad/s of the servo."""
         self.gain, self.tau_v = gain, tau_v
         self.pace = QUICKER * np.sqrt(gain / tau_v)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from trunk_ros.recording.recording import Floats
 
@@ -19,6 +20,19 @@ def fill(values: Floats) -> Floats:
         else:
             out[:, j] = 0.0
     return out
+
+
+def between(stamp: Floats, values: Floats, step: float) -> tuple[Floats, Floats]:
+    """Stamps (m,) s about ``step`` apart, those of ``stamp`` (n,) among them, and (m, joints) what each holds
+    until the next of values that move smoothly.
+    """
+    if len(stamp) < 2:
+        return stamp, values
+    times = max(round(float(np.median(np.diff(stamp))) / step), 1)
+    share = np.arange(times) / times
+    fine = np.append((stamp[:-1, None] + np.diff(stamp)[:, None] * share).ravel(), stamp[-1:])
+    middle = fine + np.diff(fine, append=fine[-1:]) / 2
+    return fine, np.asarray(PchipInterpolator(stamp, fill(values))(middle))
 
 
 def hold(values: Floats) -> Floats:

@@ -54,7 +54,7 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     if found is None:
         return None
     arm = model.only(setpoints.joints).arm
-    follows = 1.0 / arm.kp + arm.tau_v  # s after a setpoint has acted, the shaft shows it
+    follows = float(np.mean(1.0 / arm.kp + arm.tau_v))  # s after a setpoint has acted, the shaft shows it
     found = replace(found, phase=found.phase + follows / found.takes)
     left = _late(waited(setpoints, found), gearbox, model)
     return found if left is not None and left.able < MOST * late.able else None
