@@ -194,6 +194,8 @@ class Screen:
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)
                     if better and (free not in found or better.gain > found[free].gain):
                         found[free] = better
+        if len(found) > 1 and found[True].form == kind.apart:
+            found = {free: c for free, c in found.items() if not free or NEARLY * c.gain > found[False].gain}
         alike = any(p.shared for p in kind.moments()[:1])
         some = [self.lasting(c, self.context.columns) for c in found.values() if alike]
         return [*found.values(), *(c for c in some if c is not None)]

@@ -1,4 +1,4 @@
-"""The servo of the nominal arm: position loop over velocity loop, stepped at about 2 ms, stiff ones more finely."""
+"""The servo of the nominal arm: position loop over velocity loop, stepped at about 2 ms or finer."""
 
 from __future__ import annotations
 

@@ -29,7 +29,6 @@ class ServoBandwidth(Effect):
         ),
     )
     forms = ("alike", "apart")
-    refined = ("apart",)
     apart = "apart"
     everywhere = True
     changes = "kp"

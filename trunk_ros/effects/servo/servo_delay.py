@@ -29,7 +29,6 @@ class ServoDelay(Effect):
         ),
     )
     forms = ("alike", "apart")
-    refined = ("apart",)
     apart = "apart"
     everywhere = True
     changes = "delay"

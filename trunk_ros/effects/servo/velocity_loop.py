@@ -30,7 +30,6 @@ class VelocityLoop(Effect):
         ),
     )
     forms = ("alike", "apart")
-    refined = ("apart",)
     apart = "apart"
     everywhere = True
     changes = "tau_v"

@@ -38,7 +38,6 @@ class VelocitySaturation(Effect):
         ),
     )
     forms = ("alike", "apart")
-    refined = ("apart",)
     apart = "apart"
     everywhere = True
     changes = "v_max"

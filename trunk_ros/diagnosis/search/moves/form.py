@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 
+import numpy as np
+
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
@@ -12,6 +14,7 @@ from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.score import priced, score
+from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
 
@@ -34,7 +37,18 @@ def _groups(best: Fit, desk: Desk, shaking: bool) -> Iterator[Group]:
         forms = [f for f in kind.forms if f != term.form and (f in kind.shaking) == shaking]
         columns = [c for c in term.columns if c in best.context.columns]
         if forms and columns:
-            yield Group(name, columns, partial(reforms, best, desk, name, forms))
+            promise = partial(_promise, best, name) if forms == [kind.apart] else lambda: np.inf
+            yield Group(name, columns, partial(reforms, best, desk, name, forms), promise)
+
+
+def _promise(best: Fit, name: str) -> float:
+    """What values of each joint's own may gain by a linear look, less what they cost."""
+    apart = best.hypothesis.copy()
+    apart[name].reform(effect(name).apart)
+    screen = Screen(best.context, apart, apart[name].columns)
+    gain = sum(best.cost[c] - screen.left(c) for c in apart[name].columns if c in best.cost)
+    further = priced(Fit(apart, best.cost, best.context)) - priced(best)
+    return gain / PROMISED - max(further, 0.0)
 
 
 def reforms(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator[Fit]:

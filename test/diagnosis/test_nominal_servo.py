@@ -1,0 +1,162 @@
+"""Servos of which nothing is said, and servos that differ from joint to joint."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numba import njit
+from numpy.typing import NDArray
+
+from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.model import Model, load_model, save_model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.simulate import simulate
+
+Array = NDArray[np.float64]
+STEP = 0.002  # s, as the nominal servo is defined
+PERIOD = 0.01  # s between setpoints
+NOISE = 5e-5  # rad
+JOINTS = ("shoulder", "elbow", "wrist")
+PLAIN: dict[str, tuple[float, float, float]] = {
+    "kp": (20.0, 20.0, 20.0), "tau_v": (0.02, 0.02, 0.02), "v_max": (5.0, 5.0, 5.0), "delay": (0.0, 0.0, 0.0)
+}  # fmt: skip
+OWN: dict[str, tuple[float, float, float]] = {
+    "kp": (12.0, 30.0, 60.0), "tau_v": (0.01, 0.03, 0.005), "v_max": (9.0, 0.6, 9.0), "delay": (0.0, 0.008, 0.02)
+}  # fmt: skip
+
+
+@njit
+def _follow(asked: Array, kp: float, tau_v: float, v_max: float, delay: float, seconds: float) -> Array:
+    """The loop of the contract, by itself: speed first, then the angle with the new speed."""
+    speed, angle, out = 0.0, asked[0], np.empty(int(seconds / STEP))
+    for k in range(len(out)):
+        row = int(np.floor((k * STEP - delay) / PERIOD + 1e-6))
+        wanted = kp * (asked[min(max(row, 0), len(asked) - 1)] - angle)
+        speed += STEP / tau_v * (min(max(wanted, -v_max), v_max) - speed)
+        angle += STEP * speed
+        out[k] = angle
+    return out
+
+
+def _asked(t: Array, seed: int) -> Array:
+    rng = np.random.default_rng(seed)
+    out = np.zeros((len(t), len(JOINTS)))
+    for j in range(len(JOINTS)):
+        for frequency in rng.uniform(0.05, 0.5, 5):
+            out[:, j] += rng.uniform(0.1, 0.4) * np.sin(2 * np.pi * frequency * t + rng.uniform(0, 6))
+    out *= np.clip(t / 2, 0.0, 1.0)[:, None]
+    out[len(t) // 2 : len(t) // 2 + 300] += 0.3
+    return out
+
+
+def _recorded(servo: dict[str, tuple[float, float, float]], seed: int = 1, pulled: float = 0.0) -> Recording:
+    """``pulled``: rad per rad that a spring at the shoulder's motor pulls it off its setpoint."""
+    t = np.arange(0.0, 30.0, PERIOD)
+    asked, rng = _asked(t, seed), np.random.default_rng(seed)
+    shown = t + 0.003
+    went = np.empty_like(asked)
+    for j in range(len(JOINTS)):
+        kp, tau_v, v_max, delay = (servo[name][j] for name in ("kp", "tau_v", "v_max", "delay"))
+        path = _follow(asked[:, j] * (1.0 - pulled * (j == 0)), kp, tau_v, v_max, delay, t[-1] + 1.0)
+        went[:, j] = np.interp(shown, STEP * (1 + np.arange(len(path))), path)
+    went += NOISE * rng.standard_normal(went.shape)
+    series = {"setpoints": JointSeries(t, JOINTS, asked), "gearbox_states": JointSeries(shown, JOINTS, went)}
+    return Recording("servos", 0, float(shown[-1]), series)
+
+
+def _stated(**servo: object) -> Model:
+    flat = {
+        f"servo.{name}": value for name, value in {"kp": 20.0, "tau_v": 0.02, "v_max": 5.0, **servo}.items()
+    }
+    return Model.from_parameters(
+        {"arm.joints": list(JOINTS), "wire.ratio": [1.0], "wire.dead_band": [0.0], **flat}
+    )
+
+
+def _left(model: Model, recording: Recording) -> Array:
+    """(joints,) rms of measured less predicted, once the servos have settled [rad]."""
+    there = simulate(recording, model, "setpoints").series["gearbox_states"].position
+    off = there - recording.series["gearbox_states"].position
+    return np.asarray(np.sqrt(np.mean(off[100:] ** 2, axis=0)))
+
+
+@pytest.fixture(scope="module")
+def of_nobody() -> Diagnosis:
+    """What is found on servos of which nothing is said."""
+    return diagnose(_recorded(OWN), model="direct")
+
+
+def test_servos_of_which_nothing_is_said_are_no_mismatch(of_nobody: Diagnosis) -> None:
+    assert (of_nobody.verdict, of_nobody.findings) == ("no_mismatch", [])
+
+
+def test_they_are_found_joint_by_joint(of_nobody: Diagnosis) -> None:
+    arm = of_nobody.model.arm
+    np.testing.assert_allclose(arm.kp, OWN["kp"], rtol=0.03)
+    np.testing.assert_allclose(arm.tau_v, OWN["tau_v"], rtol=0.1)
+    np.testing.assert_allclose(arm.delay, OWN["delay"], atol=1e-3)
+    assert np.asarray(arm.v_max)[1] == pytest.approx(OWN["v_max"][1], rel=0.01)
+
+
+def test_their_model_predicts_another_motion(of_nobody: Diagnosis, tmp_path: object) -> None:
+    path = f"{tmp_path}/model.yaml"
+    save_model(of_nobody.model, path)
+    assert _left(load_model(path), _recorded(OWN, seed=2)).max() < 2 * NOISE
+
+
+def test_what_no_such_loop_does_is_found_beyond_it() -> None:
+    found = diagnose(_recorded(OWN, pulled=0.01), model="direct")
+    assert found.findings
+    assert {joint for finding in found.findings for joint in finding.joints} == {"shoulder"}
+    less = _left(found.model, _recorded(OWN, seed=2, pulled=0.01))
+    assert less[0] < 10 * NOISE
+
+
+def test_setpoints_sampled_beside_the_shaft_move_on_between_the_samples() -> None:
+    """A table of what was asked every 20 ms, of a servo that got a new setpoint every 10 ms."""
+    whole = _recorded(PLAIN | {"kp": (200.0, 200.0, 200.0), "tau_v": (1e-3, 1e-3, 1e-3)})
+    asked, went = whole.series["setpoints"], whole.series["gearbox_states"]
+    some = np.arange(0, len(asked.stamp), 2)
+    thin = replace(whole, series={"setpoints": asked.rows(some), "gearbox_states": went.rows(some)})
+    found = diagnose(thin, model="direct").model
+    assert found.setpoints == "sampled"
+    held = diagnose(whole, model="direct").model
+    assert held.setpoints == "held"
+
+
+@pytest.mark.parametrize(
+    ("name", "servo", "effect", "expected"),
+    [
+        ("gain", {"kp": (15.0, 20.0, 28.0)}, "servo_bandwidth", {"shoulder": -0.25, "wrist": 0.4}),
+        ("age", {"delay": (0.0, 0.02, 0.0)}, "servo_delay", {"elbow": 0.02}),
+        ("top speed", {"v_max": (5.0, 0.6, 5.0)}, "velocity_saturation", {"elbow": 0.6}),
+    ],
+)
+def test_stated_servos_that_differ_from_joint_to_joint_are_named_so(
+    name: str,
+    servo: dict[str, tuple[float, float, float]],
+    effect: str,
+    expected: dict[str, float],
+) -> None:
+    (finding,) = diagnose(_recorded(PLAIN | servo), model=_stated()).findings
+    assert (finding.effect, finding.evidence["form"]) == (effect, "apart"), name
+    for joint, value in expected.items():
+        (said,) = finding.parameters[joint].values()
+        assert said["value"] == pytest.approx(value, rel=0.02)
+
+
+def test_a_velocity_loop_that_is_slow_on_all_joints_is_named_once() -> None:
+    (finding,) = diagnose(_recorded(PLAIN | {"tau_v": (0.04, 0.04, 0.04)}), model=_stated()).findings
+    assert finding.effect == "velocity_loop"
+    assert finding.parameters["arm"]["relative"]["value"] == pytest.approx(1.0, rel=0.02)
+
+
+def test_a_model_may_state_the_servo_of_each_joint() -> None:
+    model = _stated(
+        kp=list(OWN["kp"]), tau_v=list(OWN["tau_v"]), v_max=list(OWN["v_max"]), delay=list(OWN["delay"])
+    )
+    assert diagnose(_recorded(OWN), model=model).findings == []
+    assert Model.from_parameters(model.parameters()).parameters() == model.parameters()
+    assert model.only(JOINTS[1:]).arm.kp.tolist() == list(OWN["kp"][1:])  # type: ignore[union-attr]
