@@ -65,18 +65,18 @@ class Look(Now):
         self.see(path, path)
 
     def winds(self, gearbox: Array, before: Array | None) -> None:
-        """On the way back only the joints' path is known: the speed of the gearbox is that of its estimate
+        """On the way back only the joints' path is known: the speed of the gearbox is that of this estimate
         (n, joints) rad, after it stood at ``before`` (joints,) rad.
         """
-        self._wound = (gearbox[0] if before is None else before) * self.ratio
+        wound = gearbox * self.ratio
+        self._wound = slope_of(wound, self.dt, wound[0] if before is None else before * self.ratio)
 
     @property
     def winding(self) -> Array:
         if self._wound is None:
             return self.speed
         self.asked.add("winding")
-        wound = slope_of(self.wires, self.dt, self._wound)
-        return wound if self._arm.coupling is None else np.asarray(self._arm.asked(wound))
+        return self._wound
 
     def follow(self, path: Array) -> None:
         """Take another path (n, joints) for that of the joints."""
