@@ -192,6 +192,19 @@ def test_a_step_in_which_no_time_passes_changes_nothing():
         np.testing.assert_array_equal(told(twice, wave, t, 0.0), once)
 
 
+def test_what_holds_the_lead_back_is_said():
+    arm = replace(NOMINAL, effects={"backlash": {"half_width": np.full(5, 4e-3)}})
+    compensation = Compensation(arm, REVERSAL, np.zeros(5))
+    last, most = np.zeros(5), NOMINAL.arm.v_max * STEP * (1 - 1e-9)
+    fast = 0
+    for t in np.arange(0, 6, STEP):
+        out = told(compensation, lambda t: wave(t, 0.05), t, STEP)
+        held = np.abs(out - last) > most
+        assert compensation.limited[held].all()
+        fast, last = fast + held.any(), out
+    assert fast
+
+
 @pytest.mark.parametrize(
     ("amplitude", "fades", "step"),
     [(5e-4, 0.017, STEP), (2.3e-2, 0.017, STEP), (3e-3, 0.05, 1e-3), (2.5e-2, 0.05, 1e-3)],

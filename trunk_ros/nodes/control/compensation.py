@@ -95,8 +95,13 @@ class Compensation:
         self._aim = self._towards(target, self._aim, dt)
         goes = lead.setpoint(self._aim) if led else lead.follow(self._aim)
         self.out = lead.sent(self._towards(goes, self.out, dt))
-        self.limited = (np.abs(self._aim - target) > 1e-12) | self._clipped
+        self.limited = self._clipped | self._moved(np.abs(self._aim - target) + np.abs(self.out - goes))
         return self.out
+
+    def _moved(self, back: Array) -> Array:
+        """Which joints are moved by motors that are held ``back`` (joints,) rad."""
+        coupling = self.model.arm.coupling
+        return np.asarray((back if coupling is None else np.abs(coupling) @ back) > 1e-12)
 
     def _towards(self, target: Array, last: Array, dt: float) -> Array:
         """The next of ``last`` (joints,) rad: no faster than the servo, and within the limits."""
