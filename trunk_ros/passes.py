@@ -11,7 +11,8 @@ PASSES = 30  # joints that drag each other are computed until they agree
 AGREED = 1e-7  # rad, a hundredth of what an encoder tells
 LEAST_SLOPE = 0.3  # of a line that is gone by
 UNKNOWN = np.array([[-np.inf], [np.inf], [np.nan], [np.inf]])  # how far, and the last try
-TRIES = 40  # each two halve what a joint is off, or where it may lie
+TRIES = 60  # each two halve what a joint is off, or where it may lie
+SEARCHES = 6  # after which what else changes with the gearbox finds its speed as it is
 CALMEST = 0.002  # a pass never counts for less of the one before
 
 
@@ -51,25 +52,29 @@ class Crossing:
         """
         self.at = np.empty_like(guess)
         outset(guess, stood, towards, self.at)
-        self._stood, self._agreed, self._left = stood, agreed, TRIES
+        self._stood, self._agreed = stood, agreed
+        self._left, self._searches = TRIES, SEARCHES
         self.slope = slope
         self._known: Array | None = None
 
     def anew(self) -> None:
-        """Forget the tries, as something else changed what comes out; not how many they were."""
-        self._known = None
+        """Forget the tries, as something else changed what comes out."""
+        self._searches -= 1
+        self._known, self._left = None, TRIES if self._searches > 0 else 0
 
     def found(self, better: Array) -> bool:
         """Whether all joints come out, ``better``, as put in, or enough was tried; otherwise ``at`` becomes
         what to try next.
         """
+        if not self._left:
+            return True
         self._left -= 1
         if self._known is None:
             self._known = UNKNOWN + np.zeros_like(better)
             self.slope = np.ones_like(better) if self.slope is None else self.slope.copy()
         assert self.slope is not None
         off = self.at - better
-        return onward(self.at, off, self._stood, self._agreed, self.slope, self._known) or self._left < 0
+        return onward(self.at, off, self._stood, self._agreed, self.slope, self._known)
 
 
 @compiled
