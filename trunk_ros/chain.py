@@ -19,7 +19,7 @@ from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import ModelError
 from trunk_ros.look import UNKNOWN, Given, Look
-from trunk_ros.passes import Passes
+from trunk_ros.passes import Crossing, Passes
 from trunk_ros.resistance import Resistance
 from trunk_ros.stage import (
     Memory,
@@ -40,6 +40,7 @@ STOP = 600
 AGREED_BACK = 2e-8  # rad: on the way back a reversal makes more of what is left, and blocks would show
 AHEAD = 0.1  # s over which the last sample's trend is trusted
 REMEMBERED = 0.6  # s of past setpoints, longer than any servo delay
+MOTOR = ("gearbox", "winding")  # what on the way back is not known beforehand
 BLOCK = 40_000  # joint-steps that are worked on at once, so that they stay in the processor's cache
 
 Advance = Callable[..., tuple[Array, Array, State]]
@@ -190,28 +191,33 @@ class Chain:
         true = back(y, self._outer, now, old, new)
         now.follow(true)
         x = (true - self._deflection(stamp, state)) / self.arm.ratio
-        now.winds(x, state.x if state else None)
+        stood, towards = (x[0], 0.0 * x[0]) if state is None else (state.x, true[0] - state.angles)
+        crossing = Crossing(
+            x[0], stood, towards * self.arm.ratio, state.slope if state else None, AGREED_BACK
+        )
+        now.winds(crossing.at[None], stood)
         now.see(x, true)
         inside, inner = self._known_back(true, now, old, new)
         passes, again = Passes(state, AGREED_BACK), True
         while True:
             if again:
                 u, memory = self._friction_back(inside, inner, now, begun, old, new)
-                again = "gearbox" in now.asked
+                again = not now.asked.isdisjoint(MOTOR)
             better = back(u, self.order.path, now, old, new) / self.arm.ratio
+            if "winding" in now.asked:
+                if len(x) > 1:
+                    return self._row_by_row(y, stamp, state, given)
+                if not crossing.found(better[0]):
+                    now.winds(crossing.at[None], stood)
+                    continue
             if "gearbox" not in now.asked or passes.agree(better, x):
-                x = better
                 break
-            if "winding" not in now.asked:
-                x = better
-            elif len(x) == 1:
-                x = passes.onward(better, x)
-            else:
-                return self._row_by_row(y, stamp, state, given)
+            x = better
             now.see(x, true)
-        leaving = drift(stamp, x, true, state, self.arm.ratio)
-        after = State(float(stamp[-1]), x[-1], true[-1], new, memory, leaving, passes.calm, now.swing)
-        return x, true, after
+            crossing.anew()
+        x, leaving = better, drift(stamp, better, true, state, self.arm.ratio)
+        seen = passes.calm, now.swing, crossing.slope
+        return x, true, State(float(stamp[-1]), x[-1], true[-1], new, memory, leaving, *seen)
 
     def _row_by_row(
         self, y: Array, stamp: Array, state: State | None, given: Given
@@ -231,7 +237,7 @@ class Chain:
         inner = list(self._inner)
         while inner:
             further = back(true, inner[-1:], now, old, new)
-            if "gearbox" in now.asked:
+            if not now.asked.isdisjoint(MOTOR):
                 break
             true = further
             inner.pop()

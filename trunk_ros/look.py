@@ -61,22 +61,22 @@ class Look(Now):
         self._path, self._before, self._given, self._carried = path, before, given, carried
         ahead = 0.0 if before is None or swing is None else swing[0] - before[1]
         self._joint_path, self._swing = path + ahead, swing
-        self._wound: Array | None = None
+        self._wound: tuple[Array, Array] | None = None
         self.see(path, path)
 
-    def winds(self, gearbox: Array, before: Array | None) -> None:
-        """On the way back only the joints' path is known: the speed of the gearbox is that of its estimate
+    def winds(self, gearbox: Array, before: Array) -> None:
+        """On the way back only the joints' path is known: the speed of the gearbox is that of this estimate
         (n, joints) rad, after it stood at ``before`` (joints,) rad.
         """
-        self._wound = (gearbox[0] if before is None else before) * self.ratio
+        self._wound = gearbox, before
 
     @property
     def winding(self) -> Array:
         if self._wound is None:
             return self.speed
         self.asked.add("winding")
-        wound = slope_of(self.wires, self.dt, self._wound)
-        return wound if self._arm.coupling is None else np.asarray(self._arm.asked(wound))
+        gearbox, before = self._wound
+        return slope_of(gearbox * self.ratio, self.dt, before * self.ratio)
 
     def follow(self, path: Array) -> None:
         """Take another path (n, joints) for that of the joints."""

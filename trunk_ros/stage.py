@@ -41,6 +41,8 @@ class State:
     """What a difference between two passes comes to in the next one."""
     swing: Array | None = None
     """(3, columns) memory of the joints' motion, where their inertia counts."""
+    slope: Array | None = None
+    """(columns,) of what a joint is off on the way back, over the gearbox angle that was tried."""
 
 
 def drift(stamp: Array, x: Array, true: Array, before: State | None, ratio: Array) -> Array | float:

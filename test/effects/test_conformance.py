@@ -185,6 +185,20 @@ def test_friction_that_falls_with_the_motors_speed_is_overcome_but_where_it_turn
     assert np.mean(off > 1e-4) < 0.05
 
 
+@pytest.mark.parametrize("form", ["exponential", "gaussian", "hyperbolic"])
+@pytest.mark.parametrize("amplitude", [3e-3, 2.5e-2])
+@pytest.mark.parametrize("rate", [100, 1000])
+def test_friction_that_falls_steeply_is_overcome_at_any_rate(form: str, amplitude: float, rate: int) -> None:
+    sticks = {"amplitude": np.full(5, amplitude), "velocity": np.full(5, 0.05), "form": form}
+    model = Model(arm_of(5), {"stribeck_friction": sticks})
+    stamp = stamps(8, rate)
+    wanted = motion(stamp, amplitude=0.17)
+    chain = Chain(model, "wire")
+    got, _ = chain.run(chain.invert(wanted, stamp)[0], stamp)
+    off = np.abs(got - wanted)[rate:]
+    assert np.quantile(off, 0.9) < 1e-6
+
+
 @every_effect
 @pytest.mark.parametrize("joints", [1, 2, 5, 7])
 def test_any_number_of_joints_will_do(name: str, form: str, joints: int) -> None:

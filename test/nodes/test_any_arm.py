@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,25 @@ def test_the_compensator_solves_the_matrix_and_remembers_each_wires_direction(fi
     assert theta[late] == pytest.approx(wanted[late], abs=3e-4)
     careless, _ = Chain(model, "wire").run(model.arm.asked(wanted), stamp)
     assert np.abs(careless - wanted)[late].max() > 1.5e-3
+
+
+@needs_ros
+def test_each_motor_is_led_by_its_own_servo(file: Path) -> None:
+    from trunk_ros.nodes.control.compensation import Compensation
+
+    slow = {"servo_bandwidth": {"relative": np.array([-0.5, 0.0, 0.3])}}
+    model = replace(load_model(file), effects=slow)
+    stamp, size = np.arange(600) * 0.01, np.array([0.3, 0.21, 0.24])
+    compensation = Compensation(model, 1e-5, model.arm.asked(model.arm.rest))
+    motors = []
+    for now in stamp:
+        t = 2.0 * (now + compensation.sight)
+        angle, motion = 1 - np.cos(t), (2.0 * np.sin(t) * size, 4.0 * np.cos(t) * size)
+        motors.append(compensation.step(model.arm.rest + angle * size, 0.01, *motion))
+    phi, _ = Chain(model, "servo").run(np.array(motors), stamp)
+    theta, _ = Chain(model, "wire").run(phi, stamp)
+    off = theta - model.arm.rest - (1 - np.cos(2.0 * stamp))[:, None] * size
+    assert np.sqrt(np.mean(off[stamp > 1.0] ** 2, axis=0)).max() < 3e-4
 
 
 @needs_ros

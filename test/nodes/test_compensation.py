@@ -50,13 +50,21 @@ def test_a_swapped_model_does_not_make_it_jump():
     assert np.abs(after[-1] - fresh).max() < 2 * 2e-3 / 0.625
 
 
+def wave(t, size=0.2, pace=1.0):
+    """Angle, speed and acceleration."""
+    return size * np.sin(pace * t), size * pace * np.cos(pace * t), -size * pace**2 * np.sin(pace * t)
+
+
+def told(compensation, course, now, dt):
+    """The setpoint of a reference that is known in advance, the same for all joints."""
+    angle, speed, acceleration = (np.full(5, each) for each in course(now + compensation.sight))
+    return compensation.step(angle, dt, speed, acceleration)
+
+
 def led(compensation, seconds, begin=0.0):
     """Setpoints of the first joint for 0.2 sin t, known with its derivatives."""
-    five, out = np.ones(5), []
-    for t in np.arange(begin, begin + seconds, STEP):
-        known = (0.2 * np.cos(t) * five, -0.2 * np.sin(t) * five)
-        out.append(compensation.step(0.2 * np.sin(t) * five, STEP if t else 0.0, *known)[0])
-    return np.array(out)
+    at = np.arange(begin, begin + seconds, STEP)
+    return np.array([told(compensation, wave, t, STEP if t else 0.0)[0] for t in at])
 
 
 @pytest.mark.parametrize(("model", "kick"), [(NOMINAL, 1e-5), (LOOSE, 1e-3)])
@@ -110,43 +118,105 @@ def test_it_never_leaves_the_limits_and_says_which_joint_is_held_back():
     assert compensation.limited.all()
 
 
-def test_running_ahead_makes_up_for_the_servos_lag():
-    at = np.arange(0, 6, STEP)
-    reference = 0.15 * np.sin(2 * at)[:, None] * np.ones(5)
-    speed, acceleration = 0.3 * np.cos(2 * at)[:, None] * np.ones(5), -4 * reference
+def tracked(compensation, arm, course, at, ahead=True):
+    """How far the joints are off (n, joints) rad, of an arm under compensation."""
+    setpoints, last = [], at[0]
+    for now in at:
+        step = told(compensation, course, now, now - last) if ahead else None
+        if step is None:
+            step = compensation.step(np.full(5, course(now)[0]), now - last)
+        setpoints.append(step)
+        last = now
+    phi, _ = Chain(arm, "servo").run(np.array(setpoints), at)
+    return Chain(arm, "wire").run(phi, at)[0] - course(at)[0][:, None]
 
+
+def rms(off):
+    return np.sqrt(np.mean(off**2))
+
+
+def test_running_ahead_makes_up_for_the_servos_lag():
     def error(ahead):
+        at = np.arange(0, 6, STEP)
         compensation = Compensation(NOMINAL, REVERSAL, np.zeros(5))
-        known = zip(speed, acceleration, strict=True) if ahead else [(None, None)] * len(at)
-        setpoints = np.array(
-            [compensation.step(r, STEP, *each) for r, each in zip(reference, known, strict=True)]
-        )
-        phi, _ = Chain(NOMINAL, "servo").run(setpoints, at)
-        theta, _ = Chain(NOMINAL, "wire").run(phi, at)
-        return np.sqrt(np.mean((theta - reference)[300:] ** 2))
+        return rms(tracked(compensation, NOMINAL, lambda t: wave(t, 0.15, 2.0), at, ahead)[300:])
 
     assert error(ahead=False) > 1e-2
     assert error(ahead=True) < 1e-4
 
 
-@pytest.mark.parametrize("amplitude", [5e-4, 2.3e-2])
-def test_friction_that_fades_while_the_servo_crosses_it_is_made_good(amplitude):
-    """Slow turns of an arm that sticks: with the nominal model, and with that of the arm."""
-    sticks = {"amplitude": np.full(5, amplitude), "velocity": np.full(5, 0.017), "form": "gaussian"}
+@pytest.mark.parametrize(("period", "uneven", "most"), [(0.01, 0.003, 1e-4), (0.05, 0.0, 2e-4)])
+def test_uneven_and_long_periods_are_tracked(period, uneven, most):
+    at = np.arange(0, 12, period)
+    at[1:] += np.random.default_rng(1).uniform(-uneven, uneven, len(at) - 1)
+    compensation = Compensation(NOMINAL, REVERSAL, np.zeros(5))
+    off = tracked(compensation, NOMINAL, lambda t: wave(t, 0.15, 2.0), at)
+    assert rms(off[at > 3.0]) < most
+
+
+def test_a_motion_ends_where_it_should():
+    """What runs ahead does not turn back at the end: joints with play would stay where it turned."""
+
+    def course(t):
+        s = np.clip(t / 0.8, 0.0, 1.0)
+        bend = 60 * s - 180 * s**2 + 120 * s**3
+        return (
+            0.2 * s**3 * (10 - 15 * s + 6 * s**2),
+            0.2 / 0.8 * 30 * (s - s**2) ** 2,
+            0.2 / 0.64 * bend,
+        )
+
+    at = np.arange(0, 2, STEP)
+    off = tracked(Compensation(LOOSE, REVERSAL, np.zeros(5)), LOOSE, course, at)
+    assert np.abs(off[at > 1.5]).max() < 1e-5
+
+
+def test_a_reference_that_becomes_known_in_motion_does_not_stop_it():
+    compensation = Compensation(NOMINAL, REVERSAL, np.zeros(5))
+    at = np.arange(0, 3, STEP)
+    setpoints = [compensation.step(np.full(5, wave(t)[0]), STEP) for t in at]
+    setpoints += [told(compensation, wave, t, STEP) for t in at + 3.0]
+    phi, _ = Chain(NOMINAL, "servo").run(np.array(setpoints), np.arange(len(setpoints)) * STEP)
+    speed = np.diff(phi[:, 0])[280:330] / STEP
+    wanted = wave(np.arange(2.8, 3.3, STEP))[1] / 0.625
+    assert (speed / wanted).min() > 0.9
+
+
+def test_a_step_in_which_no_time_passes_changes_nothing():
+    sticks = {"amplitude": np.full(5, 3e-3), "velocity": np.full(5, 0.05)}
     arm = replace(NOMINAL, effects={"stribeck_friction": sticks})
-    stamp = np.arange(0, 25, STEP)
-    course = np.outer([1.0, 0.0, -1.0], 0.05 * np.sin(stamp)) + np.outer([0, 1, 0], 0.05 * np.cos(stamp))
+    plain, twice = (Compensation(arm, REVERSAL, np.zeros(5)) for _ in range(2))
+    for t in np.arange(0, 3, STEP):
+        once = told(plain, wave, t, STEP)
+        np.testing.assert_array_equal(told(twice, wave, t, STEP), once)
+        np.testing.assert_array_equal(told(twice, wave, t, 0.0), once)
+
+
+def test_what_holds_the_lead_back_is_said():
+    arm = replace(NOMINAL, effects={"backlash": {"half_width": np.full(5, 4e-3)}})
+    compensation = Compensation(arm, REVERSAL, np.zeros(5))
+    last, most = np.zeros(5), NOMINAL.arm.v_max * STEP * (1 - 1e-9)
+    fast = 0
+    for t in np.arange(0, 6, STEP):
+        out = told(compensation, lambda t: wave(t, 0.05), t, STEP)
+        held = np.abs(out - last) > most
+        assert compensation.limited[held].all()
+        fast, last = fast + held.any(), out
+    assert fast
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "fades", "step"),
+    [(5e-4, 0.017, STEP), (2.3e-2, 0.017, STEP), (3e-3, 0.05, 1e-3), (2.5e-2, 0.05, 1e-3)],
+)
+def test_friction_that_fades_while_the_servo_crosses_it_is_made_good(amplitude, fades, step):
+    """Slow turns of an arm that sticks: with the nominal model, and with that of the arm."""
+    sticks = {"amplitude": np.full(5, amplitude), "velocity": np.full(5, fades), "form": "gaussian"}
+    arm = replace(NOMINAL, effects={"stribeck_friction": sticks})
+    stamp = np.arange(0, 25 if step == STEP else 13, step)
 
     def off(believed):
         compensation = Compensation(believed, REVERSAL, np.zeros(5))
-        setpoints = np.array([compensation.step(*_spread(r, v, a)) for r, v, a in course.T])
-        phi, _ = Chain(arm, "servo").run(setpoints, stamp)
-        theta, _ = Chain(arm, "wire").run(phi, stamp)
-        return np.sqrt(np.mean((theta - course[0][:, None])[300:] ** 2))
+        return rms(tracked(compensation, arm, lambda t: wave(t, 0.05), stamp)[stamp > 3.0])
 
     assert off(arm) < 0.4 * off(NOMINAL)
-
-
-def _spread(angle, speed, acceleration):
-    five = np.ones(5)
-    return angle * five, STEP, speed * five, acceleration * five

@@ -14,13 +14,14 @@ AT = np.arange(0, 3, STEP)
 
 
 def led(wanted, most=np.inf):
-    """Where the servo goes (n,) rad, of setpoints that change by ``most`` at a time."""
-    last = np.full(5, wanted[0])
+    """Where the servo goes (n,) rad, ``wanted`` of a time [s]; setpoints change by ``most`` at once."""
+    last = np.full(5, wanted(0.0))
     lead = Lead(last, *SERVO)
     out = []
-    for each in wanted:
-        last = last + np.clip(lead.setpoint(np.full(5, each), STEP) - last, -most, most)
-        lead.went(last, STEP)
+    for k, now in enumerate(AT):
+        lead.elapse(STEP if k else 0.0)
+        goes = lead.setpoint(np.full(5, wanted(now + lead.sight)))
+        last = lead.sent(last + np.clip(goes - last, -most, most))
         out.append(last)
     return Chain(NOMINAL, "servo").run(np.array(out), AT)[0][:, 0]
 
@@ -29,24 +30,45 @@ def plain(wanted):
     return Chain(NOMINAL, "servo").run(np.outer(wanted, np.ones(5)), AT)[0][:, 0]
 
 
+def leap(size):
+    return lambda t: size if t >= 1.0 else 0.0
+
+
 def test_a_step_is_there_sooner_and_not_overshot():
     wanted = np.where(AT < 1.0, 0.0, 0.01)
-    there, usual = led(wanted), plain(wanted)
+    there, usual = led(leap(0.01)), plain(wanted)
     assert np.abs(there - wanted).sum() < 0.8 * np.abs(usual - wanted).sum()
     assert there.max() < 0.01 * 1.001 < 0.01 * 1.01 < usual.max()
 
 
 @pytest.mark.parametrize("size", [0.02, 0.1, 0.5])
 def test_what_a_limit_held_back_is_caught_up_with_and_not_overshot(size):
-    wanted = np.where(AT < 1.0, 0.0, size)
-    there = led(wanted, most=NOMINAL.arm.v_max * STEP)
+    there = led(leap(size), most=NOMINAL.arm.v_max * STEP)
     assert there.max() < size * 1.02
     assert there[-1] == pytest.approx(size, abs=1e-6)
 
 
-def test_a_reference_that_is_led_is_followed_to_a_thousandth():
+def led_with_derivatives(at):
+    """Where the servo goes (n,) rad, of 0.2 sin(2t)."""
     lead = Lead(np.zeros(5), *SERVO)
-    angle, speed = 0.2 * np.sin(2 * AT), 0.4 * np.cos(2 * AT)
-    ahead = np.array([lead.ahead(v, a, STEP)[0] for v, a in zip(speed, -4 * angle, strict=True)])
-    assert np.abs(led(angle + ahead) - angle)[100:].max() < 2e-4
+    out = []
+    for k, now in enumerate(at):
+        lead.elapse(now - at[k - 1] if k else 0.0)
+        angle, speed = (0.2 * np.sin(2 * (now + lead.sight)), 0.4 * np.cos(2 * (now + lead.sight)))
+        ahead = lead.ahead(np.full(5, speed), np.full(5, -4 * angle))
+        out.append(lead.sent(lead.setpoint(angle + ahead)))
+    return Chain(NOMINAL, "servo").run(np.array(out), at)[0][:, 0]
+
+
+def test_what_is_led_is_followed_to_a_thousandth():
+    angle = 0.2 * np.sin(2 * AT)
+    assert np.abs(led_with_derivatives(AT) - angle)[100:].max() < 2e-4
     assert np.abs(plain(angle) - angle)[100:].max() > 1e-2
+
+
+@pytest.mark.parametrize(("period", "uneven", "most"), [(0.01, 0.003, 4e-4), (0.05, 0.0, 6e-4)])
+def test_periods_may_be_uneven_or_long(period, uneven, most):
+    at = np.arange(0, 6, period)
+    at[1:] += np.random.default_rng(1).uniform(-uneven, uneven, len(at) - 1)
+    off = (led_with_derivatives(at) - 0.2 * np.sin(2 * at))[at > 2.0]
+    assert np.abs(off).max() < most

@@ -24,14 +24,22 @@ class Compensation:
 
         ``position``: gearbox angle that the motors hold, the first setpoint. None: start at the reference.
         """
-        self._aim = position
-        self._lead: Lead | None = None
         self.reversal = reversal
-        self.out: Array | None = None if position is None else position.copy()
-        self.limited = np.zeros(len(model.arm.joints), dtype=bool)
+        self.out: Array | None = None
+        self._lead: Lead | None = None
         self._fresh = True
         self._time = 0.0
         self._use(model)
+        self._led = self._fade
+        self.limited = np.zeros(len(model.arm.joints), dtype=bool)
+        if position is not None:
+            self._begin(position.copy())
+
+    def _begin(self, at: Array) -> Lead:
+        """The motors stand ``at`` (joints,) rad."""
+        self._aim = self.out = at
+        self._lead = Lead(at, self.gain, self.model.arm.tau_v, self.top_speed)
+        return self._lead
 
     def _use(self, model: Model) -> None:
         self.model = model
@@ -51,40 +59,49 @@ class Compensation:
         if began:
             for angle in (self._held - NUDGE * self._direction, self._held):
                 (wanted,), self._state = self.chain.invert(angle[None], np.array([self._time]), self._state)
-            if self._aim is not None:
-                self._fade, self._fresh = self._aim - wanted, False
+            self._fade, self._fresh = self._aim - self._led - wanted, False
 
     def joint_angle(self, gearbox: Array) -> Array:
         """Where the model believes the joints stand after a start at ``gearbox``, memory at its centre."""
         shown, _ = self.chain.run(gearbox[None], np.zeros(1))
         return np.clip(shown[0], self.model.arm.lower, self.model.arm.upper)
 
+    @property
+    def sight(self) -> float:
+        """s from now for which a reference with derivatives is taken."""
+        return 0.0 if self._lead is None else self._lead.sight
+
     def step(
         self, reference: Array, dt: float, velocity: Array | None = None, acceleration: Array | None = None
     ) -> Array:
-        """The setpoint for ``dt`` s after the last one; of a reference whose derivatives (joints,) are known
-        the servo's lag is made up for. ``limited`` tells which joints a limit held back.
+        """The setpoint for ``dt`` s after the last one; of a reference whose derivatives (joints,) are known,
+        in ``sight``, the servo's lag is made up for. ``limited`` tells which joints a limit held back.
         """
-        if velocity is None or acceleration is None or self._aim is None:
-            self._lead = None
+        if dt == 0.0 and self._state is not None and self.out is not None:
+            return self.out  # no time has passed for a motor to have a speed
+        wanted, asked = self.ideal(reference, dt), self.model.arm.asked
+        lead = self._lead or self._begin(np.clip(wanted, self.lower, self.upper))
+        lead.elapse(dt)
+        assert self.out is not None
+        if led := velocity is not None and acceleration is not None:
+            self._led = lead.ahead(asked(velocity), asked(acceleration))
         else:
-            self._lead = self._lead or Lead(self._aim, self.gain, self.model.arm.tau_v, self.top_speed)
-            reference = reference + self._lead.ahead(velocity, acceleration, dt)
-        wanted = self.ideal(reference, dt)
-        if self._aim is None or self.out is None:
-            self._aim = self.out = np.clip(wanted, self.lower, self.upper)
+            self._led = np.zeros_like(wanted)
         if self._fresh:
-            self._fade, self._fresh = self._aim - wanted, False
+            self._fade, self._fresh = self._aim - self._led - wanted, False
         else:
             self._fade = self._fade * math.exp(-dt / FADE)
-        target = wanted + self._fade
+        target = wanted + self._led + self._fade
         self._aim = self._towards(target, self._aim, dt)
-        self.limited = (np.abs(self._aim - target) > 1e-12) | self._clipped
-        asked = self._aim if self._lead is None else self._lead.setpoint(self._aim, dt)
-        self.out = self._towards(asked, self.out, dt)
-        if self._lead is not None:
-            self._lead.went(self.out, dt)
+        goes = lead.setpoint(self._aim) if led else lead.follow(self._aim)
+        self.out = lead.sent(self._towards(goes, self.out, dt))
+        self.limited = self._clipped | self._moved(np.abs(self._aim - target) + np.abs(self.out - goes))
         return self.out
+
+    def _moved(self, back: Array) -> Array:
+        """Which joints are moved by motors that are held ``back`` (joints,) rad."""
+        coupling = self.model.arm.coupling
+        return np.asarray((back if coupling is None else np.abs(coupling) @ back) > 1e-12)
 
     def _towards(self, target: Array, last: Array, dt: float) -> Array:
         """The next of ``last`` (joints,) rad: no faster than the servo, and within the limits."""

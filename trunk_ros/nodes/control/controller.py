@@ -185,7 +185,7 @@ class Controller:
         return self._step(self.running, now, period, graph)
 
     def _step(self, running: Running, now: int, period: float, graph: Graph) -> Command:
-        reference, velocity, acceleration = self._sample(running.follower, now, graph.lost)
+        reference, velocity = self._sample(running.follower, now, graph.lost)
         self.observation.remember(now, reference, velocity)
         own = None if self.foreign is not None else (reference, velocity)
         compensation = running.compensation
@@ -193,23 +193,25 @@ class Controller:
             return Command(compensation.out, own)
         settings, limited = self.settings.feedback, compensation.limited
         trim = self.observation.correction(now, graph.fresh, settings, reference, limited, period)
-        known = (velocity, acceleration) if self.settings.lead and self.foreign is None else (None, None)
-        out = compensation.step(reference + trim, period, *known)
+        if self.settings.lead and self.foreign is None:
+            ahead, *known = running.follower.state(now / SECOND + compensation.sight)
+            out = compensation.step(ahead + trim, period, *known)
+        else:
+            out = compensation.step(reference + trim, period)
         held = compensation.limited
         self.limited = self.joints[int(np.argmax(held))] if held.any() else ""
         return Command(out, own)
 
-    def _sample(self, follower: Follower, now: int, lost: bool) -> tuple[Array, Array, Array]:
-        """Reference, speed, acceleration: of the foreign one, or of our own."""
+    def _sample(self, follower: Follower, now: int, lost: bool) -> tuple[Array, Array]:
+        """Reference and speed: of the foreign one, or of our own."""
         if lost:
             self.hold(now)
             self.interrupted("no trunk/gearbox_states")
         if self.foreign is None:
-            return follower.sample(now / SECOND)
+            return follower.sample(now / SECOND)[:2]
         if not lost:
             follower.hold(self.foreign)
-        rest = np.zeros(len(self.joints))
-        return follower.position, rest, rest
+        return follower.position, np.zeros(len(self.joints))
 
     # The start
 

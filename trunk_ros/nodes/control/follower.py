@@ -37,7 +37,7 @@ class Follower:
 
     def sample(self, now: float) -> tuple[Array, Array, Array]:
         """Reference position, velocity and acceleration, each (joints,)."""
-        position, velocity, acceleration = self._state(now)
+        position, velocity, acceleration = self.state(now)
         self._held = position
         return position, velocity, acceleration
 
@@ -60,7 +60,7 @@ class Follower:
         a limit would be broken, all points are past, the last is not at rest, or the first is due at once
         somewhere else.
         """
-        position, velocity, acceleration = self._state(now)
+        position, velocity, acceleration = self.state(now)
         plan = trajectory.for_joints(self.joints, position)
         plan = remaining(plan, (now if begin is None else begin) - now)
         if plan.time[0] == 0 and np.max(np.abs(plan.position[0] - position)) > START_TOLERANCE:
@@ -73,7 +73,8 @@ class Follower:
         self._active, self._begin = plan, now
         return now + plan.duration
 
-    def _state(self, now: float) -> tuple[Array, Array, Array]:
+    def state(self, now: float) -> tuple[Array, Array, Array]:
+        """What `sample` gives, without moving there."""
         if self._active is None:
             rest = np.zeros(len(self.joints))
             return self._held, rest, rest

@@ -4,60 +4,114 @@ from __future__ import annotations
 
 import numpy as np
 
-from trunk_ros.compiled import Array
-from trunk_ros.effects.servo.loop import STEP, servo_loop
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.servo.loop import servo_loop
 
 QUICKER = 2.0  # times the servo's own pace: setpoints then run ahead by up to its square of what they would
+PERIODS = 50  # that a mean is taken of
+SPEED = 0.4  # of a speed over the pace, beside an angle: one setpoint cannot bring about both
+SAME = 0.01  # of a period: as good as the same
+TRIED = 1e-4  # rad, far from the top speed
 
 
 class Lead:
     """The servo's equations run backward behind a filter of second order.
 
     The motors go over to where they are wanted as m'' = w^2 (wanted - m) - 2 w m', critically damped; the
-    setpoint for that is m + (m' + tau_v m'')/Kp. m is where the servo stands by these equations under the
-    setpoints that really went out: what a limit held back is caught up with, not overshot.
+    setpoint is the one that brings the servo next to that in a period. m is where it stands by its equations
+    under the setpoints that really went out: what a limit held back is caught up with, not overshot.
     """
 
     def __init__(self, at: Array, gain: Array, tau_v: float | Array, top_speed: float):
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
-        still = np.zeros_like(at)
-        self._wanted, self._servo = at, np.array([at, still, at])
+        self._wanted = self._sent = at
+        self._slope = np.zeros_like(at)
+        self._servo = np.array([at, self._slope, at])
+        self._period, self._periods, self._seen = 0.0, 0, 0.0
         self.use(gain, tau_v, top_speed)
 
     def use(self, gain: Array, tau_v: float | Array, top_speed: float) -> None:
         """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` rad/s of the servo."""
-        self.gain, self.tau_v = gain, tau_v
         self.pace = QUICKER * np.sqrt(gain / tau_v)
         none, row = np.zeros_like(gain), np.zeros((1, len(gain)))
+        self._late, self._answered = 2.0 / self.pace, 0.0
+        self._most = float(np.mean(self._late))
         self._law = gain, none + tau_v, none + top_speed, none, row, none, none, row, np.zeros((3, len(gain)))
 
-    def ahead(self, velocity: Array, acceleration: Array, dt: float) -> Array:
-        """How far a reference with these derivatives (joints,) has to run ahead for the filter, which hears
-        of it a period ``dt`` late.
+    @property
+    def sight(self) -> float:
+        """s from now for which it should be told where the motors are wanted: until the next setpoint, and in
+        motion as far as the filter is late, lest what `ahead` adds turns back at the end.
         """
-        late = 2.0 / self.pace + dt
-        return late * velocity + (late**2 - 2.0 / self.pace**2) / 2.0 * acceleration
+        return self._period + self._seen
 
-    def setpoint(self, wanted: Array, dt: float) -> Array:
-        """What brings the motors to where they are ``wanted`` (joints,) rad; it holds for ``dt`` s."""
-        if dt == 0.0:
+    def elapse(self, dt: float) -> None:
+        """The last setpoint has been out for ``dt`` s."""
+        self._servo = self._after(self._servo, self._sent, dt)
+        usual = self._period or dt
+        late = min(max(dt - usual, -usual), usual)  # a setpoint holds until the next one comes
+        self._began = self._wanted + self._slope * late
+        if dt > 0.0:
+            self._periods = min(self._periods + 1, PERIODS)
+            self._period = usual + late / self._periods
+
+    def ahead(self, velocity: Array, acceleration: Array) -> Array:
+        """How far motors that are wanted with these derivatives (joints,) have to run ahead for the filter,
+        which takes them to go straight for each period, besides what is in sight.
+        """
+        seen, late = self._seen, self._late - self._seen
+        bend = self._late**2 / 4.0 - seen * late - (seen**2 / 2.0 + self._period**2 / 12.0)
+        moving = velocity.any() or acceleration.any()
+        self._seen = min(seen + self._period, self._most) if moving else 0.0
+        return late * velocity + bend * acceleration
+
+    def setpoint(self, wanted: Array) -> Array:
+        """What brings the motors in a period to where they are ``wanted`` (joints,) rad by then."""
+        if self._period == 0.0:
             return wanted
-        slope, w = (wanted - self._wanted) / dt, self.pace
-        later = max(dt - STEP, 0.0) / 2.0  # the middle of it; the loop's own steps are half a step early
-        stands, moves, _ = self._servo
-        lag = stands - self._wanted + 2.0 * slope / w
-        gains = moves - slope + w * lag
-        left = np.exp(-w * later)
-        goal = self._wanted + slope * later
-        at = goal - 2.0 * slope / w + (lag + gains * later) * left
-        speed = slope + (moves - slope - w * gains * later) * left
-        acceleration = w**2 * (goal - at) - 2.0 * w * speed
-        self._wanted = wanted
-        return np.asarray(at + (speed + self.tau_v * acceleration) / self.gain)
+        self._slope, self._wanted = (wanted - self._began) / self._period, wanted
+        goal = np.empty((2, len(wanted)))
+        filtered(self._servo, self._began, self._slope, self.pace, self._period, goal)
+        comes = self._after(self._servo, goal[0], self._period)[:2]
+        return np.asarray(goal[0] + (self._answer() * (goal - comes)).sum(0))
 
-    def went(self, setpoint: Array, dt: float) -> None:
-        """What went out for ``dt`` s."""
-        times = np.array([0.0, dt])
-        servo_loop(
-            np.array([setpoint, setpoint]), times, *self._law, 1, self._servo, np.empty((1, len(setpoint)))
-        )
+    def _answer(self) -> Array:
+        """(2, joints): what a setpoint that is to change angle [rad] and speed [rad/s] in a period has to be
+        more.
+        """
+        if abs(self._period - self._answered) > SAME * self._period:
+            comes = self._after(np.zeros_like(self._servo), TRIED + 0.0 * self.pace, self._period)[:2] / TRIED
+            weighed = comes * [np.ones_like(self.pace), (SPEED / self.pace) ** 2]
+            self._answered, self._answers = self._period, weighed / (weighed * comes).sum(0)
+        return self._answers
+
+    def follow(self, wanted: Array) -> Array:
+        """The same of motors that go where they are ``wanted`` by themselves."""
+        self._wanted, self._slope, self._seen = wanted, np.zeros_like(wanted), 0.0
+        return wanted
+
+    def sent(self, setpoint: Array) -> Array:
+        """What goes out."""
+        self._sent = setpoint
+        return setpoint
+
+    def _after(self, servo: Array, setpoint: Array, dt: float) -> Array:
+        """The ``servo``'s state ``dt`` s later."""
+        after, held = servo.copy(), np.array([setpoint, setpoint])
+        servo_loop(held, np.array([0.0, dt]), *self._law, 1, after, np.empty((1, len(setpoint))))
+        return after
+
+
+@compiled
+def filtered(servo: Array, began: Array, slope: Array, pace: Array, period: float, goal: Array) -> None:
+    """Angle and speed (2, columns) to which the filter takes motors in a ``period`` in which they are wanted
+    from ``began`` on with a ``slope`` (columns,).
+    """
+    for j in range(len(began)):
+        w = pace[j]
+        stays = began[j] - 2.0 * slope[j] / w
+        lag, gains = servo[0, j] - stays, servo[1, j] - slope[j]
+        gains += w * lag
+        left = np.exp(-w * period)
+        goal[0, j] = stays + slope[j] * period + (lag + gains * period) * left
+        goal[1, j] = slope[j] + (gains - w * (lag + gains * period)) * left
