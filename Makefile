@@ -29,7 +29,9 @@ $(STAMP): requirements/lock.txt setup.py setup.cfg package.xml tools/make_venv
 demo: setup
 	$(PYTHON) -m $(if $(filter mujoco,$(SIMULATOR)),test.concealed.simulators.demo,test.concealed.demo)
 
-# Tests of the graph wait for processes most of the time: the rest goes on meanwhile, and steps back for them.
+# Tests of the graph wait for processes most of the time: the rest goes on meanwhile, and yields to them; only
+# so much that other work on the machine does not stop it.
+YIELDING := nice -n 3
 test: setup
 	@+$(MAKE) --no-print-directory --jobs 3 lint graph rest
 
@@ -37,8 +39,8 @@ pytest: setup
 	@+$(MAKE) --no-print-directory --jobs 2 graph rest
 
 lint: setup
-	nice $(PYTHON) -m ruff check .
-	nice $(PYTHON) -m mypy
+	$(YIELDING) $(PYTHON) -m ruff check .
+	$(YIELDING) $(PYTHON) -m mypy
 
 PYTEST := -m pytest -q --timeout 300 --dist loadfile --no-loadscope-reorder
 GRAPH := test/nodes test/concealed/test_demo.py test/packaging/test_colcon.py
@@ -50,7 +52,7 @@ graph: setup
 	$(PYTHON) $(PYTEST) -n 2 $(GRAPH)
 
 rest: setup
-	nice $(PYTHON) $(PYTEST) -n auto --maxprocesses 4 $(GRAPH:%=--ignore %)
+	$(YIELDING) $(PYTHON) $(PYTEST) -n auto --maxprocesses 4 $(GRAPH:%=--ignore %)
 
 # Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
 coverage: setup
