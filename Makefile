@@ -7,8 +7,8 @@ FULL ?=
 SIMULATOR ?=
 RELEASE ?=
 
-# .venv stands alone, whatever the shell has sourced.
-unexport PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
+# .venv stands alone, whatever the shell has sourced; and each process of many finds what others compiled.
+unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE _ROS_WHEELS_BOOTSTRAP_COMPLETE
 ifneq ($(ROS_DISTRO)$(_ROS_WHEELS_BOOTSTRAP_COMPLETE),)
 unexport LD_LIBRARY_PATH
 endif
@@ -17,7 +17,7 @@ export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export FULL TRUNK_PYTHON
 
-.PHONY: setup demo test pytest lint coverage fuzz bench proof docs lock clean
+.PHONY: setup demo test pytest lint graph rest coverage fuzz bench proof docs lock clean
 
 setup: $(STAMP)
 
@@ -29,16 +29,30 @@ $(STAMP): requirements/lock.txt setup.py setup.cfg package.xml tools/make_venv
 demo: setup
 	$(PYTHON) -m $(if $(filter mujoco,$(SIMULATOR)),test.concealed.simulators.demo,test.concealed.demo)
 
-test: lint pytest
+# Tests of the graph wait for processes most of the time: the rest goes on meanwhile, and yields to them; only
+# so much that other work on the machine does not stop it.
+YIELDING := nice -n 3
+test: setup
+	@+$(MAKE) --no-print-directory --jobs 3 lint graph rest
+
+pytest: setup
+	@+$(MAKE) --no-print-directory --jobs 2 graph rest
 
 lint: setup
-	$(PYTHON) -m ruff check .
-	$(PYTHON) -m mypy
+	$(YIELDING) $(PYTHON) -m ruff check .
+	$(YIELDING) $(PYTHON) -m mypy
 
-# The nodes' tests start many processes, so only two of them run at a time.
-pytest: setup
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --ignore test/nodes
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q --timeout 300 -n 2 --dist loadfile --no-loadscope-reorder test/nodes
+PYTEST := -m pytest -q --timeout 300 --dist loadfile --no-loadscope-reorder
+GRAPH := test/nodes test/concealed/test_demo.py test/packaging/test_colcon.py
+graph rest: export OMP_NUM_THREADS := 1
+graph rest: export OPENBLAS_NUM_THREADS := 1
+
+# They start many processes, so only two of them run at a time.
+graph: setup
+	$(PYTHON) $(PYTEST) -n 2 $(GRAPH)
+
+rest: setup
+	$(YIELDING) $(PYTHON) $(PYTEST) -n auto --maxprocesses 4 $(GRAPH:%=--ignore %)
 
 # Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
 coverage: setup

@@ -61,18 +61,28 @@ def test_only_the_wire_has_an_inverse(stage: str) -> None:
         Chain(Model(arm_of(2)), stage).invert(np.zeros((1, 2)), np.zeros(1))
 
 
+@pytest.fixture(scope="module")
+def under_way() -> tuple[Array, list[Array]]:
+    """A motion, and what all effects at once make of the whole of it, forward and backward."""
+    chain, stamp = Chain(everything(), "wire"), stamps(16, 100)[:-1]
+    wanted = motion(stamp + 1.0, amplitude=0.15)
+    return wanted, [way(wanted, stamp)[0] for way in (chain.run, chain.invert)]
+
+
 @settings(max_examples=10, deadline=None)
 @given(cuts=st.sets(st.integers(1, 1599), max_size=20))
-def test_all_effects_at_once_work_block_by_block(cuts: set[int]) -> None:
+def test_all_effects_at_once_work_block_by_block(
+    under_way: tuple[Array, list[Array]], cuts: set[int]
+) -> None:
     chain, stamp = Chain(everything(), "wire"), stamps(16, 100)[:-1]
-    wanted = motion(stamp + 1.0, amplitude=0.15)  # under way
-    for way in (chain.run, chain.invert):
+    wanted, whole = under_way
+    for way, expected in zip((chain.run, chain.invert), whole, strict=True):
         state: State | None = None
         parts = []
         for part in np.split(np.arange(1600), sorted(cuts)):
             out, state = way(wanted[part], stamp[part], state)
             parts.append(out)
-        assert np.concatenate(parts) == pytest.approx(way(wanted, stamp)[0], abs=AGREED)
+        assert np.concatenate(parts) == pytest.approx(expected, abs=AGREED)
 
 
 def test_a_long_recording_is_cut_into_blocks_that_do_not_show() -> None:

@@ -70,14 +70,14 @@ def test_an_effect_that_there_is_not_is_refused_in_one_line() -> None:
 @needs_ros
 @pytest.mark.timeout(600)
 def test_what_is_hidden_is_named_and_told_only_after_the_verdict(tmp_path: Path) -> None:
-    asked = ["--effects", "backlash", "--seed", "3", "--seconds", "12", "--output", str(tmp_path)]
+    asked = ["--effects", "zero_offset", "--seed", "3", "--seconds", "12", "--output", str(tmp_path)]
     done = subprocess.run([*COMMAND, *asked], cwd=ROOT, capture_output=True, text=True, timeout=560)
     assert done.returncode == 0, done.stdout + done.stderr
     assert 0 < done.stdout.index("Verdict:") < done.stdout.index("What was hidden")
     assert (tmp_path / "demo.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "report.html").exists()
     found = json.loads((tmp_path / "diagnosis.json").read_text())["findings"]
-    assert "backlash" in [name for one in found for name in (one["effect"], *one["equivalents"])]
+    assert "zero_offset" in [name for one in found for name in (one["effect"], *one["equivalents"])]
     assert all(any(path.match(own) for own in OWN) for path in tmp_path.iterdir())
 
 

@@ -19,7 +19,7 @@ QUASI_STATIC = {"sensor_delay", "viscous_lag", "stribeck_friction", "link_resona
 def marks(folder: str) -> list[pytest.MarkDecorator]:
     """Of tests that need the recordings of a folder."""
     absent = not (REAL / folder).is_dir()
-    return [pytest.mark.skipif(absent, reason="no real recordings here"), pytest.mark.timeout(600)]
+    return [pytest.mark.skipif(absent, reason="no real recordings here"), pytest.mark.timeout(1200)]
 
 
 def read(folder: str, name: str, mapping: str) -> Recording:

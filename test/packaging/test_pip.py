@@ -27,8 +27,9 @@ def python(wheel, run, tmp_path_factory):
     folder = tmp_path_factory.mktemp("fresh")
     lock = (ROOT / "requirements/lock.txt").read_text()
     (folder / "constraints.txt").write_text("\n".join(re.findall(r"^\S+==\S+", lock, re.MULTILINE)))
-    run(sys.executable, "-m", "venv", folder / "venv", cwd=folder)
-    run(folder / "venv/bin/pip", "install", "-q", "-c", "constraints.txt", wheel, cwd=folder)
+    run(sys.executable, "-m", "venv", "--without-pip", folder / "venv", cwd=folder)
+    pip = [sys.executable, "-m", "pip", "--python", folder / "venv"]
+    run(*pip, "install", "-q", "--no-compile", "-c", "constraints.txt", wheel, cwd=folder)
     return folder / "venv/bin/python"
 
 

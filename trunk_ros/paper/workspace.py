@@ -39,14 +39,14 @@ def workspace(arm: Arm, levels: int = LEVELS) -> Workspace:
     theta = postures(arm, levels)
     stretch = {"load_elasticity": {"compliance": arm.compliance}}
     tight = replace(arm, dead_band=np.zeros_like(arm.dead_band))
+    tip = arm.forward_kinematics(theta)[:, :2]
     errors = {
         WORST: worst_signs(arm, theta),
-        HYSTERESIS: tip_error(arm, through_wire(arm, theta), theta),
-        STRETCH: tip_error(arm, through_wire(tight, theta, stretch), theta),
-        BOTH: tip_error(arm, through_wire(arm, theta, stretch), theta),
+        HYSTERESIS: tip_error(arm, through_wire(arm, theta), tip),
+        STRETCH: tip_error(arm, through_wire(tight, theta, stretch), tip),
+        BOTH: tip_error(arm, through_wire(arm, theta, stretch), tip),
     }
     radius = arm.wire.cylinder_radius if arm.wire else np.inf
-    tip = arm.forward_kinematics(theta)[:, :2]
     visited = {name: error[1:] for name, error in errors.items()}
     return Workspace(tip[1:], visited, float(np.abs(arm.load(theta)).max() / radius))
 
@@ -62,16 +62,17 @@ def postures(arm: Arm, levels: int) -> Array:
 
 
 def tip_error(arm: Arm, theta: Array, wanted: Array) -> Array:
-    """Distance (n,) m between the tips of two postures (n, joints)."""
-    off = arm.forward_kinematics(theta) - arm.forward_kinematics(wanted)
+    """Distance (n,) m of the tip at postures (n, joints) from where it is wanted (n, 2) m."""
+    off = arm.forward_kinematics(theta)[:, :2] - wanted
     distance: Array = np.hypot(off[:, 0], off[:, 1])
     return distance
 
 
 def worst_signs(arm: Arm, theta: Array) -> Array:
     """Tip error (n,) m with every joint off by its dead band, each whichever way is worst."""
+    tip = arm.forward_kinematics(theta)[:, :2]
     off = np.array(list(product((-1.0, 1.0), repeat=len(arm.joints)))) * arm.dead_band
-    worst: Array = np.max([tip_error(arm, theta + each, theta) for each in off], axis=0)
+    worst: Array = np.max([tip_error(arm, theta + each, tip) for each in off], axis=0)
     return worst
 
 
