@@ -274,7 +274,8 @@ class Chain:
             now = self._look(stamp, at_joints(phi), last, state, given)
             now.see(phi, at_joints(phi))
             better, after = run_servo(self.arm, self.effects, now, setpoints, stamps, start)
-            settled = not now.asked or passes.agree(better, phi)
+            moves = now.asked or now.has_told("speed")
+            settled = not moves or passes.agree(better, phi)
             phi = better
         out, behind = phi, self.order.after + self.order.sensor
         if behind or now.swing is not None:

@@ -113,6 +113,10 @@ class Look(Now):
         for name in ("gearbox", "angles", "wires", "load"):
             self.__dict__.pop(name, None)
 
+    def has_told(self, name: str) -> bool:
+        """Whether an effect asked for something."""
+        return name in self.__dict__
+
     def __getattr__(self, name: str) -> Any:
         """Called for what is not there yet."""
         value: Any

@@ -1,7 +1,8 @@
 """The moment that a recording shows on the joints, beside or in place of the computed weight.
 
 ``arm.load`` says which: ``weight`` alone; ``weight_and_inertia`` of the recorded motion; or ``effort``, the
-recorded torque of the motors less their friction. Where a recording has no effort, weight it is.
+moment that the joints' own sensors tell, else the recorded torque of the motors less their friction. Where a
+recording has no effort, weight it is.
 """
 
 from __future__ import annotations
@@ -44,16 +45,26 @@ class Resistance:
         return Resistance(self.moment[rows], self.lever[rows], self.weighs)
 
 
-def resistance(arm: Arm, gearbox: JointSeries, grid: Array, phi: Array) -> Resistance | None:
-    """What gearbox states tell of the load at gearbox angles ``phi`` (m, joints) on ``grid`` (m,).
+def resistance(
+    arm: Arm, gearbox: JointSeries, grid: Array, phi: Array, shown: JointSeries | None = None
+) -> Resistance | None:
+    """What gearbox states tell of the load at gearbox angles ``phi`` (m, joints) on ``grid`` (m,); joint
+    states where these have a load cell's effort.
 
     None where the arm's load is its weight alone, or nothing more is known.
     """
+    if arm.load_from == "effort" and shown is not None and np.any(np.nan_to_num(_effort(shown))):
+        moment = np.column_stack([np.interp(grid, shown.stamp, e) for e in fill(_effort(shown)).T])
+        return Resistance(moment, np.zeros_like(moment), False)
     if arm.load_from == "effort" and gearbox.effort is not None:
         return carried(arm, gearbox, grid, phi * arm.ratio)
     if arm.load_from == "weight_and_inertia" and arm.has_load:
         return swung(arm, grid, phi)
     return None
+
+
+def _effort(series: JointSeries) -> Array:
+    return np.zeros((0, 0)) if series.effort is None else series.effort
 
 
 def swung(arm: Arm, grid: Array, phi: Array) -> Resistance:

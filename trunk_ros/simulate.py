@@ -63,7 +63,8 @@ def simulate(
         if model.effects:
             phi = as_the_servo_went(recording, given, steps, grid, phi, model)
     model = model.only(joints)
-    known = resistance(model.arm, driven, grid, phi)
+    told = measured.select(joints) if measured is not None and set(joints) <= set(measured.joints) else None
+    known = resistance(model.arm, driven, grid, phi, told)
     chain, state, zero = Chain(model, "wire"), None, np.zeros(len(joints))
     if measured is not None and set(joints) & set(measured.joints):
         seen = first_rows(measured.stamp[kept], settle)

@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
+from scipy.optimize import least_squares
 
-from trunk_ros.arm import Arm
 from trunk_ros.arm.arm import SERVO_OF_EACH
 from trunk_ros.arm_model import SAMPLED
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.levels import CLEARLY, TURNS
-from trunk_ros.diagnosis.search.candidates import Candidate, extended
-from trunk_ros.diagnosis.search.fit import Fit, refit_column
-from trunk_ros.diagnosis.search.greedy import begun
-from trunk_ros.diagnosis.search.score import beats, score
+from trunk_ros.diagnosis.levels import CLEARLY, OUTLIERS, SEVERAL
 from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.effects import registry
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
 STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for all that can be seen
-DAMPED = 0.2  # of critical: no servo is tuned to swing longer
+SWINGS = 6.25  # kp tau_v of a loop with a fifth of critical damping: no servo is tuned to swing longer
+STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
+"""kp [1/s], kp tau_v, delay [s]."""
+TOPS = (1.0, 10.0)  # v_max over the highest speed seen
+STEPS = np.array([0.01, 0.01, 0.01, 1e-3])  # of logarithms, and s
 
 
 def with_its_servo(model: Model, recordings: Sequence[Recording]) -> Model:
-    """The model with the first-order loop that each joint's servo is: its gain, delay, velocity loop and top
-    speed, each as far as it pays. What is found beyond is what such a loop cannot do.
+    """The model with the first-order loop that each joint's servo is: its gain, velocity loop, top speed and
+    delay. What is found beyond is what such a loop cannot do.
 
     Setpoints may be samples that were taken beside the shaft's angle, of what moves on between them: so they
     are where the shaft is clearly nearer to what follows from that.
@@ -39,42 +41,52 @@ def with_its_servo(model: Model, recordings: Sequence[Recording]) -> Model:
 
 
 def _identified(model: Model, recordings: Sequence[Recording]) -> tuple[Model, float]:
-    """The model with its servo, and what that leaves, rms over the joints [rad]."""
-    spans = [servo_span(r, model) for r in recordings]
-    for _ in range(TURNS):
-        best = begun(first_look(ServoStage(spans, model)))
-        for column in best.context.columns:
-            while beats(more := min(_with_more(best, column), key=score, default=best), best):
-                best = more
-        found = best.hypothesis.model_effects(len(model.arm.joints))
-        model = replace(model, arm=_looped(replace(model, effects={**model.effects, **found})))
-        if not found:
-            break
-    context = best.context
-    squares = [best.cost[c] * context.noise[c].std ** 2 / context.count(c) for c in context.columns]
-    return model, float(np.sqrt(np.sum(squares)))
+    """The model with its servos, and what these leave, rms over the joints [rad]."""
+    context = first_look(ServoStage([servo_span(r, model) for r in recordings], model))
+    numbers = np.array([[getattr(model.arm, name)] * len(context.joints) for name in SERVO_OF_EACH])
+    squares = 0.0
+    for column in context.columns:
+        numbers[:, column], cost = _loop(context, column)
+        squares += cost * context.noise[column].std ** 2 / context.count(column)
+    loops = dict(zip(SERVO_OF_EACH, numbers, strict=True))
+    return replace(model, arm=replace(model.arm, **loops, servo_stated=True)), float(np.sqrt(squares))
 
 
-def _with_more(best: Fit, column: int) -> Iterator[Fit]:
-    """With each thing more that a servo's loop is on a joint, from each of its starts."""
-    context, there = best.context, best.hypothesis
-    for kind in (k for k in registry().values() if k.stage == context.stage.name and k.changes):
-        if not (kind.id in there and column in there[kind.id].own):
-            for start in kind({}, {}, kind.apart).starts(context.shown(column), 0):
-                candidate = Candidate(kind.id, kind.apart, column, start)
-                trial = refit_column(best, extended(context, there, candidate), column)
-                if _may_be(trial, column):
-                    yield trial
+def _loop(context: Context, column: int) -> tuple[Array, float]:
+    """(4,) numbers of a joint's servo, as in SERVO_OF_EACH, and the squared residual that it leaves: the best
+    of the fits from the best starts.
+    """
+    stage = context.stage
+    fastest = max(float(np.quantile(np.abs(v.span.velocity[:, column]), 1.0 - OUTLIERS)) for v in stage.views)
+
+    def residual(x: Array) -> Array:
+        own = dict(zip(SERVO_OF_EACH, _numbers(x).tolist(), strict=True))
+        here = replace(context, stage=stage.of(replace(stage.arm, **own)))
+        return here.whitened(context.known, column)
+
+    def slopes(x: Array) -> Array:
+        base = residual(x)
+        steps = np.where(x + STEPS < high, STEPS, -STEPS)
+        return np.column_stack([(residual(x + np.eye(4)[k] * h) - base) / h for k, h in enumerate(steps)])
+
+    low = np.array([*np.log([0.5, 1e-3, 0.3 * fastest]), 0.0])
+    high = np.array([*np.log([STIFFEST, SWINGS, 20.0 * fastest]), 0.5])
+    fits = []
+    for top in TOPS:  # a limit that is reached, and one that is not, hide each other
+        starts = [
+            np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
+        ]
+        starts.sort(key=lambda x: float(np.sum(residual(x) ** 2)))
+        for x in starts[:SEVERAL]:
+            for method in ("dogbox", "trf"):  # either stands still where the other goes on
+                end = least_squares(residual, x, slopes, (low, high), method, x_scale="jac", max_nfev=100)
+                fits.append(end)
+                x = end.x
+    best = min(fits, key=lambda fit: float(fit.cost))
+    return _numbers(best.x), 2.0 * float(best.cost)
 
 
-def _may_be(fit: Fit, column: int) -> bool:
-    """Whether a servo may have such a loop."""
-    model, joints = fit.context.stage.model, len(fit.context.joints)
-    arm = _looped(replace(model, effects=fit.hypothesis.model_effects(joints)))
-    kp, tau_v = (np.broadcast_to(number, joints)[column] for number in (arm.kp, arm.tau_v))
-    return bool(kp <= STIFFEST and 4.0 * DAMPED**2 * kp * tau_v <= 1.0)
-
-
-def _looped(model: Model) -> Arm:
-    """The arm with the numbers of its servos that the effects say."""
-    return replace(model.arm, **{name: model.number(name) for name in SERVO_OF_EACH}, servo_stated=True)
+def _numbers(x: Array) -> Array:
+    """kp, tau_v, v_max and delay of what is fitted."""
+    kp, swings, fastest = np.exp(x[:3])
+    return np.array([kp, swings / kp, fastest, x[3]])

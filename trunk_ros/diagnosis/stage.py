@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.motion_content import comes_back
@@ -72,6 +73,12 @@ class Stage(ABC):
         """Samples for which the reading of a joint stays the same, in the mean over the samples."""
         self.coarse = [self._coarseness(c) for c in range(len(self.joints))]
         """Noise that the steps of a joint's own sensor are at least."""
+
+    def of(self, arm: Arm) -> Stage:
+        """The same recordings of an arm with other servos."""
+        other = copy(self)
+        other.arm = arm
+        return other
 
     def _load(self, spans: Sequence[Span]) -> None:
         self.views = tuple(self._view(span) for span in spans)

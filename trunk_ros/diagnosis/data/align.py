@@ -121,7 +121,7 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
-    known = resistance(arm, gearbox, grid, phi)
+    known = resistance(arm, gearbox, grid, phi, measured)
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
