@@ -15,13 +15,14 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.levels import CLEARLY, OUTLIERS, SEVERAL
+from trunk_ros.diagnosis.levels import CLEARLY, OUTLIERS, REFITTED
+from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
 STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for all that can be seen
-SWINGS = 6.25  # kp tau_v of a loop with a fifth of critical damping: no servo is tuned to swing longer
+SWINGS = 1.0  # kp tau_v of a loop with half of critical damping: no servo is tuned to swing longer
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, 10.0)  # v_max over the highest speed seen
@@ -77,13 +78,13 @@ def _loop(context: Context, column: int) -> tuple[Array, float]:
             np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
         ]
         starts.sort(key=lambda x: float(np.sum(residual(x) ** 2)))
-        for x in starts[:SEVERAL]:
-            for method in ("dogbox", "trf"):  # either stands still where the other goes on
-                end = least_squares(residual, x, slopes, (low, high), method, x_scale="jac", max_nfev=100)
-                fits.append(end)
-                x = end.x
-    best = min(fits, key=lambda fit: float(fit.cost))
-    return _numbers(best.x), 2.0 * float(best.cost)
+        for x, method in product(starts[:REFITTED], ("dogbox", "trf")):  # one goes on where the other stands
+            fits.append(least_squares(residual, x, slopes, (low, high), method, x_scale="jac", max_nfev=100))
+    best = min(fits, key=lambda fit: float(fit.cost)).x
+    free = np.array([*best[:2], np.log(TOPS[-1] * fastest), best[3]])
+    costs = [float(np.sum(residual(x) ** 2)) for x in (best, free)]
+    seen = costs[1] - costs[0] > SIGNIFICANT  # a top speed that was not reached is not known
+    return _numbers(best if seen else free), costs[0]
 
 
 def _numbers(x: Array) -> Array:
