@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -50,9 +50,10 @@ def compared(real: RealSet, home: Path, peers: Sequence[str], every: bool = Fals
     ).model
     first = read[real.fitted[0]]
     own = [first.require(ends(first)[0]).joints.index(joint) for joint in real.joints]
-    seen = [_head(run_of(read[name], real.joints), real.share) for name in real.fitted]
-    fitted = {name: PEERS[name](seen, own) for name in peers}
     servo = ends(first)[0] == "setpoints"
+    seen = [_head(run_of(read[name], real.joints), real.share) for name in real.fitted]
+    seen = [replace(run, angles=run.angles - _nothing(run, own)) for run in seen] if servo else seen
+    fitted = {name: PEERS[name](seen, own) for name in peers}
     out = []
     for name, rest in real.rows():
         run = run_of(read[name], real.joints)
@@ -62,7 +63,8 @@ def compared(real: RealSet, home: Path, peers: Sequence[str], every: bool = Fals
             HERE: _simulated(read[name], model, real),
             NOMINAL: _nothing(run, own) if servo else _simulated(read[name], load_model("direct"), real),
         }
-        said |= {peer: predict(run) for peer, predict in fitted.items()}
+        asked = _nothing(run, own) if servo else 0.0  # what peers predict of a servo is how far off it is
+        said |= {peer: asked + predict(run) for peer, predict in fitted.items()}
         seen_there = np.nan_to_num(run.angles) if every else run.angles
         errors = {m: np.sqrt(np.nanmean((p - seen_there)[rows] ** 2, axis=0)) for m, p in said.items()}
         label = f"{name}, last {100 * (1 - real.share):.0f} %" if rest else name

@@ -25,7 +25,7 @@ STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for a
 SWINGS = 1.0  # kp tau_v of a loop with half of critical damping: no servo is tuned to swing longer
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
-TOPS = (1.0, 10.0)  # v_max over the highest speed seen
+TOPS = (1.0, 3.0)  # v_max over the highest speed seen: one that is reached, and one that is left open
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3])  # of logarithms, and s
 
 
