@@ -227,3 +227,29 @@ def test_a_payload_that_the_model_has_already_is_counted_once() -> None:
     result = diagnose([recorded(dict(known.effects))], known)
     assert result.verdict == "no_mismatch"
     assert result.model.payload == pytest.approx(0.1, abs=2e-3)
+
+
+def test_what_load_cells_at_the_joints_tell_is_the_load() -> None:
+    """Hands push at two joints, whose masses are not known; the cells tell how strongly."""
+    t = np.arange(0.0, 40.0, 0.01)
+
+    def pushed(seed: int) -> Recording:
+        rng = np.random.default_rng(seed)
+        path = np.column_stack([0.6 * np.sin(2 * np.pi * f * t) for f in (0.11, 0.17)])
+        push = np.column_stack([np.interp(t, np.arange(0, 41, 2), rng.uniform(-0.5, 0.5, 21)) for _ in "ab"])
+        shown = path + 0.05 * push + 1e-4 * rng.standard_normal(path.shape)
+        joints = ("a", "b")
+        series = {
+            "gearbox_states": JointSeries(t, joints, path),
+            "joint_states": JointSeries(t, joints, shown, effort=push),
+        }
+        return Recording("pushed", 0, float(t[-1]), series)
+
+    found = diagnose(pushed(1), model="direct")
+    (finding,) = found.findings
+    assert finding.effect == "load_elasticity"
+    for values in finding.parameters.values():
+        assert values["compliance"]["value"] == pytest.approx(0.05, rel=0.01)
+    other = pushed(2)
+    off = simulate(other, found.model).series["joint_states"].position - other.series["joint_states"].position
+    assert off.std() < 1.1e-4

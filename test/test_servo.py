@@ -133,3 +133,14 @@ def test_uneven_setpoints_are_held_until_the_next(gaps: list[float]) -> None:
     held = setpoint[np.searchsorted(stamp, dense + 1e-12, side="right") - 1]
     at = np.searchsorted(dense, stamp)
     assert servo(held, dense)[at] == pytest.approx(servo(setpoint, stamp), abs=2e-3)
+
+
+def test_a_curve_over_speed_acts_where_the_angle_is_not_known_beforehand() -> None:
+    """Setpoints shifted by 10 ms of the joint's speed: at a constant one the shaft is as far ahead."""
+    stamp = np.arange(300) * 0.01
+    setpoint = np.minimum(stamp, 2.0)[:, None] * np.array([0.2, -0.3])
+    shift = {f"value_{k:02}": np.full(2, 0.01 * v) for k, v in enumerate(np.linspace(-1.0, 1.0, 24))}
+    curve = {"low": np.full(2, -1.0), "high": np.full(2, 1.0), **shift, "on": ["speed", "speed"]}
+    ahead = servo(setpoint, stamp, unknown_servo=curve) - servo(setpoint, stamp)
+    expected = 0.01 * arm_of(2).ratio * np.array([0.2, -0.3])
+    np.testing.assert_allclose(ahead[150:200].mean(axis=0), expected, rtol=0.02)
