@@ -152,12 +152,6 @@ def test_stated_servos_that_differ_from_joint_to_joint_are_named_so(
         assert said["value"] == pytest.approx(value, rel=0.02)
 
 
-def test_a_velocity_loop_that_is_slow_on_all_joints_is_named_once() -> None:
-    (finding,) = diagnose(_recorded(PLAIN | {"tau_v": (0.04, 0.04, 0.04)}), model=_stated()).findings
-    assert finding.effect == "velocity_loop"
-    assert finding.parameters["arm"]["relative"]["value"] == pytest.approx(1.0, rel=0.02)
-
-
 def test_a_model_may_state_the_servo_of_each_joint() -> None:
     model = _stated(
         kp=list(OWN["kp"]), tau_v=list(OWN["tau_v"]), v_max=list(OWN["v_max"]), delay=list(OWN["delay"])

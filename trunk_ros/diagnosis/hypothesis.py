@@ -57,16 +57,10 @@ class Term:
         return sorted(self.own)
 
     def reform(self, form: str) -> None:
-        """Take another form, without the values that it does not use; what joints shared each then has, and
-        the other way round.
-        """
+        """Take another form, without the values that it does not use; what joints shared each then has."""
         self.form = form
-        used = effect(self.effect).used(form)
-        shared, names = self.shared, {p.name for p in used if p.shared}
+        shared, names = self.shared, {p.name for p in effect(self.effect).used(form) if p.shared}
         self.shared = {n: v for n, v in shared.items() if n in names}
-        for n in names - self.shared.keys():
-            if each := [values[n] for values in self.own.values() if n in values]:
-                self.shared[n] = float(np.median(each))
         for column, values in self.own.items():
             self.have(column, {**shared, **values})
 

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.followed import directions
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.search.size import different, gains, leading, merit, scaled, too_large
+from trunk_ros.diagnosis.search.size import differ, different, gains, leading, merit, scaled, too_large
 from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
@@ -194,8 +194,10 @@ class Screen:
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)
                     if better and (free not in found or better.gain > found[free].gain):
                         found[free] = better
-        if len(found) > 1 and found[True].form == kind.apart:
-            found = {free: c for free, c in found.items() if not free or NEARLY * c.gain > found[False].gain}
+        if kind.apart and True in found:
+            left = sum(self.left(c) - self.context.count(c) for c in found[True].columns)
+            if not differ(found[True], found.get(False), PROMISED * left):
+                del found[True]
         alike = any(p.shared for p in kind.moments()[:1])
         some = [self.lasting(c, self.context.columns) for c in found.values() if alike]
         return [*found.values(), *(c for c in some if c is not None)]

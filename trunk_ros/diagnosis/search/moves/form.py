@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-import numpy as np
-
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
@@ -36,9 +34,12 @@ def _groups(best: Fit, desk: Desk, shaking: bool) -> Iterator[Group]:
         kind = effect(name)
         forms = [f for f in kind.forms if f != term.form and (f in kind.shaking) == shaking]
         columns = [c for c in term.columns if c in best.context.columns]
-        if forms and columns:
-            promise = partial(_promise, best, name) if forms == [kind.apart] else lambda: np.inf
-            yield Group(name, columns, partial(reforms, best, desk, name, forms), promise)
+        others = [form for form in forms if form != kind.apart]
+        if others and columns:
+            yield Group(name, columns, partial(reforms, best, desk, name, others))
+        if kind.apart in forms and columns:
+            trials, promise = partial(reforms, best, desk, name, [kind.apart]), partial(_promise, best, name)
+            yield Group((name, kind.apart), columns, trials, promise)
 
 
 def _promise(best: Fit, name: str) -> float:
