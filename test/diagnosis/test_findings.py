@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.hypothesis import Term
+from trunk_ros.diagnosis.verdict.findings import settled
+from trunk_ros.effects import effect
 
 
 def test_a_curve_over_a_sliding_joint_is_in_metres() -> None:
@@ -18,3 +22,15 @@ def test_a_curve_over_a_sliding_joint_is_in_metres() -> None:
     (found,) = diagnose([replace(recording, units={"joint_3": "m"})]).findings
     assert (found.effect, found.depends_on) == ("unknown", ["position"])
     assert (found.curve["x_unit"], found.curve["y_unit"]) == ("m", "m")
+
+
+@pytest.mark.parametrize(("spread", "sure"), [(0.002, 1.0), (2e8, 0.5)])
+def test_a_size_that_the_data_do_not_tell_is_not_sure_beside_what_a_description_states(
+    spread: float, sure: float
+) -> None:
+    """A wire of a stated compliance, that hardens at a moment known to so much."""
+    kind = effect("wire_stiffening")
+    term = Term(
+        kind.id, "tangent", {}, {0: {"moment": 0.1, "compliance": 0.03}}, given=frozenset({"compliance"})
+    )
+    assert settled(kind, term, {(kind.id, "moment", 0): spread}) == sure

@@ -72,7 +72,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         stage=kind.stage,
         joints=joints,
         regime=regime,
-        confidence=round(min(found.confidence, _settled(kind, term, std)), 3),
+        confidence=round(min(found.confidence, settled(kind, term, std)), 3),
         equivalents=found.equivalents,
         parameters=parameters,
         depends_on=varies,
@@ -96,14 +96,14 @@ def _touched(context: Context, kind: type[Effect], term: Term) -> list[int]:
     return list(range(len(context.joints))) if whole else term.columns
 
 
-def _settled(kind: type[Effect], term: Term, std: Spreads) -> float:
+def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
     """1 where the effect's size is well above its spread on its surest joint, less where it is not."""
     lead = kind.own_parameters(term.form)[0]
     null = lead.null if lead.scale == "linear" else 0.0  # where none is endless, a value is no surer for that
     sizes = [
         abs(values[lead.name] - null) / max(std.get((term.effect, lead.name, c), 0.0), TINY)
         for c, values in term.own.items()
-        if lead.name in values and not term.given
+        if lead.name in values and lead.name not in term.given
     ]
     return 1.0 if not sizes or max(sizes) > SURE else 0.5
 
