@@ -12,7 +12,7 @@ from test.diagnosis.arms import recorded
 from test.diagnosis.test_tip_in_space import ARMS, seen
 from test.test_pages_run import an_old_bag
 from trunk_ros.__main__ import main
-from trunk_ros.commands.info import gathered, model_for
+from trunk_ros.commands.info import foreign, gathered, model_for
 from trunk_ros.diagnosis.data.quality import left_out
 from trunk_ros.model import load_model, save_model
 from trunk_ros.recording.importing.bag import read_bag
@@ -76,3 +76,13 @@ def test_a_bag_of_foreign_topics_gets_a_mapping_that_takes_them_in(
     assert f"trunk_ros import {bag} --mapping MAP.yaml -o {bag}_arm" in said
     (tmp_path / "map.yaml").write_text(said[said.index("  joints:") : said.index("then:")])
     assert read_bag(bag, tmp_path / "map.yaml").joints == ("joint_1",)
+
+
+def test_topics_that_say_where_servos_are_to_go_are_setpoints_in_the_mapping_to_begin_with() -> None:
+    kind = "sensor_msgs/msg/JointState"
+    servo = foreign(Path("run.bag"), {"/arm/measured_js": kind, "/arm/setpoint_js": kind})
+    assert '  setpoints: {position: {columns: ["/arm/setpoint_js.position[0]"], unit: rad}}' in servo
+    assert '  gearbox_states: {position: {columns: ["/arm/measured_js.position[0]"], unit: rad}}' in servo
+    assert not any("joint_states" in line for line in servo[3:])
+    wire = foreign(Path("run.bag"), {"/camera": kind, "/motors": kind})
+    assert [line.split(":")[0].strip() for line in wire[-3:-1]] == ["gearbox_states", "joint_states"]

@@ -61,6 +61,10 @@ NUMBERS = {"sensor_msgs/msg/JointState": "position[0]", "std_msgs/msg/Float64": 
 """Where messages that come from arms most have an angle."""
 
 
+ASKED = ("setpoint", "command", "desired", "goal", "demand", "target")
+"""Words in the names of topics that say where a servo is to go."""
+
+
 def foreign(path: Path, topics: dict[str, str]) -> list[str]:
     """The topics of a bag that are of no arm by their names, and the mapping to begin with."""
     angles = [
@@ -69,15 +73,18 @@ def foreign(path: Path, topics: dict[str, str]) -> list[str]:
         for topic in sorted(topics)
         if topics[topic] == known
     ]
-    motor, joint, *_ = [*angles, "/TOPIC.FIELD", "/TOPIC.FIELD"]
+    asked = [angle for angle in angles if any(word in angle.lower() for word in ASKED)]
+    shown = [angle for angle in angles if angle not in asked]
+    told = dict(zip(("gearbox_states", "joint_states"), [*shown, *["/TOPIC.FIELD"] * 2], strict=False))
+    if asked:
+        told = {"setpoints": asked[0], **dict(list(told.items())[: max(len(shown), 1)])}
     return [
         f"{path}: no topic of an arm. It holds:",
         *columns(sorted(topics.items())),
         "",
         "A mapping says which of their fields are which; put the right ones in and save it as MAP.yaml:",
         "  joints: [joint_1]",
-        f'  gearbox_states: {{position: {{columns: ["{motor}"], unit: rad}}}}',
-        f'  joint_states: {{position: {{columns: ["{joint}"], unit: rad}}}}',
+        *(f'  {key}: {{position: {{columns: ["{angle}"], unit: rad}}}}' for key, angle in told.items()),
         f"then: trunk_ros import {path} --mapping MAP.yaml -o {path.with_name(path.stem + '_arm')}",
     ]
 
