@@ -14,8 +14,9 @@ from trunk_ros.arm_model import SAMPLED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span
+from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.levels import CLEARLY, OUTLIERS, REFITTED
+from trunk_ros.diagnosis.levels import CLEARLY, OUTLIERS, SEVERAL
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.model import Model
@@ -26,6 +27,7 @@ SWINGS = 1.0  # kp tau_v of a loop with half of critical damping: no servo is tu
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, 3.0)  # v_max over the highest speed seen: one that is reached, and one that is left open
+STANDS = 1e-3  # rad/s: a joint that hardly ever moves
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3])  # of logarithms, and s
 
 
@@ -43,7 +45,7 @@ def with_its_servo(model: Model, recordings: Sequence[Recording]) -> Model:
 
 def _identified(model: Model, recordings: Sequence[Recording]) -> tuple[Model, float]:
     """The model with its servos, and what these leave, rms over the joints [rad]."""
-    context = first_look(ServoStage([servo_span(r, model) for r in recordings], model))
+    context = first_look(ServoStage([excerpt(servo_span(r, model)) for r in recordings], model))
     numbers = np.array([[getattr(model.arm, name)] * len(context.joints) for name in SERVO_OF_EACH])
     squares = 0.0
     for column in context.columns:
@@ -58,7 +60,8 @@ def _loop(context: Context, column: int) -> tuple[Array, float]:
     of the fits from the best starts.
     """
     stage = context.stage
-    fastest = max(float(np.quantile(np.abs(v.span.velocity[:, column]), 1.0 - OUTLIERS)) for v in stage.views)
+    speeds = [np.abs(view.span.velocity[:, column]) for view in stage.views]
+    fastest = max(STANDS, *(float(np.quantile(speed, 1.0 - OUTLIERS)) for speed in speeds))
 
     def residual(x: Array) -> Array:
         own = dict(zip(SERVO_OF_EACH, _numbers(x).tolist(), strict=True))
@@ -78,8 +81,8 @@ def _loop(context: Context, column: int) -> tuple[Array, float]:
             np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
         ]
         starts.sort(key=lambda x: float(np.sum(residual(x) ** 2)))
-        for x, method in product(starts[:REFITTED], ("dogbox", "trf")):  # one goes on where the other stands
-            fits.append(least_squares(residual, x, slopes, (low, high), method, x_scale="jac", max_nfev=100))
+        for x, method in product(starts[:SEVERAL], ("dogbox", "trf")):  # one goes on where the other stands
+            fits.append(least_squares(residual, x, slopes, (low, high), method, x_scale="jac", max_nfev=60))
     best = min(fits, key=lambda fit: float(fit.cost)).x
     free = np.array([*best[:2], np.log(TOPS[-1] * fastest), best[3]])
     costs = [float(np.sum(residual(x) ** 2)) for x in (best, free)]
