@@ -144,8 +144,9 @@ class Diagnoser:
             return
         self.say("servo")
         if not (self.model.arm.servo_stated or any(effect(n).stage == "servo" for n in self.model.effects)):
-            self.model = with_its_servo(with_room(self.model, recorded), recorded)
-            spans = [servo_span(r, self.model) for r in recorded]
+            whole = [r for r in recorded if servo_span(r, self.model).joints == self.joints]
+            self.model = with_its_servo(with_room(self.model, whole), whole)
+            spans = [servo_span(r, self.model) for r in whole]
         arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
         self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
 
