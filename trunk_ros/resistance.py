@@ -49,12 +49,13 @@ def resistance(
     arm: Arm, gearbox: JointSeries, grid: Array, phi: Array, shown: JointSeries | None = None
 ) -> Resistance | None:
     """What gearbox states tell of the load at gearbox angles ``phi`` (m, joints) on ``grid`` (m,); joint
-    states where these have a load cell's effort.
+    states ``shown``, where these have a load cell's effort of all joints.
 
     None where the arm's load is its weight alone, or nothing more is known.
     """
-    if arm.load_from == "effort" and shown is not None and np.any(np.nan_to_num(_effort(shown))):
-        moment = np.column_stack([np.interp(grid, shown.stamp, e) for e in fill(_effort(shown)).T])
+    cells = None if shown is None or not set(arm.joints) <= set(shown.joints) else shown.select(arm.joints)
+    if arm.load_from == "effort" and cells is not None and _tell(cells.effort):
+        moment = _at(grid, cells)
         return Resistance(moment, np.zeros_like(moment), False)
     if arm.load_from == "effort" and gearbox.effort is not None:
         return carried(arm, gearbox, grid, phi * arm.ratio)
@@ -63,8 +64,14 @@ def resistance(
     return None
 
 
-def _effort(series: JointSeries) -> Array:
-    return np.zeros((0, 0)) if series.effort is None else series.effort
+def _tell(effort: Array | None) -> bool:
+    return effort is not None and bool(np.any(np.nan_to_num(effort)))
+
+
+def _at(grid: Array, series: JointSeries) -> Array:
+    """(m, joints) N m: what effort a series has, at ``grid`` (m,) s."""
+    assert series.effort is not None
+    return np.column_stack([np.interp(grid, series.stamp, e) for e in fill(series.effort).T])
 
 
 def swung(arm: Arm, grid: Array, phi: Array) -> Resistance:
@@ -84,8 +91,5 @@ def carried(arm: Arm, gearbox: JointSeries, grid: Array, theta: Array) -> Resist
     known, lever = np.isfinite(measured), arm.lever(theta)
     bare = arm.load(theta) - arm.payload * lever
     if not arm.has_load:
-        assert gearbox.effort is not None
-        bare = (
-            -np.column_stack([np.interp(grid, gearbox.stamp, e) for e in fill(gearbox.effort).T]) / arm.ratio
-        )
+        bare = -_at(grid, gearbox) / arm.ratio
     return Resistance(np.where(known, measured, bare), np.where(known, 0.0, lever), False)

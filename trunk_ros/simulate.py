@@ -63,8 +63,7 @@ def simulate(
         if model.effects:
             phi = as_the_servo_went(recording, given, steps, grid, phi, model)
     model = model.only(joints)
-    told = measured.select(joints) if measured is not None and set(joints) <= set(measured.joints) else None
-    known = resistance(model.arm, driven, grid, phi, told)
+    known = resistance(model.arm, driven, grid, phi, measured)
     chain, state, zero = Chain(model, "wire"), None, np.zeros(len(joints))
     if measured is not None and set(joints) & set(measured.joints):
         seen = first_rows(measured.stamp[kept], settle)

@@ -140,7 +140,7 @@ def run_servo(
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
-    kp, tau_v, v_max, delay = (_of_servo(getattr(arm, name), now) for name in SERVO_OF_EACH)
+    kp, tau_v, v_max, delay = (_seen(getattr(arm, name), now) for name in SERVO_OF_EACH)
     core = Core(
         kp=kp,
         tau_v=tau_v,
@@ -176,16 +176,15 @@ def run_servo(
     return out, state
 
 
-def _of_servo(number: float | Array, now: Now) -> Array:
-    """(columns,) a number of the servos, which may be one for all."""
-    some = number[list(now.columns)] if isinstance(number, np.ndarray) and now.columns else number
+def _seen(values: float | Array, now: Now) -> Array:
+    """(columns,) of an arm's values, which may be one for all joints."""
+    some = values[list(now.columns)] if isinstance(values, np.ndarray) and now.columns else values
     return np.full(len(now.ratio), some)
 
 
 def reach(arm: Arm, now: Now) -> Array:
     """(columns,) rad of the gearbox from the middle of the nominal dead bands to where wires slide."""
-    bands = arm.dead_band[list(now.columns)] if now.columns else arm.dead_band
-    return np.asarray(np.abs(bands / now.ratio))
+    return np.abs(_seen(arm.dead_band, now) / now.ratio)
 
 
 def tip_pass(arm: Arm, effects: Sequence[Effect], theta: Array, now: Now) -> Array:

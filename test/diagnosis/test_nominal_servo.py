@@ -6,16 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba import njit
-from numpy.typing import NDArray
 
+from test.test_servo import STEP, reference
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis, diagnose
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
 
-Array = NDArray[np.float64]
-STEP = 0.002  # s, as the nominal servo is defined
 PERIOD = 0.01  # s between setpoints
 NOISE = 5e-5  # rad
 JOINTS = ("shoulder", "elbow", "wrist")
@@ -30,17 +28,11 @@ OWN: dict[str, tuple[float, float, float]] = {
 }
 
 
-@njit
-def _follow(asked: Array, kp: float, tau_v: float, v_max: float, delay: float, seconds: float) -> Array:
-    """The loop of the contract, by itself: speed first, then the angle with the new speed."""
-    speed, angle, out = 0.0, asked[0], np.empty(int(seconds / STEP))
-    for k in range(len(out)):
-        row = int(np.floor((k * STEP - delay) / PERIOD + 1e-6))
-        wanted = kp * (asked[min(max(row, 0), len(asked) - 1)] - angle)
-        speed += STEP / tau_v * (min(max(wanted, -v_max), v_max) - speed)
-        angle += STEP * speed
-        out[k] = angle
-    return out
+def _path(asked: Array, kp: float, tau_v: float, v_max: float, delay: float) -> Array:
+    """Angles (m,) each 2 ms under setpoints (n,) that come late, and stay at the last one for a second."""
+    rows = np.arange(int((len(asked) * PERIOD + 1.0) / STEP)) - round(delay / STEP)
+    held = np.clip(rows // round(PERIOD / STEP), 0, len(asked) - 1)
+    return reference(asked[held], 1, kp, tau_v, v_max)
 
 
 def _asked(t: Array, seed: int) -> Array:
@@ -66,8 +58,8 @@ def _recorded(
     went = np.empty_like(asked)
     for j in range(len(JOINTS)):
         kp, tau_v, v_max, delay = (servo[name][j] for name in ("kp", "tau_v", "v_max", "delay"))
-        path = _follow(asked[:, j] * (1.0 - pulled * (j == 0)), kp, tau_v, v_max, delay, t[-1] + 1.0)
-        went[:, j] = np.interp(shown, STEP * np.arange(1, len(path) + 1), path)
+        path = _path(asked[:, j] * (1.0 - pulled * (j == 0)), kp, tau_v, v_max, delay)
+        went[:, j] = np.interp(shown, STEP * np.arange(len(path)), path)
     went += NOISE * rng.standard_normal(went.shape)
     series = {"setpoints": JointSeries(t, JOINTS, asked), "gearbox_states": JointSeries(shown, JOINTS, went)}
     return Recording("servos", 0, float(shown[-1]), series)

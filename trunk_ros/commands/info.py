@@ -75,9 +75,10 @@ def foreign(path: Path, topics: dict[str, str]) -> list[str]:
     ]
     asked = [angle for angle in angles if any(word in angle.lower() for word in ASKED)]
     shown = [angle for angle in angles if angle not in asked]
-    told = dict(zip(("gearbox_states", "joint_states"), [*shown, *["/TOPIC.FIELD"] * 2], strict=False))
+    keys = ["gearbox_states", "joint_states"]
     if asked:
-        told = {"setpoints": asked[0], **dict(list(told.items())[: max(len(shown), 1)])}
+        keys = ["setpoints", *keys[: max(len(shown), 1)]]
+    told = dict(zip(keys, [*asked[:1], *shown, "/TOPIC.FIELD", "/TOPIC.FIELD"], strict=False))
     return [
         f"{path}: no topic of an arm. It holds:",
         *columns(sorted(topics.items())),

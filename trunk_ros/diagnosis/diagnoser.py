@@ -37,7 +37,7 @@ from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.topics import TIP_TOPIC
+from trunk_ros.recording.topics import COMPARED, TIP_TOPIC
 from trunk_ros.start import SETTLE
 from trunk_ros.transmission import uncoupled
 
@@ -135,20 +135,24 @@ class Diagnoser:
     def servo(self) -> None:
         """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
         other = self.against
-        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
-        spans = [servo_span(r, self.model) for r in recorded if other is None or other.has_servo]
-        if other is not None and other.has_servo:
-            spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
-        spans = [s for s in spans if s.joints == self.joints]
-        if not spans:
+        if other is not None and not other.has_servo:
+            return
+        recorded = [r for r in self.recordings if set(r.series) >= SERVO and self._asks_all(r)]
+        if not recorded:
             return
         self.say("servo")
         if not (self.model.arm.servo_stated or any(effect(n).stage == "servo" for n in self.model.effects)):
-            whole = [r for r in recorded if servo_span(r, self.model).joints == self.joints]
-            self.model = with_its_servo(with_room(self.model, whole), whole)
-            spans = [servo_span(r, self.model) for r in whole]
+            self.model = with_its_servo(with_room(self.model, recorded), recorded)
+        spans = [servo_span(r, self.model) for r in recorded]
+        if other is not None:
+            spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
         self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
+
+    def _asks_all(self, recording: Recording) -> bool:
+        """Whether setpoints of all joints were recorded."""
+        both = (recording.require(topic) for topic in COMPARED["servo"])
+        return common_joints(recording, self.model, *both) == self.joints
 
     def wire(self) -> None:
         """Gearbox to joint, where the joints have sensors."""

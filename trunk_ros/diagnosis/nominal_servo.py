@@ -83,11 +83,11 @@ def _loop(context: Context, column: int) -> tuple[Array, float]:
         starts.sort(key=lambda x: float(np.sum(residual(x) ** 2)))
         for x, method in product(starts[:SEVERAL], ("dogbox", "trf")):  # one goes on where the other stands
             fits.append(least_squares(residual, x, slopes, (low, high), method, x_scale="jac", max_nfev=60))
-    best = min(fits, key=lambda fit: float(fit.cost)).x
-    free = np.array([*best[:2], np.log(TOPS[-1] * fastest), best[3]])
-    costs = [float(np.sum(residual(x) ** 2)) for x in (best, free)]
-    seen = costs[1] - costs[0] > SIGNIFICANT  # a top speed that was not reached is not known
-    return _numbers(best if seen else free), costs[0]
+    best = min(fits, key=lambda fit: float(fit.cost))
+    cost = 2.0 * float(best.cost)
+    free = np.array([*best.x[:2], np.log(TOPS[-1] * fastest), best.x[3]])
+    reached = float(np.sum(residual(free) ** 2)) - cost > SIGNIFICANT  # else the top speed is not known
+    return _numbers(best.x if reached else free), cost
 
 
 def _numbers(x: Array) -> Array:

@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import ClassVar
 from xml.etree.ElementTree import Element
 
-import numpy as np
-
 from trunk_ros.effect_values import Values
 from trunk_ros.errors import TrunkError
 from trunk_ros.export.markup import commented, parse, to_text, written
@@ -71,10 +69,13 @@ class JointWriter(Writer):
         """The joint's top speed."""
         if not set(self.joints) <= set(self.found):
             return values
-        for k, joint in enumerate(self.joints):
+
+        def write(joint: str, fastest: float) -> bool:
             limit = self.limit(joint)
             assert limit is not None
-            fastest = float(np.broadcast_to(values["v_max"], len(self.joints))[k])
-            self.tell(limit, "velocity", written([fastest * abs(float(self.model.arm.ratio[k]))]))
+            ratio = abs(float(self.model.arm.ratio[self.joints.index(joint)]))
+            self.tell(limit, "velocity", written([fastest * ratio]))
             self.note("joint", joint, f"velocity_saturation {fastest:.4g} rad/s at the motor: limit")
-        return {}
+            return True
+
+        return self.each(values, "v_max", write)

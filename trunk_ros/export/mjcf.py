@@ -93,14 +93,16 @@ class MjcfWriter(MjcfFile):
 
     def load_droop(self, values: Values) -> Values:
         """The same at the setpoint."""
-        gain = float(values["gain"])
-        drives = [drive for drive in self.drives.values() if drive is not None]
-        if gain < 0.0 or len(drives) < len(self.joints):
+        if np.any(np.less(values["gain"], 0.0)) or not all(self.drives.values()):
             return values
-        for k, drive in enumerate(drives):
-            drive.soften(gain * abs(float(self.model.arm.ratio[k])))
-            self._told(drive, f"load_droop {gain:.4g} rad/(N m): kp, kv")
-        return {}
+
+        def write(joint: str, gain: float) -> bool:
+            drive = self.drives[joint]
+            assert drive is not None
+            drive.soften(gain * abs(float(self.model.arm.ratio[self.joints.index(joint)])))
+            return self._told(drive, f"load_droop {gain:.4g} rad/(N m): kp, kv")
+
+        return self.each(values, "gain", write)
 
     def viscous_lag(self, values: Values) -> Values:
         """Damping over the actuator's stiffness; a mere delay, or a lag without inertia, is left."""
@@ -139,25 +141,27 @@ class MjcfWriter(MjcfFile):
 
     def servo_delay(self, values: Values) -> Values:
         """The actuators' own delay, where this MuJoCo has it."""
-        return self._late(float(values["delay"]), self._actuators(), "servo_delay", values)
+        return self._late(self._actuators(), "servo_delay", values)
 
     def sensor_delay(self, values: Values) -> Values:
         """The delay of the joints' sensors, where all of them have one."""
         kind = self.mujoco.mjtSensor.mjSENS_JOINTPOS
         found = {s.objname: s for s in self.spec.sensors if s.type == kind and s.objname in self.joints}
         ready = list(found.values()) if set(found) == set(self.joints) else []
-        return self._late(float(values["delay"]), ready, "sensor_delay", values)
+        return self._late(ready, "sensor_delay", values)
 
     def servo_bandwidth(self, values: Values) -> Values:
         """The actuators' gain."""
         if not all(self.drives.values()):
             return values
-        each = np.broadcast_to(values["relative"], len(self.drives))
-        for drive, more in zip(self.drives.values(), each.tolist(), strict=True):
+
+        def write(joint: str, more: float) -> bool:
+            drive = self.drives[joint]
             assert drive is not None
             drive.strengthen(1.0 + more)
-            self._told(drive, f"servo_bandwidth {more:+.4g}: kp")
-        return {}
+            return self._told(drive, f"servo_bandwidth {more:+.4g}: kp")
+
+        return self.each(values, "relative", write)
 
     def link_length_error(self, values: Values) -> Values:
         """Where the next joint, or the tip, sits on the link."""
@@ -238,10 +242,10 @@ class MjcfWriter(MjcfFile):
             self.remarks.append(SAGS.format(mass) if sites else NO_TIP.format(mass))
         return values
 
-    def _late(self, delay: float, elements: list[Any], name: str, values: Values) -> Values:
+    def _late(self, elements: list[Any], name: str, values: Values) -> Values:
         if not elements or not hasattr(elements[0], "delay"):
             return values
-        for element in elements:
+        for element, delay in zip(elements, np.broadcast_to(values["delay"], len(elements)), strict=True):
             element.delay = float(element.delay) + delay
             element.nsample = int(np.ceil(element.delay / self.spec.option.timestep)) + 2
             element.interp = 1

@@ -22,9 +22,6 @@ def angles_between(recording: Recording, model: Model, stamp: Array) -> Array | 
     gearbox = gearbox.select(model.arm.joints)
     grid, rows, _ = joint_grid(gearbox.stamp, stamp, beyond=True)
     phi, velocity = resample(gearbox, grid)
-    shown = recording.series.get("joint_states")
-    seen = shown is not None and set(model.arm.joints) <= set(shown.joints)
-    told = shown.select(model.arm.joints) if shown is not None and seen else None
-    known = resistance(model.arm, gearbox, grid, phi, told)
+    known = resistance(model.arm, gearbox, grid, phi, recording.series.get("joint_states"))
     theta, _ = Chain(model.prompt(), "wire").run(phi, grid, velocity=velocity, resistance=known)
     return np.asarray(theta[rows])

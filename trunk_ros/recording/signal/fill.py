@@ -22,6 +22,12 @@ def fill(values: Floats) -> Floats:
     return out
 
 
+def finer(stamp: Floats, times: int) -> Floats:
+    """(m,) s: so many stamps, evenly, from each of (n,) to the next, and the last."""
+    share = np.arange(times) / times
+    return np.append((stamp[:-1, None] + np.diff(stamp)[:, None] * share).ravel(), stamp[-1])
+
+
 def between(stamp: Floats, values: Floats, step: float) -> tuple[Floats, Floats]:
     """Stamps (m,) s about ``step`` apart, those of ``stamp`` (n,) among them, and (m, joints) what each holds
     until the next of values that move smoothly.
@@ -29,8 +35,7 @@ def between(stamp: Floats, values: Floats, step: float) -> tuple[Floats, Floats]
     if len(stamp) < 2:
         return stamp, values
     times = max(round(float(np.median(np.diff(stamp))) / step), 1)
-    share = np.arange(times) / times
-    fine = np.append((stamp[:-1, None] + np.diff(stamp)[:, None] * share).ravel(), stamp[-1:])
+    fine = finer(stamp, times)
     middle = fine + np.diff(fine, append=fine[-1:]) / 2
     return fine, np.asarray(PchipInterpolator(stamp, fill(values))(middle))
 

@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
-from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.fill import fill, finer
 from trunk_ros.servo_course import servo_course
 
 TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
@@ -75,8 +75,7 @@ def _fuller(setpoints: JointSeries, guide: JointSeries | None) -> list[tuple[int
 def _filled(setpoints: JointSeries, times: int, guide: JointSeries | None) -> JointSeries:
     """As many setpoints between the kept ones, evenly; they move as the guide does, or smoothly."""
     first = setpoints.stamp
-    share = np.arange(times) / times
-    stamp = np.append((first[:-1, None] + np.diff(first)[:, None] * share).ravel(), first[-1])
+    stamp = finer(first, times)
     known = fill(setpoints.position)
     if guide is None:
         position = PchipInterpolator(first, known)(stamp)

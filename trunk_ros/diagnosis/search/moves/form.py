@@ -108,9 +108,9 @@ def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
 
 def refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypothesis]:
     """An effect with the values that it has, and what a refined form adds at each of its start values."""
-    known = {p.name for p in effect(name).own_parameters(hypothesis[name].form)}
-    added = [p for p in effect(name).own_parameters(form) if p.name not in known]
-    for k in range(max((len(p.scan) for p in added), default=1)):
+    known = effect(name).own_parameters(hypothesis[name].form)
+    added = [p for p in effect(name).own_parameters(form) if p not in known]
+    for k in range(max((len(p.scan) for p in added), default=0)):
         out = hypothesis.copy()
         out[name].reform(form)
         for parameter in added:
