@@ -151,3 +151,22 @@ def test_a_model_may_state_the_servo_of_each_joint() -> None:
     assert diagnose(_recorded(OWN), model=model).findings == []
     assert Model.from_parameters(model.parameters()).parameters() == model.parameters()
     assert model.only(JOINTS[1:]).arm.kp.tolist() == list(OWN["kp"][1:])  # type: ignore[union-attr]
+
+
+def test_a_servo_is_that_of_its_joint_and_one_that_was_not_asked_to_move_is_left_as_it_is() -> None:
+    """An arm of five joints, in another order, of which three were recorded and two were asked to move."""
+    names = ["base", "wrist", "elbow", "shoulder", "tool"]
+    flat = {"arm.joints": names, "wire.ratio": [1.0], "wire.dead_band": [0.0]}
+    whole = _recorded(OWN)
+    still = whole.series["setpoints"].position.copy()
+    still[:, 1] = still[0, 1]
+    rest = whole.series["gearbox_states"].position.copy()
+    rest[:, 1] = still[0, 1] + NOISE * np.random.default_rng(5).standard_normal(len(rest))
+    series = {
+        "setpoints": replace(whole.series["setpoints"], position=still),
+        "gearbox_states": replace(whole.series["gearbox_states"], position=rest),
+    }
+    found = diagnose(replace(whole, series=series), model=Model.from_parameters(flat)).model
+    np.testing.assert_allclose(found.arm.kp, [20.0, 60.0, 20.0, 12.0, 20.0], rtol=0.1)
+    assert np.asarray(found.arm.v_max)[[0, 2, 4]].tolist() == [1.5] * 3
+    assert Model.from_parameters(found.parameters()).parameters() == found.parameters()

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.against import SERVO, Simulator, with_room
+from trunk_ros.diagnosis.against import SERVO, Simulator
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp
@@ -142,7 +142,7 @@ class Diagnoser:
             return
         self.say("servo")
         if not (self.model.arm.servo_stated or any(effect(n).stage == "servo" for n in self.model.effects)):
-            self.model = with_its_servo(with_room(self.model, recorded), recorded)
+            self.model = with_its_servo(self.model, recorded)
         spans = [servo_span(r, self.model) for r in recorded]
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]

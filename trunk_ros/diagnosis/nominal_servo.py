@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -12,6 +13,7 @@ from scipy.optimize import least_squares
 from trunk_ros.arm.arm import SERVO_OF_EACH
 from trunk_ros.arm_model import SAMPLED
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.against import with_room
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt
@@ -27,7 +29,6 @@ SWINGS = 1.0  # kp tau_v of a loop with half of critical damping: no servo is tu
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, 3.0)  # v_max over the highest speed seen: one that is reached, and one that is left open
-STANDS = 1e-3  # rad/s: a joint that hardly ever moves
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3])  # of logarithms, and s
 
 
@@ -45,23 +46,35 @@ def with_its_servo(model: Model, recordings: Sequence[Recording]) -> Model:
 
 def _identified(model: Model, recordings: Sequence[Recording]) -> tuple[Model, float]:
     """The model with its servos, and what these leave, rms over the joints [rad]."""
-    context = first_look(ServoStage([excerpt(servo_span(r, model)) for r in recordings], model))
-    numbers = np.array([[getattr(model.arm, name)] * len(context.joints) for name in SERVO_OF_EACH])
-    squares = 0.0
+    unlimited = with_room(model, recordings)
+    context = first_look(ServoStage([excerpt(servo_span(r, unlimited)) for r in recordings], unlimited))
+    arm, squares = model.arm, 0.0
+    numbers: dict[str, Any] = {name: np.full(len(arm.joints), getattr(arm, name)) for name in SERVO_OF_EACH}
     for column in context.columns:
-        numbers[:, column], cost = _loop(context, column)
+        fastest = _fastest(context, column)
+        if fastest == 0.0:
+            continue
+        found, cost = _loop(context, column, fastest)
+        for name, value in zip(SERVO_OF_EACH, found, strict=True):
+            numbers[name][arm.index(context.joints[column])] = value
         squares += cost * context.noise[column].std ** 2 / context.count(column)
-    loops = dict(zip(SERVO_OF_EACH, numbers, strict=True))
-    return replace(model, arm=replace(model.arm, **loops, servo_stated=True)), float(np.sqrt(squares))
+    return replace(model, arm=replace(arm, **numbers, servo_stated=True)), float(np.sqrt(squares))
 
 
-def _loop(context: Context, column: int) -> tuple[Array, float]:
-    """(4,) numbers of a joint's servo, as in SERVO_OF_EACH, and the squared residual that it leaves: the best
-    of the fits from the best starts.
+def _fastest(context: Context, column: int) -> float:
+    """The highest speed of a joint [rad/s], but for a few samples of those in which it moves; 0 where it was
+    not asked to, or did not.
+    """
+    spans = [view.span for view in context.views if np.ptp(view.span.source[:, column]) > 0.0]
+    speeds = [speed[speed > 0.0] for speed in (np.abs(span.velocity[:, column]) for span in spans)]
+    return max((float(np.quantile(s, 1.0 - OUTLIERS)) for s in speeds if len(s)), default=0.0)
+
+
+def _loop(context: Context, column: int, fastest: float) -> tuple[Array, float]:
+    """(4,) numbers of the servo of a joint that went as ``fastest`` rad/s, as in SERVO_OF_EACH, and what is
+    left of its squared residual: the best of the fits from the best starts.
     """
     stage = context.stage
-    speeds = [np.abs(view.span.velocity[:, column]) for view in stage.views]
-    fastest = max(STANDS, *(float(np.quantile(speed, 1.0 - OUTLIERS)) for speed in speeds))
 
     def residual(x: Array) -> Array:
         own = dict(zip(SERVO_OF_EACH, _numbers(x).tolist(), strict=True))
