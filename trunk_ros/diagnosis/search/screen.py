@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.followed import directions
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.search.size import differ, different, gains, leading, merit, scaled, too_large
+from trunk_ros.diagnosis.search.size import different, gains, leading, merit, scaled, too_large
 from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
@@ -187,17 +187,19 @@ class Screen:
 
         ``only``: in one form; ``also``: start values of what is optional.
         """
-        found: dict[bool, Candidate] = {}
+        found: dict[tuple[bool, bool], Candidate] = {}
         for form in plain_forms(kind, self.context, self.context.columns) if only is None else (only,):
             for trial, each in self._on_all(kind, form, also or {}):
                 for free in self._freedoms(kind, form):
                     better = self._on_those_that_gain(kind, replace(trial, free=free), each)
-                    if better and (free not in found or better.gain > found[free].gain):
-                        found[free] = better
-        if kind.apart and True in found:
-            left = sum(self.left(c) - self.context.count(c) for c in found[True].columns)
-            if not differ(found[True], found.get(False), PROMISED * left):
-                del found[True]
+                    key = free, form != "" and form == kind.apart
+                    if better and (key not in found or better.gain > found[key].gain):
+                        found[key] = better
+        shared = [c.gain / NEARLY for (_, apart), c in found.items() if not apart]
+        for key in [key for key in found if key[1]]:  # what differs would be bent to what is missing
+            least = PROMISED * sum(self.left(c) - self.context.count(c) for c in found[key].columns)
+            if found[key].gain <= max([least, *shared]):
+                del found[key]
         alike = any(p.shared for p in kind.moments()[:1])
         some = [self.lasting(c, self.context.columns) for c in found.values() if alike]
         return [*found.values(), *(c for c in some if c is not None)]

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.effects import Effect
 from trunk_ros.guards import ROUNDED
@@ -73,10 +72,3 @@ def scaled(
     if gain <= 0.0 or factor == 0.0:
         return None
     return replace(trial, start={**trial.start, lead.name: value}, gain=gain)
-
-
-def differ(apart: Candidate, alike: Candidate | None, least: float) -> bool:
-    """Whether values that differ from joint to joint explain more than one for all, and no less than is asked
-    of them: else they would be bent to what is missing.
-    """
-    return apart.gain > least and (alike is None or NEARLY * apart.gain > alike.gain)
