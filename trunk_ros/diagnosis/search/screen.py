@@ -184,7 +184,6 @@ class Screen:
         self, kind: type[Effect], only: str | None = None, also: dict[str, float] | None = None
     ) -> list[Candidate]:
         """The same with values that the arm's description states, and with values of each joint's own.
-
         ``only``: in one form; ``also``: start values of what is optional.
         """
         found: dict[tuple[bool, bool], Candidate] = {}
