@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.against import SERVO, Simulator
 from trunk_ros.diagnosis.context import LEAST, Context
-from trunk_ros.diagnosis.data.align import Span, common_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import Span, common_joints, servo_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
@@ -37,7 +37,7 @@ from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.topics import COMPARED, TIP_TOPIC
+from trunk_ros.recording.topics import TIP_TOPIC
 from trunk_ros.start import SETTLE
 from trunk_ros.transmission import uncoupled
 
@@ -137,7 +137,8 @@ class Diagnoser:
         other = self.against
         if other is not None and not other.has_servo:
             return
-        recorded = [r for r in self.recordings if set(r.series) >= SERVO and self._asks_all(r)]
+        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
+        recorded = [r for r in recorded if servo_joints(r, self.model) == self.joints]
         if not recorded:
             return
         self.say("servo")
@@ -148,11 +149,6 @@ class Diagnoser:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
         self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
-
-    def _asks_all(self, recording: Recording) -> bool:
-        """Whether setpoints of all joints were recorded."""
-        both = (recording.require(topic) for topic in COMPARED["servo"])
-        return common_joints(recording, self.model, *both) == self.joints
 
     def wire(self) -> None:
         """Gearbox to joint, where the joints have sensors."""

@@ -167,10 +167,16 @@ def _goes_on(u: Array) -> np.ndarray:
     return np.array([not comes_back(column) and float(np.ptp(column)) > STILL for column in u.T])
 
 
+def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
+    """Joints of which setpoints and gearbox angles were recorded."""
+    both = recording.require("setpoints"), recording.require("gearbox_states")
+    return common_joints(recording, model, *both)
+
+
 def servo_span(recording: Recording, model: ArmModel) -> Span:
     """Setpoints against gearbox angles."""
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
-    joints = common_joints(recording, model, setpoints, gearbox)
+    joints = servo_joints(recording, model)
     setpoints, gearbox = given(setpoints.select(joints), model), gearbox.select(joints)
     grid, rows, kept = joint_grid(setpoints.stamp, gearbox.stamp, fine=False)
     held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
