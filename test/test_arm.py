@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -118,3 +120,15 @@ def test_an_unknown_joint_is_named_with_those_that_exist(arm: Arm) -> None:
 def test_values_that_do_not_match_the_joints_are_refused() -> None:
     with pytest.raises(ModelError, match="ratio has 3 values for 5 joints"):
         Arm(**{**vars_of(arm_of(5)), "ratio": np.ones(3)})
+
+
+def test_a_slow_motor_limits_the_joints_that_it_moves_and_no_others() -> None:
+    coupling = np.array([[1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 2.0]])
+    arm = replace(
+        load_model("direct").for_joints(("a", "b", "c")).arm,
+        coupling=coupling,
+        v_max=np.array([9.0, 0.3, 4.0]),
+    )
+    np.testing.assert_allclose(arm.top_speed, [0.2, 0.2, 8.0])
+    motors = np.abs(np.linalg.inv(coupling)) @ arm.top_speed
+    assert (motors <= np.asarray(arm.v_max) + 1e-12).all()

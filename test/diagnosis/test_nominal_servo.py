@@ -10,6 +10,7 @@ import pytest
 from test.test_servo import STEP, reference
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis.nominal_servo import with_its_servo
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
@@ -170,3 +171,43 @@ def test_a_servo_is_that_of_its_joint_and_one_that_was_not_asked_to_move_is_left
     np.testing.assert_allclose(found.arm.kp, [20.0, 60.0, 20.0, 12.0, 20.0], rtol=0.1)
     assert np.asarray(found.arm.v_max)[[0, 2, 4]].tolist() == [1.5] * 3
     assert Model.from_parameters(found.parameters()).parameters() == found.parameters()
+
+
+def test_a_top_speed_that_was_not_met_is_not_claimed() -> None:
+    """The shoulder creeps, the elbow runs into its limit, the wrist is faster than the model has it."""
+    whole = _recorded(OWN)
+    size = np.array([0.002, 1.0, 1.0])
+    series = {
+        "setpoints": _scaled(whole.series["setpoints"], size),
+        "gearbox_states": _scaled(whole.series["gearbox_states"], size),
+    }
+    top = np.asarray(diagnose(replace(whole, series=series), model="direct").model.arm.v_max)
+    assert top[0] == 1.5
+    assert top[1] == pytest.approx(OWN["v_max"][1], rel=0.01)
+    asked = whole.series["gearbox_states"].position[:, 2]
+    assert top[2] > np.abs(np.diff(asked)).max() / PERIOD
+
+
+def _scaled(series: JointSeries, size: Array) -> JointSeries:
+    return replace(series, position=series.position * size)
+
+
+def test_a_long_recording_tells_its_servos_by_the_stretches_in_which_they_move() -> None:
+    """Half a minute of motion after ten of rest."""
+    whole = _recorded(OWN)
+    rest = np.arange(0.0, 600.0, PERIOD)
+
+    def after_rest(series: JointSeries) -> JointSeries:
+        stamp = np.concatenate([rest, series.stamp + 600.0])
+        first = np.repeat(series.position[:1], len(rest), axis=0)
+        noise = NOISE * np.random.default_rng(9).standard_normal(first.shape)
+        quiet = first if series is whole.series["setpoints"] else first + noise
+        return JointSeries(stamp, series.joints, np.concatenate([quiet, series.position]))
+
+    series = {name: after_rest(each) for name, each in whole.series.items()}
+    found = with_its_servo(
+        load_model("direct").for_joints(JOINTS), [replace(whole, duration=630.0, series=series)]
+    ).arm
+    np.testing.assert_allclose(found.kp, OWN["kp"], rtol=0.02)
+    np.testing.assert_allclose(found.delay, OWN["delay"], atol=3e-4)
+    assert np.asarray(found.v_max)[1] == pytest.approx(OWN["v_max"][1], rel=0.01)

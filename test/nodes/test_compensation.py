@@ -109,6 +109,14 @@ def test_a_slower_servo_that_was_found_is_respected():
     )
 
 
+def test_a_servo_that_hardly_moves_does_not_hold_the_others_back():
+    tops = np.array([0.01, 1.5, 1.5, 1.5, 1.5])
+    own = replace(NOMINAL, arm=replace(NOMINAL.arm, v_max=tops))
+    references = np.vstack([np.zeros((5, 5)), np.full((50, 5), 0.3)])
+    fastest = np.abs(np.diff(drive(Compensation(own, REVERSAL), references), axis=0)).max(axis=0) / STEP
+    np.testing.assert_allclose(fastest, tops, rtol=0.01)
+
+
 def test_it_never_leaves_the_limits_and_says_which_joint_is_held_back():
     lower, upper = gearbox_limits(NOMINAL.arm)
     compensation = Compensation(LOOSE, REVERSAL)

@@ -187,8 +187,9 @@ class Arm:
         """(joints,) rad/s that all joints can have at once with no motor beyond its top speed."""
         if self.coupling is None:
             return np.asarray(self.v_max * np.abs(self.ratio))
-        asked = np.abs(np.linalg.inv(self.coupling)).sum(axis=1).max()
-        return np.full(len(self.joints), float(np.min(self.v_max)) / asked)
+        asked = np.abs(np.linalg.inv(self.coupling))
+        slowest = self.v_max / asked.sum(axis=1)  # of the joints that a motor moves, at once
+        return np.asarray(np.where(asked > 0.0, slowest[:, None], np.inf).min(axis=0))
 
     def driven(self, motors: Array) -> Array:
         """What motor angles (…, motors) are at the joints, (…, joints): also of speeds."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -16,11 +16,12 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.against import with_room
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span
-from trunk_ros.diagnosis.data.excerpt import excerpt
+from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.levels import CLEARLY, OUTLIERS, SEVERAL
+from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, OUTLIERS, SEVERAL
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
@@ -29,6 +30,9 @@ SWINGS = 1.0  # kp tau_v of a loop with half of critical damping: no servo is tu
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, 3.0)  # v_max over the highest speed seen: one that is reached, and one that is left open
+TOP_SPEED = np.array(SERVO_OF_EACH) == "v_max"
+METHODS: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")  # one goes on where the other stands
+VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s: a loop that is stepped is best at some delays
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3])  # of logarithms, and s
 
 
@@ -54,9 +58,11 @@ def _identified(model: Model, recordings: Sequence[Recording]) -> tuple[Model, f
         fastest = _fastest(context, column)
         if fastest == 0.0:
             continue
-        found, cost = _loop(context, column, fastest)
+        joint = arm.index(context.joints[column])
+        told = np.array([numbers[name][joint] for name in SERVO_OF_EACH])
+        found, cost = _loop(context, column, fastest, told)
         for name, value in zip(SERVO_OF_EACH, found, strict=True):
-            numbers[name][arm.index(context.joints[column])] = value
+            numbers[name][joint] = value
         squares += cost * context.noise[column].std ** 2 / context.count(column)
     return replace(model, arm=replace(arm, **numbers, servo_stated=True)), float(np.sqrt(squares))
 
@@ -70,37 +76,63 @@ def _fastest(context: Context, column: int) -> float:
     return max((float(np.quantile(s, 1.0 - OUTLIERS)) for s in speeds if len(s)), default=0.0)
 
 
-def _loop(context: Context, column: int, fastest: float) -> tuple[Array, float]:
+def _loop(context: Context, column: int, fastest: float, told: Array) -> tuple[Array, float]:
     """(4,) numbers of the servo of a joint that went as ``fastest`` rad/s, as in SERVO_OF_EACH, and what is
-    left of its squared residual: the best of the fits from the best starts.
+    left of its squared residual. What the recording does not show stays what it was ``told`` to be (4,).
     """
-    stage = context.stage
-
-    def residual(x: Array) -> Array:
-        own = dict(zip(SERVO_OF_EACH, _numbers(x).tolist(), strict=True))
-        here = replace(context, stage=stage.of(replace(stage.arm, **own)))
-        return here.whitened(context.known, column)
-
-    def slopes(x: Array) -> Array:
-        base = residual(x)
-        steps = np.where(x + STEPS < high, STEPS, -STEPS)
-        return np.column_stack([(residual(x + np.eye(4)[k] * h) - base) / h for k, h in enumerate(steps)])
-
     low = np.array([*np.log([0.5, 1e-3, 0.3 * fastest]), 0.0])
     high = np.array([*np.log([STIFFEST, SWINGS, 20.0 * fastest]), 0.5])
+    some = moving([view.span for view in context.views], column)
+    part = context.over(some) if some else context
+
+    def fitted(seen: Context, start: Array, method: Literal["dogbox", "trf"]) -> Any:
+        def residual(x: Array) -> Array:
+            return _residual(seen, column, _numbers(x))
+
+        def slopes(x: Array) -> Array:
+            base = residual(x)
+            steps = np.where(x + STEPS < high, STEPS, -STEPS)
+            return np.column_stack([(residual(x + np.eye(4)[k] * h) - base) / h for k, h in enumerate(steps)])
+
+        return least_squares(residual, start, slopes, (low, high), method, x_scale="jac", max_nfev=60)
+
+    def left(numbers: Array, seen: Context = context) -> float:
+        return float(np.sum(_residual(seen, column, numbers) ** 2))
+
     fits = []
     for top in TOPS:  # a limit that is reached, and one that is not, hide each other
         starts = [
             np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
         ]
-        starts.sort(key=lambda x: float(np.sum(residual(x) ** 2)))
-        for x, method in product(starts[:SEVERAL], ("dogbox", "trf")):  # one goes on where the other stands
-            fits.append(least_squares(residual, x, slopes, (low, high), method, x_scale="jac", max_nfev=60))
-    best = min(fits, key=lambda fit: float(fit.cost))
-    cost = 2.0 * float(best.cost)
-    free = np.array([*best.x[:2], np.log(TOPS[-1] * fastest), best.x[3]])
-    reached = float(np.sum(residual(free) ** 2)) - cost > SIGNIFICANT  # else the top speed is not known
-    return _numbers(best.x if reached else free), cost
+        starts.sort(key=lambda x: left(_numbers(x), part))
+        near = min((fitted(part, x, method) for x in starts[:SEVERAL] for method in METHODS), key=_cost)
+        fits.append(near if part is context else fitted(context, near.x, "trf"))
+    at, nearest = np.inf, min(fits, key=_cost)
+    while nearest.cost < (1.0 - LITTLE) * at:
+        at = nearest.cost
+        beside = [fitted(context, _later(nearest.x, by, low, high), "trf") for by in VALLEYS]
+        nearest = min([nearest, *beside], key=_cost)
+    best = _numbers(nearest.x)
+    cost = left(best)
+    unlimited = [np.where(TOP_SPEED, top, best) for top in (told, TOPS[-1] * fastest)]
+    return next(n for n in (told, *unlimited, best) if left(n) - cost <= SIGNIFICANT), cost
+
+
+def _cost(fit: Any) -> float:
+    return float(fit.cost)
+
+
+def _later(x: Array, by: float, low: Array, high: Array) -> Array:
+    """What is fitted of a loop that is ``by`` s later, and as much quicker."""
+    lag = np.exp(-x[0]) - by
+    return np.asarray(np.clip([-np.log(lag) if lag > 0.0 else x[0], *x[1:3], x[3] + by], low, high))
+
+
+def _residual(context: Context, column: int, numbers: Array) -> Array:
+    """(n,) whitened: what a joint's servo with these ``numbers`` (4,) leaves."""
+    own = dict(zip(SERVO_OF_EACH, numbers.tolist(), strict=True))
+    here = replace(context, stage=context.stage.of(replace(context.arm, **own)))
+    return here.whitened(context.known, column)
 
 
 def _numbers(x: Array) -> Array:

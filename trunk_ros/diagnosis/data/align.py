@@ -182,14 +182,12 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     source = hold(setpoints.position)[held]
     measured = gearbox.position[kept]
-    unsettled = _after_gaps(setpoints, grid, float(np.min(model.for_joints(joints).arm.v_max))) | (
-        grid < grid[0] + SETTLING
-    )
+    arm = model.for_joints(joints).arm.only(joints)
+    unsettled = _after_gaps(setpoints, grid, arm.v_max) | (grid < grid[0] + SETTLING)
     valid = np.isfinite(measured) & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
-    arm = model.for_joints(joints).arm.only(joints)
     known = resistance(arm.uncoupled(), at_joints(gearbox, arm, measured=False), grid, arm.driven(phi))
     return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
@@ -207,13 +205,13 @@ def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -
     return joints
 
 
-def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float) -> np.ndarray:
+def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float | Array) -> np.ndarray:
     """(m,): where setpoints may have been lost, and until the servo has caught up with those after."""
     stamp, position = setpoints.stamp, hold(setpoints.position)
     out = np.zeros(len(grid), dtype=bool)
     longest = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
     for k in np.flatnonzero(np.diff(stamp) > longest):
-        catching_up = 2.0 * float(np.abs(position[k + 1] - position[k]).max()) / v_max
+        catching_up = 2.0 * float((np.abs(position[k + 1] - position[k]) / v_max).max())
         out[(grid > stamp[k] + longest / 2) & (grid < stamp[k + 1] + SETTLING + catching_up)] = True
     return out
 

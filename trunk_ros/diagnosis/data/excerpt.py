@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,9 @@ from trunk_ros.recording.signal.resample import LONGEST_GAP
 BLOCKS = 6
 LENGTH = 50.0  # s of a block
 WARM = 15.0  # s of it after which it has forgotten what went before
+STRETCH = 10.0  # s: to and fro, of what forgets at once
+STRETCHES = 6
+FORGOTTEN = 1.0  # s of a stretch after which a servo has forgotten what went before, late setpoints and all
 LONG = 2.0  # times all blocks, from which on a recording is not searched as a whole
 
 
@@ -36,7 +40,27 @@ def excerpt(span: Span) -> Span:
         chosen[step] = True
     for step in steps[1:]:
         forgotten[step] = ~_warm(time[step], span.gearbox[step], np.ptp(span.gearbox, axis=0))
-    return _taken(span, chosen, forgotten)
+    return taken(span, chosen, forgotten)
+
+
+def moving(spans: Sequence[Span], column: int) -> list[Span]:
+    """The stretches, each a span of its own, in which a joint was asked to go furthest; none where all that
+    was recorded is not much more.
+    """
+    times = [recorded_time(span.grid) for span in spans]
+    if sum(float(time[-1]) for time in times) < LONG * STRETCHES * STRETCH:
+        return []
+    cut = [(s, time // STRETCH == k) for s, time in zip(spans, times, strict=True)
+           for k in np.unique(time // STRETCH)]  # fmt: skip
+    far = [float(np.abs(np.diff(span.source[rows, column])).sum()) for span, rows in cut]
+    chosen = [cut[k] for k in sorted(np.argsort(far)[-STRETCHES:].tolist())]
+    return [taken(span, rows, _begins(span, rows)) for span, rows in chosen]
+
+
+def _begins(span: Span, rows: np.ndarray) -> np.ndarray:
+    """(m, joints): where the ``rows`` (m,) of a span begin: what went before is not known."""
+    early = span.grid < span.grid[rows][0] + FORGOTTEN
+    return np.repeat(early[:, None], span.gearbox.shape[1], axis=1)
 
 
 def recorded_time(grid: Array) -> Array:
@@ -53,7 +77,7 @@ def _usual(steps: Array) -> float:
     return float(np.median(some)) if len(some) else 0.0
 
 
-def _taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
+def taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
     """The ``chosen`` (m,) steps of a span; those that are ``forgotten`` (m, joints) do not count."""
     seen, at = chosen[span.rows], np.cumsum(chosen) - 1
     arrives = span.arrives

@@ -45,7 +45,7 @@ class Compensation:
         self.model = model
         self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
-        self.top_speed, self.gain = slowest(model), position_gain(model)
+        self.top_speed, self.gain = top_speed(model), position_gain(model)
         if self._lead is not None:
             self._lead.use(self.gain, model.arm.tau_v, self.top_speed)
         self._state: State | None = None
@@ -104,7 +104,7 @@ class Compensation:
         return np.asarray((back if coupling is None else np.abs(coupling) @ back) > 1e-12)
 
     def _towards(self, target: Array, last: Array, dt: float) -> Array:
-        """The next of ``last`` (joints,) rad: no faster than the servo, and within the limits."""
+        """The next of ``last`` (joints,) rad: no faster than its servo, and within the limits."""
         reach = self.top_speed * dt
         there = last + between(between(target, self.lower, self.upper) - last, -reach, reach)
         return within(there, self.model.arm)
@@ -136,6 +136,6 @@ def position_gain(model: Model) -> Array:
     return np.asarray(model.number("kp") * np.ones(len(model.arm.joints)))
 
 
-def slowest(model: Model) -> float:
-    """Top speed of the servo [rad/s at the shaft], as nominal or as found, whichever is less."""
-    return float(np.min(model.number("v_max")))
+def top_speed(model: Model) -> Array:
+    """(joints,) rad/s at the shaft: top speed of each servo, as nominal or as found, whichever is less."""
+    return np.asarray(model.number("v_max") * np.ones(len(model.arm.joints)))

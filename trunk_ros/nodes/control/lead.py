@@ -22,7 +22,7 @@ class Lead:
     under the setpoints that really went out: what a limit held back is caught up with, not overshot.
     """
 
-    def __init__(self, at: Array, gain: Array, tau_v: float | Array, top_speed: float):
+    def __init__(self, at: Array, gain: Array, tau_v: float | Array, top_speed: Array):
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
         self._wanted = self._sent = at
         self._slope = np.zeros_like(at)
@@ -30,8 +30,8 @@ class Lead:
         self._period, self._periods, self._seen = 0.0, 0, 0.0
         self.use(gain, tau_v, top_speed)
 
-    def use(self, gain: Array, tau_v: float | Array, top_speed: float) -> None:
-        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` rad/s of the servo."""
+    def use(self, gain: Array, tau_v: float | Array, top_speed: Array) -> None:
+        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` (joints,) rad/s."""
         self.pace = QUICKER * np.sqrt(gain / tau_v)
         none, row = np.zeros_like(gain), np.zeros((1, len(gain)))
         self._late, self._answered = 2.0 / self.pace, 0.0
