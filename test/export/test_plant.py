@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,7 @@ from test.effects.example import motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
+from trunk_ros.export.missing import missing
 from trunk_ros.model import Model, load_model
 
 RATE = 100.0
@@ -77,3 +81,31 @@ def test_what_cannot_be_is_refused_in_one_line() -> None:
         MODEL.plant(0)
     with pytest.raises(ModelError, match="2 environments of joint_1"):
         MODEL.plant(2).step(np.zeros(5), 0.01)
+
+
+@pytest.mark.parametrize(
+    "servo",
+    [
+        {"tau_v": 2e-4},
+        {"kp": 400.0, "tau_v": 1e-3},
+        {"delay": 0.03},
+        {"kp": np.array([8.0, 20.0, 20.0, 20.0, 60.0]), "delay": np.array([0.0, 0.05, 0.0, 0.0, 0.01])},
+    ],
+    ids=["quick", "stiff", "late", "apart"],
+)
+def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) -> None:
+    model = Model(replace(ARM, **servo))
+    phi = Chain(model, "servo").run(setpoints(1)[:, 0], STAMP)[0]
+    expected = Chain(model, "wire").run(phi, STAMP)[0]
+    off = readings(model, 1)[:-1, 0] - expected[1:]
+    assert np.abs(off[20:]).max() < 1e-3
+
+
+def test_what_a_simulator_has_of_each_joint_is_taken_from_what_all_of_the_arm_share() -> None:
+    each = np.array([0.1, 0.0, -0.2, 0.0, 0.0])
+    theirs = Model(ARM, {"servo_bandwidth": {"relative": each, "form": "apart"}})
+    arm = Model(ARM, {"servo_bandwidth": {"relative": 0.3}})
+    added = missing(arm, theirs).model
+    np.testing.assert_allclose(added.number("kp"), arm.number("kp") * np.ones(5))
+    back = missing(theirs, arm).model
+    np.testing.assert_allclose(back.number("kp"), theirs.number("kp"))

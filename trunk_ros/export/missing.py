@@ -55,8 +55,10 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
     for name in theirs.effects:
         if name not in model.effects and name not in (*PLAY, "ratio_error"):
             remarks.append(EXCESS.format(name, "the arm has none"))
-    servo = float(np.median(replace(theirs, arm=model.arm).number("kp")))
-    arm = replace(model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=servo)
+    servo = replace(theirs, arm=model.arm).number("kp")
+    own_delay = 0.0 if simulation is None else theirs.arm.delay
+    delay = np.maximum(model.arm.delay - own_delay, 0.0)
+    arm = replace(model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=servo, delay=delay)
     return Missing(replace(model, arm=arm, effects=effects), tuple(remarks))
 
 
@@ -73,13 +75,20 @@ def _less(
     """An effect's values less those that the simulator has; empty where nothing is left."""
     if theirs is None:
         return values
-    lead = kind.own_parameters(str(values.get("form", kind.forms[0])))[0]
+    form = str(values.get("form", kind.forms[0]))
+    lead = kind.own_parameters(form)[0]
     mine, own = (np.asarray(v.get(lead.name, lead.null), dtype=float) for v in (values, theirs))
     if np.allclose(mine, own, rtol=1e-3, atol=1e-9):
         return {}
     if lead.null != 0.0 or lead.scale == "log" or not kind.scalable or not kind.named:
         remarks.append(CHANGED.format(kind.id))
         return {}
+    if lead.shared and own.ndim:
+        apart = {p.name for p in kind.own_parameters(kind.apart)} if kind.apart else set()
+        if not {p.name for p in kind.own_parameters(form)} <= apart:
+            remarks.append(CHANGED.format(kind.id))
+            return {}
+        values, lead = {**values, "form": kind.apart}, kind.own_parameters(kind.apart)[0]
     left = (1.0 + mine) / (1.0 + own) - 1.0 if lead.relative else mine - own
     if lead.bounds[0] == 0.0 and np.any(left < 0.0):
         remarks.append(EXCESS.format(kind.id, listed(joints, -np.minimum(left, 0.0), lead.unit)))

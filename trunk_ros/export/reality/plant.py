@@ -7,13 +7,12 @@ from numpy.typing import ArrayLike
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.servo.loop import CLOSE, STEP
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.export.reality.servo import Servo
 from trunk_ros.export.reality.wire import Wire
-
-FINE = 2e-3  # s: step of the nominal servo's integration
 
 
 class Plant:
@@ -113,11 +112,12 @@ def follow(
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
     the nominal servo.
     """
-    steps = max(int(np.ceil(dt / FINE - 1e-9)), 1)
-    h = dt / steps
-    for e in range(setpoints.shape[0]):
-        for j in range(setpoints.shape[1]):
+    for j in range(setpoints.shape[1]):
+        steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
+        h = dt / steps
+        smooth = -np.expm1(-h / tau_v[j]) if tau_v[j] < h else h / tau_v[j]
+        for e in range(setpoints.shape[0]):
             for _ in range(steps):
                 wanted = min(max(kp[j] * (setpoints[e, j] - gearbox[e, j]), -v_max[j]), v_max[j])
-                velocity[e, j] += h * (wanted - velocity[e, j]) / tau_v[j]
+                velocity[e, j] += smooth * (wanted - velocity[e, j])
                 gearbox[e, j] += h * velocity[e, j]

@@ -49,7 +49,7 @@ class Servo:
 
     def step(self, command: Array, scene: Scene, now: float, anew: np.ndarray | None) -> Array:
         """The command (environments, joints) as it reaches the simulator's servo."""
-        if not self.blocks and not self.behind:
+        if not self.blocks and not self.behind and self.past is None:
             return command
         shape = command.shape
         x: Array = command.reshape(-1)
