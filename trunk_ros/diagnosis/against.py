@@ -38,6 +38,8 @@ class Simulator:
     recording: Recording
     model: Model
     found: Diagnosis
+    learned: bool = False
+    """Whether its servos were found, as nothing is said of them."""
 
     @property
     def has_servo(self) -> bool:
@@ -79,7 +81,8 @@ def identified(
     base = with_room(model.for_joints(span.joints), [own, arm])
     base = base if follows(own, base, noise) else without_play(base)
     found = diagnose(own, base)
-    return Simulator(own, with_own_ratio(found.model), found)
+    learned = found.model.arm.servo_stated and not base.arm.servo_stated
+    return Simulator(own, with_own_ratio(found.model), found, learned)
 
 
 def with_room(model: Model, recordings: Sequence[Recording]) -> Model:

@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.other_simulator import completed, sides_told
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
+from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -33,6 +34,7 @@ def diagnose(
     namespace: str | None = None,
     urdf: str = "",
     settle: float = SETTLE,
+    servos: Servos | None = None,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
@@ -44,6 +46,7 @@ def diagnose(
     from an ideal transmission, and takes the place of the model.
     ``namespace``: of the arm, where recordings hold several. ``settle``: seconds of measured joint angles
     that tell how the wires lay where a recording that stops to measure begins; 0: none.
+    ``servos``: of the arm, found in other recordings where the model says nothing of them.
     Raises RecordingError or ModelError in one line.
     """
     several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
@@ -58,7 +61,7 @@ def diagnose(
     nominal, read = described(model, read, urdf)
     read, mixed = put_right(read, nominal)
     if other is None:
-        return Diagnoser(read, nominal, None, progress, mixed, settle=settle).run()
+        return Diagnoser(read, nominal, None, progress, mixed, settle=settle, servos=servos).run()
     if nominal.arm.coupling is not None:
         raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
     progress("what the simulation has itself")

@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
-from trunk_ros.diagnosis.nominal_servo import with_its_servo
+from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
@@ -31,6 +31,7 @@ from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
 from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION, changes
 from trunk_ros.diagnosis.verdict.findings import findings, left_over, without_a_name
 from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.whole_arm import on_the_arm
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effect_values import Values, lateness
 from trunk_ros.effects import effect
@@ -56,10 +57,13 @@ class Diagnoser:
         mixed: Sequence[list[MixUp]] = (),
         experiments: bool = True,
         settle: float = SETTLE,
+        servos: Servos | None = None,
     ):
-        """``mixed``: what is mixed up in each recording, and left out of it."""
+        """``mixed``: what is mixed up in each recording, and left out of it. ``servos``: what was found of
+        the arm's in other recordings.
+        """
         self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
-        self.experiments, self.settle = experiments, settle
+        self.experiments, self.settle, self.servos = experiments, settle, servos
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -137,18 +141,36 @@ class Diagnoser:
         other = self.against
         if other is not None and not other.has_servo:
             return
-        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
-        recorded = [r for r in recorded if servo_joints(r, self.model) == self.joints]
+        recorded = self._driven()
         if not recorded:
             return
         self.say("servo")
-        if not (self.model.arm.servo_stated or any(effect(n).stage == "servo" for n in self.model.effects)):
-            self.model = with_its_servo(self.model, recorded)
+        self.model = self._with_servos(recorded)
         spans = [servo_span(r, self.model) for r in recorded]
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
         self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
+
+    def found_servos(self) -> Servos:
+        """Those of joints of which the model says nothing and the recordings tell."""
+        recorded = self._driven()
+        return Servos.of(self.model, self._with_servos(recorded) if recorded else self.model)
+
+    def _driven(self) -> list[Recording]:
+        """The recordings that show what the servos were asked."""
+        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
+        return [r for r in recorded if servo_joints(r, self.model) == self.joints]
+
+    def _with_servos(self, recorded: list[Recording]) -> Model:
+        """The model with what it does not say of its servos, from these recordings."""
+        told = any(effect(n).stage == "servo" for n in self.model.effects)
+        if self.against is not None and self.against.learned:
+            own = with_its_servo(self.model, recorded)  # a table's setpoints are no business of the simulator
+            return replace(self.model, setpoints=own.setpoints)
+        if self.model.arm.servo_stated or told:
+            return self.model
+        return with_its_servo(self.model, recorded, self.servos)
 
     def wire(self) -> None:
         """Gearbox to joint, where the joints have sensors."""
@@ -172,7 +194,7 @@ class Diagnoser:
         state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
         effects = state.hypothesis.model_effects(len(stage.joints))
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
-        self.effects |= _on_the_arm(effects, had, stage.joints, self.model.arm.joints)
+        self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints)
         if stage.name == "wire":
             self.error = {stage.joints[c]: e.usual for c, e in errors.items()}
         self.result.stages[stage.name] = {
@@ -259,40 +281,3 @@ def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[Mix
         found = mixed[number - 1] if mixed else []
         out[name] = quality_of_recording(recording, model, found)
     return out
-
-
-def _on_the_arm(
-    effects: dict[str, Values], had: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
-) -> dict[str, Values]:
-    """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``: the others
-    keep what they ``had``, where that is of the same form.
-    """
-    unseen = [k for k, joint in enumerate(joints) if joint not in seen]
-
-    def spread(name: str, key: str, value: Any) -> Any:
-        before, now = had.get(name, {}), effects.get(name, {})
-        if isinstance(value, (str, float)):
-            return value
-        null = "" if isinstance(value, list) else effect(name).parameter(key).null
-        kept = before.get(key) if before.get("form") == now.get("form", before.get("form")) else None
-        there = dict(zip(seen, value, strict=True)) if name in effects and key in now else {}
-        whole = [
-            there.get(j, kept[k] if kept is not None and k in unseen else null) for k, j in enumerate(joints)
-        ]
-        return whole if isinstance(value, list) else np.array(whole)
-
-    gone = {
-        name: values
-        for name, values in had.items()
-        if name not in effects and any(_acts(name, values, k) for k in unseen)
-    }
-    return {
-        name: {key: spread(name, key, v) for key, v in values.items()}
-        for name, values in {**effects, **gone}.items()
-    }
-
-
-def _acts(name: str, values: Values, joint: int) -> bool:
-    """Whether a model has an effect on a joint by a value of its own."""
-    own = [p for p in effect(name).parameters if np.ndim(values.get(p.name, 0.0))]
-    return any(values[p.name][joint] != p.null for p in own)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from trunk_ros.arm.arm import SERVO_OF_EACH
+from trunk_ros.arm.arm import SERVO_OF_EACH, Arm
 from trunk_ros.arm_model import SAMPLED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.against import with_room
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import servo_span
+from trunk_ros.diagnosis.data.align import servo_joints, servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, OUTLIERS, SEVERAL
@@ -36,35 +36,67 @@ VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s: a loop that is stepped i
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3])  # of logarithms, and s
 
 
-def with_its_servo(model: Model, recordings: Sequence[Recording]) -> Model:
+@dataclass(frozen=True)
+class Servos:
+    """What the servos of an arm were found to be, for its other recordings."""
+
+    numbers: dict[str, tuple[float, ...]]
+    """By joint, as in SERVO_OF_EACH."""
+    setpoints: str
+
+    @staticmethod
+    def of(before: Model, found: Model) -> Servos:
+        """Those of a model in which they were ``found`` that are not as they were ``before``."""
+        old, new = (_numbers_of(model.arm) for model in (before, found))
+        changed = np.any(old != new, axis=0)
+        told = {joint: tuple(new[:, j].tolist()) for j, joint in enumerate(found.arm.joints) if changed[j]}
+        return Servos(told, found.setpoints)
+
+    def on(self, model: Model) -> Model:
+        """The model with them, where it has joints of those names."""
+        arm, numbers = model.arm, _numbers_of(model.arm)
+        for j, joint in enumerate(arm.joints):
+            numbers[:, j] = self.numbers.get(joint, numbers[:, j])
+        own = dict(zip(SERVO_OF_EACH, numbers, strict=True))
+        return replace(model, arm=replace(arm, **own, servo_stated=True), setpoints=self.setpoints)
+
+
+def _numbers_of(arm: Arm) -> Array:
+    """(4, joints), as in SERVO_OF_EACH."""
+    return np.array([np.full(len(arm.joints), getattr(arm, name)) for name in SERVO_OF_EACH])
+
+
+def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos | None = None) -> Model:
     """The model with the first-order loop that each joint's servo is: its gain, velocity loop, top speed and
     delay. What is found beyond is what such a loop cannot do.
 
     Setpoints may be samples that were taken beside the shaft's angle, of what moves on between them: so they
-    are where the shaft is clearly nearer to what follows from that.
+    are where the shaft is clearly nearer to what follows from that. ``known``: found in other recordings.
     """
+    if known is not None and known.numbers:
+        return _identified(known.on(model), recordings, known.numbers)[0]
     held, left = _identified(model, recordings)
     sampled, less = _identified(replace(model, setpoints=SAMPLED), recordings)
     return sampled if CLEARLY * less < left else held
 
 
-def _identified(model: Model, recordings: Sequence[Recording]) -> tuple[Model, float]:
-    """The model with its servos, and what these leave, rms over the joints [rad]."""
+def _identified(
+    model: Model, recordings: Sequence[Recording], known: Collection[str] = ()
+) -> tuple[Model, float]:
+    """The model with its servos, but for those of ``known`` joints, and what these leave, rms [rad]."""
+    if set(servo_joints(recordings[0], model)) <= set(known):
+        return model, 0.0
     unlimited = with_room(model, recordings)
     context = first_look(ServoStage([excerpt(servo_span(r, unlimited)) for r in recordings], unlimited))
-    arm, squares = model.arm, 0.0
-    numbers: dict[str, Any] = {name: np.full(len(arm.joints), getattr(arm, name)) for name in SERVO_OF_EACH}
+    numbers, squares = _numbers_of(model.arm), 0.0
     for column in context.columns:
-        fastest = _fastest(context, column)
-        if fastest == 0.0:
+        fastest, joint = _fastest(context, column), model.arm.index(context.joints[column])
+        if fastest == 0.0 or context.joints[column] in known:
             continue
-        joint = arm.index(context.joints[column])
-        told = np.array([numbers[name][joint] for name in SERVO_OF_EACH])
-        found, cost = _loop(context, column, fastest, told)
-        for name, value in zip(SERVO_OF_EACH, found, strict=True):
-            numbers[name][joint] = value
+        numbers[:, joint], cost = _loop(context, column, fastest, numbers[:, joint])
         squares += cost * context.noise[column].std ** 2 / context.count(column)
-    return replace(model, arm=replace(arm, **numbers, servo_stated=True)), float(np.sqrt(squares))
+    own = dict(zip(SERVO_OF_EACH, numbers, strict=True))
+    return replace(model, arm=replace(model.arm, **own, servo_stated=True)), float(np.sqrt(squares))
 
 
 def _fastest(context: Context, column: int) -> float:
@@ -114,8 +146,9 @@ def _loop(context: Context, column: int, fastest: float, told: Array) -> tuple[A
         nearest = min([nearest, *beside], key=_cost)
     best = _numbers(nearest.x)
     cost = left(best)
-    unlimited = [np.where(TOP_SPEED, top, best) for top in (told, TOPS[-1] * fastest)]
-    return next(n for n in (told, *unlimited, best) if left(n) - cost <= SIGNIFICANT), cost
+    open_top = np.maximum(told, TOPS[-1] * fastest)
+    shown = (np.where(TOP_SPEED, open_top, numbers) for numbers in (told, best))
+    return next((n for n in shown if left(n) - cost <= SIGNIFICANT), best), cost
 
 
 def _cost(fit: Any) -> float:
