@@ -47,7 +47,7 @@ def _asked(t: Array, seed: int) -> Array:
     return out
 
 
-def _recorded(
+def recorded_servos(
     servo: dict[str, tuple[float, float, float]], seed: int = 1, pulled: float = 0.0, after: float = 0.004
 ) -> Recording:
     """``pulled``: rad per rad that a spring at the shoulder's motor pulls it off its setpoint; ``after``: s
@@ -85,7 +85,7 @@ def _left(model: Model, recording: Recording) -> Array:
 @pytest.fixture(scope="module")
 def of_nobody() -> Diagnosis:
     """What is found on servos of which nothing is said."""
-    return diagnose(_recorded(OWN), model="direct")
+    return diagnose(recorded_servos(OWN), model="direct")
 
 
 def test_servos_of_which_nothing_is_said_are_no_mismatch(of_nobody: Diagnosis) -> None:
@@ -103,18 +103,18 @@ def test_they_are_found_joint_by_joint(of_nobody: Diagnosis) -> None:
 def test_their_model_predicts_another_motion(of_nobody: Diagnosis, tmp_path: object) -> None:
     path = f"{tmp_path}/model.yaml"
     save_model(of_nobody.model, path)
-    assert _left(load_model(path), _recorded(OWN, seed=2)).max() < 2 * NOISE
+    assert _left(load_model(path), recorded_servos(OWN, seed=2)).max() < 2 * NOISE
 
 
 def test_what_no_such_loop_does_is_found_beyond_it() -> None:
-    found = diagnose(_recorded(OWN, pulled=0.01), model="direct")
+    found = diagnose(recorded_servos(OWN, pulled=0.01), model="direct")
     assert found.findings
     assert {joint for finding in found.findings for joint in finding.joints} == {"shoulder"}
 
 
 def test_setpoints_sampled_beside_the_shaft_move_on_between_the_samples() -> None:
     """A table of what was asked every 20 ms, of a servo that got a new setpoint every 10 ms."""
-    whole = _recorded(PLAIN | {"kp": (200.0, 200.0, 200.0), "tau_v": (2e-3, 2e-3, 2e-3)}, after=0.0)
+    whole = recorded_servos(PLAIN | {"kp": (200.0, 200.0, 200.0), "tau_v": (2e-3, 2e-3, 2e-3)}, after=0.0)
     asked, went = whole.series["setpoints"], whole.series["gearbox_states"]
     some = np.arange(0, len(asked.stamp), 2)
     thin = replace(whole, series={"setpoints": asked.rows(some), "gearbox_states": went.rows(some)})
@@ -138,7 +138,7 @@ def test_stated_servos_that_differ_from_joint_to_joint_are_named_so(
     effect: str,
     expected: dict[str, float],
 ) -> None:
-    (finding,) = diagnose(_recorded(PLAIN | servo), model=_stated()).findings
+    (finding,) = diagnose(recorded_servos(PLAIN | servo), model=_stated()).findings
     assert (finding.effect, finding.evidence["form"]) == (effect, "apart"), name
     for joint, value in expected.items():
         (said,) = finding.parameters[joint].values()
@@ -149,7 +149,7 @@ def test_a_model_may_state_the_servo_of_each_joint() -> None:
     model = _stated(
         kp=list(OWN["kp"]), tau_v=list(OWN["tau_v"]), v_max=list(OWN["v_max"]), delay=list(OWN["delay"])
     )
-    assert diagnose(_recorded(OWN), model=model).findings == []
+    assert diagnose(recorded_servos(OWN), model=model).findings == []
     assert Model.from_parameters(model.parameters()).parameters() == model.parameters()
     assert model.only(JOINTS[1:]).arm.kp.tolist() == list(OWN["kp"][1:])  # type: ignore[union-attr]
 
@@ -158,7 +158,7 @@ def test_a_servo_is_that_of_its_joint_and_one_that_was_not_asked_to_move_is_left
     """An arm of five joints, in another order, of which three were recorded and two were asked to move."""
     names = ["base", "wrist", "elbow", "shoulder", "tool"]
     flat = {"arm.joints": names, "wire.ratio": [1.0], "wire.dead_band": [0.0]}
-    whole = _recorded(OWN)
+    whole = recorded_servos(OWN)
     still = whole.series["setpoints"].position.copy()
     still[:, 1] = still[0, 1]
     rest = whole.series["gearbox_states"].position.copy()
@@ -175,7 +175,7 @@ def test_a_servo_is_that_of_its_joint_and_one_that_was_not_asked_to_move_is_left
 
 def test_a_top_speed_that_was_not_met_is_not_claimed() -> None:
     """The shoulder creeps, the elbow runs into its limit, the wrist is faster than the model has it."""
-    whole = _recorded(OWN)
+    whole = recorded_servos(OWN)
     size = np.array([0.002, 1.0, 1.0])
     series = {
         "setpoints": _scaled(whole.series["setpoints"], size),
@@ -194,7 +194,7 @@ def _scaled(series: JointSeries, size: Array) -> JointSeries:
 
 def test_a_long_recording_tells_its_servos_by_the_stretches_in_which_they_move() -> None:
     """Half a minute of motion after ten of rest."""
-    whole = _recorded(OWN)
+    whole = recorded_servos(OWN)
     rest = np.arange(0.0, 600.0, PERIOD)
 
     def after_rest(series: JointSeries) -> JointSeries:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -51,6 +52,10 @@ class Servos:
         changed = np.any(old != new, axis=0)
         told = {joint: tuple(new[:, j].tolist()) for j, joint in enumerate(found.arm.joints) if changed[j]}
         return Servos(told, found.setpoints)
+
+    def hash(self) -> str:
+        """12 digits that change with any number."""
+        return hashlib.sha256(repr((sorted(self.numbers.items()), self.setpoints)).encode()).hexdigest()[:12]
 
     def on(self, model: Model) -> Model:
         """The model with them, where it has joints of those names."""

@@ -24,12 +24,14 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.fleet.inputs.listing import Job
 from trunk_ros.fleet.run.cluster import each
 from trunk_ros.fleet.run.examine import examine
 from trunk_ros.fleet.run.follow import follow
 from trunk_ros.fleet.run.loop import Plan, run
 from trunk_ros.fleet.run.outcome import ERRORS, FINDINGS, Row
+from trunk_ros.fleet.run.servos import servos
 from trunk_ros.fleet.run.store import Store, flat, rows, write
 from trunk_ros.fleet.together.arm_effects import Followed, followed, of_all, places
 from trunk_ros.fleet.together.events import events
@@ -49,10 +51,12 @@ class Work:
         """``again``: what failed before is tried once more."""
         self.folder, self.jobs, self.model, self.client, self.again = folder, jobs, model, client, again
         self.hash = model.hash()
+        self.servos: dict[str, Servos] = {}
         self._shown: dict[str, float] = {}
 
     def run(self, limits: Limits) -> Fleet:
         """Everything; files are written even where the run is stopped half-way."""
+        self.servos = servos(self.client, self.folder, self.jobs, self.model)
         examined = self._examined()
         followed = self._followed(examined)
         self._reported(examined)
@@ -65,8 +69,8 @@ class Work:
         newest = self._newest()
         plan = Plan(
             examine,
-            lambda job: (job.path, self.model, math.isnan(job.time) or job in newest),
-            lambda _: self.hash,
+            lambda job: self._task(job, math.isnan(job.time) or job in newest),
+            lambda job: self._setting(job.arm),
             self.again,
         )
         try:
@@ -77,6 +81,14 @@ class Work:
             write(flat(table, "findings", FINDINGS), self.folder / "findings.parquet")
             write(flat(table, "errors", ERRORS), self.folder / "errors.parquet")
         return table
+
+    def _task(self, job: Job, report: bool) -> tuple[Any, ...]:
+        return job.path, self.model, report, self.servos.get(job.arm)
+
+    def _setting(self, arm: str) -> str:
+        """What results depend on besides the recording and what is followed in it."""
+        found = self.servos.get(arm)
+        return self.hash if found is None else f"{self.hash} {found.hash()}"
 
     def _newest(self) -> set[Job]:
         """The last recording of each arm, whose report is kept."""
@@ -107,7 +119,7 @@ class Work:
             for arm, row in newest.items()
             if row["path"] in mine and not (self.folder / ARMS / folder_of(arm)).exists()
         ]
-        for job, result in each(self.client, examine, ((job, (job.path, self.model, True)) for job in bare)):
+        for job, result in each(self.client, examine, ((job, self._task(job, True)) for job in bare)):
             if isinstance(result, tuple):
                 self._keep(job, *result)
 
@@ -121,10 +133,10 @@ class Work:
         store = Store(self.folder, "followed")
         readable = set(good["path"].to_pylist())
         jobs = [job for job in self.jobs if job.path in readable and job.arm in effects]
-        settings = {arm: f"{self.hash} {_hash(given)}" for arm, given in effects.items()}
+        settings = {arm: f"{self._setting(arm)} {_hash(given)}" for arm, given in effects.items()}
         plan = Plan(
             follow,
-            lambda job: (job.path, self.model, effects[job.arm]),
+            lambda job: (job.path, self.model, effects[job.arm], self.servos.get(job.arm)),
             lambda job: settings[job.arm],
             self.again,
         )

@@ -12,6 +12,7 @@ import numpy as np
 
 from trunk_ros import __version__
 from trunk_ros.diagnosis.diagnose import diagnose
+from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.errors import TrunkError, one_line
@@ -25,14 +26,14 @@ STEP = 0.1  # s between the angles that travel is summed over: the noise of an e
 Files = dict[str, str]
 
 
-def examine(path: str, model: Model, report: bool) -> tuple[Row, Files]:
-    """The outcome of a recording, and with ``report`` the files of its diagnosis.
+def examine(path: str, model: Model, report: bool, servos: Servos | None = None) -> tuple[Row, Files]:
+    """The outcome of a recording, and with ``report`` the files of its diagnosis. ``servos``: the arm's.
 
     A recording that cannot be diagnosed is an outcome with a reason. Raises OSError where it cannot be
     fetched, which is worth another try.
     """
     with here(path) as local:
-        return told(local, path, lambda: _examined(local, path, model, report))
+        return told(local, path, lambda: _examined(local, path, model, report, servos))
 
 
 def told(local: Path, path: str, work: Callable[[], tuple[Row, Files]]) -> tuple[Row, Files]:
@@ -47,9 +48,9 @@ def told(local: Path, path: str, work: Callable[[], tuple[Row, Files]]) -> tuple
     return row | {"cpu": time.process_time() - begun}, files
 
 
-def _examined(local: Path, path: str, model: Model, report: bool) -> tuple[Row, Files]:
+def _examined(local: Path, path: str, model: Model, report: bool, servos: Servos | None) -> tuple[Row, Files]:
     recording = read_recording(local)
-    result = diagnose([recording], model)
+    result = diagnose([recording], model, servos=servos)
     result.provenance = {"trunk_ros": __version__, "model_hash": model.hash(), "bags": [path]}
     row = {
         "reason": "",

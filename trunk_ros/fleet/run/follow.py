@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.evidence import Spread, spreads
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
@@ -32,18 +33,19 @@ from trunk_ros.recording.recording import Recording
 ROUNDS = 2  # fits, each with the noise and the postures of the one before
 
 
-def follow(path: str, model: Model, effects: Followed) -> tuple[Row, Files]:
-    """Values and spreads of given effects in a recording.
+def follow(path: str, model: Model, effects: Followed, servos: Servos | None = None) -> tuple[Row, Files]:
+    """Values and spreads of given effects in a recording. ``servos``: the arm's.
 
     Raises OSError where the recording cannot be fetched.
     """
     with here(path) as local:
-        return told(local, path, lambda: (_followed(local, model, effects), {}))
+        return told(local, path, lambda: (_followed(local, model, effects, servos), {}))
 
 
-def _followed(local: Path, model: Model, effects: Followed) -> Row:
+def _followed(local: Path, model: Model, effects: Followed, servos: Servos | None) -> Row:
     recording = without_faults(read_recording(local))
     model = model.for_joints(recording.joints) if model.any_joints else model
+    model = model if servos is None else servos.on(model)
     supposed = replace(model, effects={**model.effects, **on_joints(effects, model.arm.joints)})
     findings = [entry for stage in stages(recording, supposed) for entry in _fitted(stage, effects)]
     return {
