@@ -211,3 +211,23 @@ def test_a_long_recording_tells_its_servos_by_the_stretches_in_which_they_move()
     np.testing.assert_allclose(found.kp, OWN["kp"], rtol=0.02)
     np.testing.assert_allclose(found.delay, OWN["delay"], atol=3e-4)
     assert np.asarray(found.v_max)[1] == pytest.approx(OWN["v_max"][1], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("has", "gains"),
+    [
+        ({"relative": 0.2}, (24.0, 24.0, 30.0)),
+        ({"relative": np.array([0.2, 0.2, 0.5]), "form": "apart"}, (24.0, 24.0, 24.0)),
+    ],
+    ids=["shared before", "shared now"],
+)
+def test_of_joints_that_share_a_value_or_have_their_own_those_that_changed_are_said(
+    has: dict[str, object], gains: tuple[float, float, float]
+) -> None:
+    model = replace(_stated(), effects={"servo_bandwidth": has})
+    (finding,) = diagnose(recorded_servos(PLAIN | {"kp": gains}), model=model).findings
+    assert (finding.effect, finding.joints) == ("servo_bandwidth", ["wrist"])
+    value = finding.parameters["wrist"]["relative"]
+    assert value["simulation"] == np.ravel(has["relative"])[-1]
+    assert value["recording"] == pytest.approx(gains[2] / 20.0 - 1.0, abs=0.01)
+    assert "the model has" in finding.statement

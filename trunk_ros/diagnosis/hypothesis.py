@@ -57,10 +57,14 @@ class Term:
         return sorted(self.own)
 
     def reform(self, form: str) -> None:
-        """Take another form, without the values that it does not use; what joints shared each then has."""
+        """Take another form, without the values that it does not use; what joints shared each then has, and
+        what each had they share at its median.
+        """
         self.form = form
         shared, names = self.shared, {p.name for p in effect(self.effect).used(form) if p.shared}
-        self.shared = {n: v for n, v in shared.items() if n in names}
+        each = {n: [own[n] for own in self.own.values() if n in own] for n in names}
+        self.shared = {n: float(np.median(v)) for n, v in each.items() if v}
+        self.shared |= {n: v for n, v in shared.items() if n in names}
         for column, values in self.own.items():
             self.have(column, {**shared, **values})
 

@@ -243,3 +243,11 @@ def test_no_form_keeps_values_of_another() -> None:
     for term in terms:
         used = {p.name for p in effect(term.effect).used(term.form)}
         assert used >= {*term.shared, *(name for own in term.own.values() for name in own)}
+
+
+def test_what_joints_had_each_for_itself_they_share_at_its_median_and_back() -> None:
+    term = Term("servo_bandwidth", "apart", own={c: {"relative": v} for c, v in enumerate((0.1, 0.2, 0.9))})
+    term.reform("alike")
+    assert (term.shared, term.own) == ({"relative": 0.2}, {0: {}, 1: {}, 2: {}})
+    term.reform("apart")
+    assert (term.shared, term.own[2]) == ({}, {"relative": 0.2})

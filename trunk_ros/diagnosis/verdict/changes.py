@@ -104,6 +104,8 @@ def _changed(
     kind = effect(known.effect)
     if found is not None and now is not None and _size(known) != _size(now):
         return found  # forms whose sizes have nothing to do with each other
+    if now is not None and known.form != now.form and kind.apart in (known.form, now.form):
+        known, now = _joint_by_joint(known), _joint_by_joint(now)
     parameters: dict[str, dict[str, dict[str, Any]]] = {}
     said, gone = [], True
     for owner, column in [(ARM, None), *((context.joints[c], c) for c in context.columns)]:
@@ -124,6 +126,13 @@ def _changed(
     statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(said)}."
     base = _gone(known) if found is None or gone else found
     return replace(base, joints=joints, parameters=parameters, statement=statement)
+
+
+def _joint_by_joint(term: Term) -> Term:
+    """The same in the form in which each joint has values of its own."""
+    out = term.copy()
+    out.reform(effect(term.effect).apart)
+    return out
 
 
 def _size(term: Term) -> str:
@@ -151,7 +160,7 @@ def _values(
         if size or (old and new):
             theirs, seen = (values.get(p.name, p.null) for values in (old, new))
             label = "" if size else f"{p.name}: "
-            spread = std.get((name, p.name, column))
+            spread = std.get((name, p.name, column), std.get((name, p.name, None)))
             yield Value(p, label, theirs, seen, spread, unit_of(p.unit, joint), size)
 
 
