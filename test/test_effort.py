@@ -14,6 +14,8 @@ from trunk_ros.arm import Arm
 from trunk_ros.commands.simulate import main
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.load_cells import cell_remarks
 from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.effort import measured_load
 from trunk_ros.model import Model, load_model, save_model
@@ -253,3 +255,41 @@ def test_what_load_cells_at_the_joints_tell_is_the_load() -> None:
     other = pushed(2)
     off = simulate(other, found.model).series["joint_states"].position - other.series["joint_states"].position
     assert off.std() < 1.1e-4
+
+
+def cells_of(recording: Recording, told: Array) -> Recording:
+    """With an effort (n, joints) N m of the joints' own sensors, at the stamps of the gearbox."""
+    at, shown = recording.series["gearbox_states"].stamp, recording.series["joint_states"].stamp
+    return reshaped(
+        recording, "joint_states", effort=np.column_stack([np.interp(shown, at, column) for column in told.T])
+    )
+
+
+def test_one_load_cell_leaves_the_weight_on_the_other_joints(plain: Recording) -> None:
+    told = np.where(np.arange(5) == 2, weight(plain), np.nan)
+    made = cells_of(plain, told)
+    known = wire_span(made, taken_from("effort")).resistance
+    assert known is not None
+    np.testing.assert_allclose(known.moment.std(axis=0), weight(plain).std(axis=0), rtol=0.02)
+    assert rms_off(made, taken_from("effort", SAG)) == pytest.approx(1e-4, rel=0.1)
+    assert cell_remarks(made, taken_from("effort")) == ["load on joint_3 from effort of joint_states"]
+
+
+def test_servos_bear_what_the_load_cells_tell(plain: Recording) -> None:
+    made = cells_of(plain, 2.0 * weight(plain))
+    series = {**made.series, "setpoints": replace(made.series["gearbox_states"], velocity=None, effort=None)}
+    known = servo_span(replace(made, series=series), taken_from("effort")).resistance
+    assert known is not None
+    assert known.moment.std(axis=0) == pytest.approx(2.0 * weight(plain).std(axis=0), rel=0.02)
+
+
+@pytest.mark.parametrize("masses", [True, False])
+def test_a_motors_torque_in_the_place_of_a_load_is_said(plain: Recording, masses: bool) -> None:
+    """As ros2_control publishes it: against the weight, and with the motion."""
+    own = taken_from("effort") if masses else load_model("direct")
+    torque = with_torque(plain, weight(plain)).series["gearbox_states"].effort
+    assert torque is not None
+    wrong, right = (cell_remarks(cells_of(plain, told), own) for told in (torque, weight(plain)))
+    assert len(right) == 1
+    (said,) = wrong[1:]
+    assert said.startswith("effort of joint_states is a motor's torque on joint_1, joint_2")

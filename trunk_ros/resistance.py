@@ -1,8 +1,8 @@
 """The moment that a recording shows on the joints, beside or in place of the computed weight.
 
-``arm.load`` says which: ``weight`` alone; ``weight_and_inertia`` of the recorded motion; or ``effort``, the
-moment that the joints' own sensors tell, else the recorded torque of the motors less their friction. Where a
-recording has no effort, weight it is.
+``arm.load`` says which: ``weight`` alone; ``weight_and_inertia`` of the recorded motion; or ``effort``: on
+each joint the moment that its own sensor tells, else the recorded torque of its motor less its friction, else
+the weight. Where a recording has no effort, weight it is.
 """
 
 from __future__ import annotations
@@ -49,29 +49,49 @@ def resistance(
     arm: Arm, gearbox: JointSeries, grid: Array, phi: Array, shown: JointSeries | None = None
 ) -> Resistance | None:
     """What gearbox states tell of the load at gearbox angles ``phi`` (m, joints) on ``grid`` (m,); joint
-    states ``shown``, where these have a load cell's effort of all joints.
+    states ``shown``, on the joints of which these have a load cell's effort.
 
     None where the arm's load is its weight alone, or nothing more is known.
     """
-    cells = None if shown is None or not set(arm.joints) <= set(shown.joints) else shown.select(arm.joints)
-    if arm.load_from == "effort" and cells is not None and _tell(cells.effort):
-        moment = _at(grid, cells)
-        return Resistance(moment, np.zeros_like(moment), False)
-    if arm.load_from == "effort" and gearbox.effort is not None:
-        return carried(arm, gearbox, grid, phi * arm.ratio)
+    if arm.load_from == "effort":
+        cells = None if shown is None else load_cells(arm.joints, shown)
+        told = tells(cells)
+        if cells is None or not told.any():
+            return None if gearbox.effort is None else carried(arm, gearbox, grid, phi * arm.ratio)
+        assert shown is not None
+        theta = phi * arm.ratio
+        rest = weighed(arm, theta) if gearbox.effort is None else carried(arm, gearbox, grid, theta)
+        measured = np.column_stack([np.interp(grid, shown.stamp, column) for column in fill(cells).T])
+        return Resistance(np.where(told, measured, rest.moment), np.where(told, 0.0, rest.lever), False)
     if arm.load_from == "weight_and_inertia" and arm.has_load:
         return swung(arm, grid, phi)
     return None
 
 
-def _tell(effort: Array | None) -> bool:
-    return effort is not None and bool(np.any(np.nan_to_num(effort)))
+def load_cells(joints: tuple[str, ...], shown: JointSeries) -> Array:
+    """(n, joints) N m: effort of joint states, NaN where a joint has none."""
+    out = np.full((len(shown.stamp), len(joints)), np.nan)
+    for j, joint in enumerate(joints):
+        if shown.effort is not None and joint in shown.joints:
+            out[:, j] = shown.effort[:, shown.joints.index(joint)]
+    return out
+
+
+def tells(cells: Array | None) -> np.ndarray:
+    """(joints,): whose effort ``cells`` (n, joints) is more than zeros or gaps."""
+    return np.zeros(1, dtype=bool) if cells is None else np.any(np.nan_to_num(cells) != 0.0, axis=0)
 
 
 def _at(grid: Array, series: JointSeries) -> Array:
     """(m, joints) N m: what effort a series has, at ``grid`` (m,) s."""
     assert series.effort is not None
     return np.column_stack([np.interp(grid, series.stamp, e) for e in fill(series.effort).T])
+
+
+def weighed(arm: Arm, theta: Array) -> Resistance:
+    """The computed weight at joint angles (n, joints), as all that there is."""
+    lever = arm.lever(theta)
+    return Resistance(arm.load(theta) - arm.payload * lever, lever, False)
 
 
 def swung(arm: Arm, grid: Array, phi: Array) -> Resistance:
@@ -88,8 +108,8 @@ def carried(arm: Arm, gearbox: JointSeries, grid: Array, theta: Array) -> Resist
     """
     moment = measured_load(gearbox, arm.ratio, arm).moment
     measured = np.column_stack([np.interp(grid, gearbox.stamp, column) for column in moment.T])
-    known, lever = np.isfinite(measured), arm.lever(theta)
-    bare = arm.load(theta) - arm.payload * lever
+    known, own = np.isfinite(measured), weighed(arm, theta)
+    bare, lever = own.moment, own.lever
     if not arm.has_load:
         bare = -_at(grid, gearbox) / arm.ratio
     return Resistance(np.where(known, measured, bare), np.where(known, 0.0, lever), False)

@@ -188,7 +188,8 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
-    known = resistance(arm.uncoupled(), at_joints(gearbox, arm, measured=False), grid, arm.driven(phi))
+    at_wires, shown = at_joints(gearbox, arm, measured=False), recording.series.get("joint_states")
+    known = resistance(arm.uncoupled(), at_wires, grid, arm.driven(phi), shown)
     return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from trunk_ros.diagnosis.data.load_cells import cell_remarks
 from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.model import Model
@@ -53,6 +54,7 @@ def quality_of_recording(recording: Recording, model: Model, mixed: Sequence[Mix
     topics = {key: asdict(value) for key, value in quality(recording).items()}
     remarks = [one.statement for one in recording.observed]
     remarks += [f"{one.statement}." for one in mixed if not one.certain]
+    remarks += cell_remarks(recording, model)
     notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model), *remarks]
     return {
         "duration": recording.duration,

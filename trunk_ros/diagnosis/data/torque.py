@@ -14,7 +14,7 @@ from trunk_ros.effort import MeasuredLoad, measured_load
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.fill import fill
-from trunk_ros.resistance import swung
+from trunk_ros.resistance import load_cells, swung, tells
 from trunk_ros.transmission import uncoupled
 
 DIFFERS = 0.1  # of the computed moment, from which on a difference is worth a remark
@@ -29,7 +29,9 @@ def torque_remarks(recording: Recording, model: Model) -> list[str]:
     joints = common_joints(recording, model, gearbox)
     arm, gearbox = model.for_joints(joints).loaded_arm().only(joints), gearbox.select(joints)
     if gearbox.effort is None:
-        unmet = arm.load_from == "effort" and arm.has_load
+        shown = recording.series.get("joint_states")
+        cells = shown is not None and tells(load_cells(joints, shown)).any()
+        unmet = arm.load_from == "effort" and arm.has_load and not cells
         return ["no effort in gearbox_states: the load is the computed weight"] if unmet else []
     measured = measured_load(gearbox, arm.ratio, arm)
     used = [_use(arm, measured)] if arm.load_from == "effort" else []
