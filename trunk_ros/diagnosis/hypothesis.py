@@ -57,16 +57,13 @@ class Term:
         return sorted(self.own)
 
     def reform(self, form: str) -> None:
-        """Take another form, without the values that it does not use; what joints shared each then has, and
-        what each had they share at its median.
-        """
-        self.form = form
-        shared, names = self.shared, {p.name for p in effect(self.effect).used(form) if p.shared}
-        each = {n: [own[n] for own in self.own.values() if n in own] for n in names}
-        self.shared = {n: float(np.median(v)) for n, v in each.items() if v}
-        self.shared |= {n: v for n, v in shared.items() if n in names}
+        """Take another form: what joints shared each then has, what each had they share at its median."""
+        self.form, before = form, self.shared
+        names = [p.name for p in effect(self.effect).used(form) if p.shared]
+        had = {n: [before[n]] if n in before else [v[n] for v in self.own.values() if n in v] for n in names}
+        self.shared = {n: float(np.median(v)) for n, v in had.items() if v}
         for column, values in self.own.items():
-            self.have(column, {**shared, **values})
+            self.have(column, {**before, **values})
 
     def have(self, column: int, values: Mapping[str, float]) -> None:
         """Be on a joint with values that it may have had in another form: those that this one uses."""
