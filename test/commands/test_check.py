@@ -35,6 +35,10 @@ def test_numbers_of_the_servo_that_a_file_does_not_give_are_said_to_be_trunks(
 ) -> None:
     said = check(tmp_path, capsys, "joints: [a]", "[0.5]\n    servo:\n      kp: 31.0")
     assert "kp 31 1/s, tau_v 0.02 s, v_max 1.5 rad/s (not given, taken from trunk: tau_v, v_max)" in said
+    late = check(tmp_path, capsys, "joints: [a, b]", "[0.5]\n    servo:\n      delay: [0.0, 0.02]")
+    assert "v_max 1.5 rad/s, delay 0/0.02 s (not given, taken from trunk: kp, tau_v, v_max)" in late
+    encoder = check(tmp_path, capsys, "joints: [a]", "[0.5]\n    servo:\n      counts_per_rev: 4096.0")
+    assert "servo: not given: a diagnosis finds it in the recording" in encoder
     assert main(["check", "trunk"]) == 0
     assert "not given" not in capsys.readouterr().out
 

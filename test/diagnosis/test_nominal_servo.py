@@ -231,3 +231,29 @@ def test_of_joints_that_share_a_value_or_have_their_own_those_that_changed_are_s
     assert value["simulation"] == np.ravel(has["relative"])[-1]
     assert value["recording"] == pytest.approx(gains[2] / 20.0 - 1.0, abs=0.01)
     assert "the model has" in finding.statement
+
+
+def test_an_encoder_alone_is_no_servo_and_stays_in_the_model() -> None:
+    flat = {
+        "arm.joints": list(JOINTS),
+        "wire.ratio": [1.0],
+        "wire.dead_band": [0.0],
+        "servo.counts_per_rev": 4096.0,
+    }
+    model = Model.from_parameters(flat)
+    assert not model.arm.servo_stated
+    again = Model.from_parameters(model.parameters()).arm
+    assert (again.counts_per_rev, again.servo_stated) == (4096.0, False)
+
+
+def test_that_a_simulators_setpoints_are_samples_says_nothing_of_the_arms() -> None:
+    """Both follow alike; the simulator wrote every second setpoint into a table."""
+    whole = recorded_servos(PLAIN | {"kp": (200.0, 200.0, 200.0), "tau_v": (2e-3, 2e-3, 2e-3)}, after=0.0)
+    went = whole.series["gearbox_states"]
+    noise = NOISE * np.random.default_rng(3).standard_normal(went.position.shape)
+    arm = replace(
+        whole, series=whole.series | {"joint_states": replace(went, position=went.position + noise)}
+    )
+    some = np.arange(0, len(went.stamp), 2)
+    thin = replace(arm, series={name: each.rows(some) for name, each in arm.series.items()})
+    assert diagnose(arm, model="direct", against=thin).model.setpoints == "held"

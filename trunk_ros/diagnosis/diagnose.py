@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from trunk_ros.diagnosis.against import identified, nominal_for
@@ -68,7 +69,8 @@ def diagnose(
     simulator = identified(
         other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, experiments=False).run()
     )
-    result = Diagnoser(read, simulator.model, simulator, progress, mixed, settle=settle).run()
+    own = replace(simulator.model, setpoints=nominal.setpoints)  # those of a table are no simulator's doing
+    result = Diagnoser(read, own, simulator, progress, mixed, settle=settle).run()
     return told_as_differences(result, simulator.model, simulator.found)
 
 

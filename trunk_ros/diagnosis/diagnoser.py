@@ -166,8 +166,7 @@ class Diagnoser:
         """The model with what it does not say of its servos, from these recordings."""
         told = any(effect(n).stage == "servo" for n in self.model.effects)
         if self.against is not None and self.against.learned:
-            own = with_its_servo(self.model, recorded)  # a table's setpoints are no business of the simulator
-            return replace(self.model, setpoints=own.setpoints)
+            return replace(self.model, setpoints=with_its_servo(self.model, recorded).setpoints)
         if self.model.arm.servo_stated or told:
             return self.model
         return with_its_servo(self.model, recorded, self.servos)

@@ -81,6 +81,8 @@ def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos 
     if known is not None and known.numbers:
         return _identified(known.on(model), recordings, known.numbers)[0]
     held, left = _identified(model, recordings)
+    if model.setpoints == SAMPLED:
+        return held
     sampled, less = _identified(replace(model, setpoints=SAMPLED), recordings)
     return sampled if CLEARLY * less < left else held
 

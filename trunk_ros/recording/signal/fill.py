@@ -30,8 +30,10 @@ def finer(stamp: Floats, times: int) -> Floats:
 
 def between(stamp: Floats, values: Floats, step: float) -> tuple[Floats, Floats]:
     """Stamps (m,) s about ``step`` apart, those of ``stamp`` (n,) among them, and (m, joints) what each holds
-    until the next of values that move smoothly.
+    until the next of values that move smoothly; of equal stamps the last counts.
     """
+    new = np.diff(stamp, append=np.inf) > 0.0
+    stamp, values = stamp[new], values[new]
     if len(stamp) < 2:
         return stamp, values
     times = max(round(float(np.median(np.diff(stamp))) / step), 1)
