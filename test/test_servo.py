@@ -144,3 +144,33 @@ def test_a_curve_over_speed_acts_where_the_angle_is_not_known_beforehand() -> No
     ahead = servo(setpoint, stamp, unknown_servo=curve) - servo(setpoint, stamp)
     expected = 0.01 * arm_of(2).ratio * np.array([0.2, -0.3])
     np.testing.assert_allclose(ahead[150:200].mean(axis=0), expected, rtol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"),
+    [
+        ("servo_bandwidth", {"relative": -0.4}),
+        ("servo_delay", {"delay": 0.05}),
+        ("velocity_saturation", {"v_max": 0.3}),
+        ("load_droop", {"gain": 0.05, "form": "weight"}),
+        ("cogging", {"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": np.zeros(2)}),
+    ],
+)
+@pytest.mark.parametrize("moment", ["from", "until"])
+def test_what_begins_or_ends_in_mid_run_is_the_servo_with_it_and_without_one_after_the_other(
+    effect: str, values: Any, moment: str
+) -> None:
+    stamp, setpoint = steps_and_sweeps(200.0)
+    other = Model(arm_of(2), {effect: values})
+    models = [Model(arm_of(2)), other] if moment == "from" else [other, Model(arm_of(2))]
+    half = int(np.searchsorted(stamp, 3.2))
+    first, state = Chain(models[0], "servo").run(setpoint[:half], stamp[:half])
+    then, _ = Chain(models[1], "servo").run(setpoint[half:], stamp[half:], state)
+    whole = Chain(Model(arm_of(2), {effect: {**values, moment: 3.2}}), "servo").run(setpoint, stamp)[0]
+    size = np.abs(
+        Chain(models[0], "servo").run(setpoint, stamp)[0] - Chain(models[1], "servo").run(setpoint, stamp)[0]
+    )
+    np.testing.assert_allclose(whole[: half - 3], first[:-3], atol=1e-12)
+    off = np.abs(whole[half:] - then)
+    assert off.max() < 0.1 * size.max()
+    assert off[-100:].max() < 2e-3 * size.max()

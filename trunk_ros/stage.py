@@ -21,6 +21,8 @@ from trunk_ros.effects.wire.play import SharpPlay
 
 SENSOR = 700  # wire effects from this place on change the reading, not the joint
 
+LOOP = (*SERVO_OF_EACH, "pull", "rub", "dead_zone", "cogging")
+
 Memory = dict[str, Any]
 
 
@@ -140,21 +142,22 @@ def run_servo(
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
-    kp, tau_v, v_max, delay = (_seen(getattr(arm, name), now) for name in SERVO_OF_EACH)
+    kp, tau_v, v_max, delay = (_seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH)
+    none = np.zeros((1, columns))
     core = Core(
         kp=kp,
         tau_v=tau_v,
         v_max=v_max,
         delay=delay,
-        pull=np.zeros((n, columns)),
-        rub=np.zeros(columns),
+        pull=none,
+        rub=none,
         reach=reach(arm, now),
-        dead_zone=np.zeros((n, columns)),
-        cogging=np.zeros((3, columns)),
+        dead_zone=none,
+        cogging=np.zeros((3, 1, columns)),
     )
     for e in effects:
         if e.acts_at == Effect.CORE:
-            e.adjust(core, now)
+            _set(e, core, now)
     out, state = np.empty((n, columns)), start.copy()
     skip = len(stamps) - n
     servo_loop(
@@ -166,7 +169,7 @@ def run_servo(
         core.delay,
         core.pull,
         core.rub,
-        np.maximum(core.reach, np.abs(core.rub)),
+        np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0),
         core.dead_zone,
         core.cogging,
         skip,
@@ -174,6 +177,17 @@ def run_servo(
         out,
     )
     return out, state
+
+
+def _set(e: Effect, core: Core, now: Now) -> None:
+    """``Effect.adjust`` of a servo's numbers, each in proportion to how much of the effect acts."""
+    before = {name: getattr(core, name) for name in LOOP}
+    e.adjust(core, now)
+    if not lasting.lasts(e):
+        acts = lasting.acting(e, now)
+        for name, number in before.items():
+            if (changed_to := getattr(core, name)) is not number:
+                setattr(core, name, number + acts * (changed_to - number))
 
 
 def _seen(values: float | Array, now: Now) -> Array:

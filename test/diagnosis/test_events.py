@@ -51,6 +51,37 @@ def test_a_wire_that_gives_way_more_and_more_grows() -> None:
     assert (event.begin, event.grown) == (pytest.approx(6.0, abs=1.0), pytest.approx(33.0, abs=1.0))
 
 
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("servo_bandwidth", {"relative": -0.3}),
+        ("servo_bandwidth", {"relative": on(2, -0.3), "form": "apart"}),
+        ("servo_delay", {"delay": 0.03}),
+        ("load_droop", {"gain": 0.02, "form": "weight"}),
+        ("cogging", {"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": 0.5 * ALL}),
+        ("sensor_delay", {"delay": 0.03}),
+    ],
+)
+@pytest.mark.parametrize("moment", ["from", "until"])
+def test_what_becomes_of_servos_and_sensors_in_mid_run_has_a_moment(
+    name: str, values: dict[str, Any], moment: str
+) -> None:
+    said = diagnosed({name: {**values, moment: 17.0}})
+    (finding,), (event,) = said.findings, said.events
+    assert (finding.effect, said.verdict) == (name, "explained")
+    assert finding.joints == (
+        ["joint_2"] if values.get("form") == "apart" else [f"joint_{k}" for k in range(1, 6)]
+    )
+    assert {"from": event.begin, "until": event.until}[moment] == pytest.approx(17.0, abs=0.05)
+
+
+def test_a_servo_that_becomes_slow_has_a_moment() -> None:
+    said = diagnosed({"velocity_saturation": {"v_max": 0.4, "from": 15.0}})
+    (finding,), (event,) = said.findings, said.events
+    assert finding.parameters["arm"]["v_max"]["value"] == pytest.approx(0.4, rel=0.01)
+    assert event.begin == pytest.approx(15.0, abs=0.1)
+
+
 def test_what_is_there_from_beginning_to_end_is_no_event() -> None:
     said = diagnosed({"backlash": {"half_width": on(3, 2e-3)}, "ratio_error": {"relative": on(1, 0.02)}})
     assert {f.effect for f in said.findings} == {"backlash", "ratio_error"}

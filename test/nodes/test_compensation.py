@@ -117,6 +117,16 @@ def test_a_servo_that_hardly_moves_does_not_hold_the_others_back():
     np.testing.assert_allclose(fastest, tops, rtol=0.01)
 
 
+def test_a_servo_that_was_slow_for_a_while_is_not_slow_any_more():
+    was = {
+        "velocity_saturation": {"v_max": 0.5, "until": 10.0},
+        "servo_bandwidth": {"relative": -0.5, "until": 10.0},
+    }
+    now = Compensation(replace(NOMINAL, effects=was, duration=20.0), REVERSAL)
+    np.testing.assert_array_equal(now.top_speed, np.full(5, NOMINAL.arm.v_max))
+    np.testing.assert_array_equal(now.gain, np.full(5, NOMINAL.arm.kp))
+
+
 def test_it_never_leaves_the_limits_and_says_which_joint_is_held_back():
     lower, upper = gearbox_limits(NOMINAL.arm)
     compensation = Compensation(LOOSE, REVERSAL)

@@ -41,15 +41,15 @@ class Core:
     v_max: Array = field(default_factory=lambda: NONE)
     delay: Array = field(default_factory=lambda: NONE)
     pull: Array = field(default_factory=lambda: NONE)
-    """(n, columns) rad added to the setpoint."""
+    """(1 or n, columns) rad added to the setpoint; the other numbers of the loop likewise."""
     rub: Array = field(default_factory=lambda: NONE)
-    """(columns,) rad by which the friction of wires that slide holds the servo back."""
+    """(1 or n, columns) rad by which the friction of wires that slide holds the servo back."""
     reach: Array = field(default_factory=lambda: NONE)
     """(columns,) rad that the servo goes from the middle of the wires' dead band until they slide."""
     dead_zone: Array = field(default_factory=lambda: NONE)
-    """(n, columns) rad of error that the loop does not answer to."""
+    """(1 or n, columns) rad of error that the loop does not answer to."""
     cogging: Array = field(default_factory=lambda: NONE)
-    """(3, columns): amplitude rad, cycles per revolution, phase rad."""
+    """(3, 1 or n, columns): amplitude rad, cycles per revolution, phase rad."""
     geometry: Geometry = field(default_factory=lambda: AS_DESCRIBED)
     along: Array = field(default_factory=lambda: NO_TURN)
     """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""

@@ -211,7 +211,7 @@ class Effect(ABC):
         """When it begins and ends, and when what it makes the arm carry is taken up and put down."""
         if not cls.begins:
             return ()
-        shared = all(p.shared for p in cls.parameters)
+        shared = cls.parameters[0].shared
         both = replace(FROM, shared=shared), replace(UNTIL, shared=shared)
         grown = [replace(GROWN, shared=shared)] if cls.grows else []
         loads = [replace(m, name=f"{p.name}_{m.name}", shared=True) for p in cls.carried() for m in both]

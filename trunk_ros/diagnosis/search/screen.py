@@ -194,14 +194,13 @@ class Screen:
                     key = free, form != "" and form == kind.apart
                     if better and (key not in found or better.gain > found[key].gain):
                         found[key] = better
-        shared = [c.gain / NEARLY for (_, apart), c in found.items() if not apart]
-        for key in [key for key in found if key[1]]:  # what differs would be bent to what is missing
-            least = PROMISED * sum(self.left(c) - self.context.count(c) for c in found[key].columns)
-            if found[key].gain <= max([least, *shared]):
-                del found[key]
-        alike = any(p.shared for p in kind.moments()[:1])
-        some = [self.lasting(c, self.context.columns) for c in found.values() if alike]
-        return [*found.values(), *(c for c in some if c is not None)]
+        some = [(apart, c) for (_, apart), c in found.items()]
+        if any(p.shared for p in kind.moments()[:1]):
+            some += [(apart, f) for apart, c in some if (f := self.lasting(c, self.context.columns))]
+        shared = max((c.gain / NEARLY for apart, c in some if not apart), default=0.0)
+        left = {c: PROMISED * (self.left(c) - self.context.count(c)) for c in self.context.columns}
+        own = [c for apart, c in some if apart and c.gain > max(shared, sum(left[k] for k in c.columns))]
+        return [*(c for apart, c in some if not apart), *own]  # others would be bent to what is missing
 
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
         """Whether each joint begins at a size of its own: where one is stated, both ways are tried."""

@@ -42,7 +42,7 @@ class Cogging(Effect):
             scan=(0.0, 1.571, 3.142, 4.712),
         ),
     )
-    everywhere = True
+    everywhere = begins = True
     compensable = False
     confused_with = (
         ("load_droop", "turn one joint alone over its whole range: a cogging comes back many times"),
@@ -66,4 +66,5 @@ class Cogging(Effect):
         return positive(values, "amplitude", "phase")
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.cogging = np.vstack([np.broadcast_to(self[p.name], now.ratio.shape) for p in self.parameters])
+        each = [np.broadcast_to(self[p.name], now.ratio.shape) for p in self.parameters]
+        core.cogging = np.stack(each)[:, None]

@@ -24,7 +24,7 @@ class LoadDroop(Effect):
         Parameter("friction", "N*m", (0.0, 50.0), "dry friction that the motor pulls as well", typical=0.1),
     )
     needs = ("load",)
-    everywhere = True
+    everywhere = begins = True
 
     def adjust(self, core: Core, now: Now) -> None:
         core.pull = core.pull + self["gain"] * now.load

@@ -30,7 +30,7 @@ class ServoBandwidth(Effect):
     )
     forms = ("alike", "apart")
     apart = "apart"
-    everywhere = True
+    everywhere = begins = True
     changes = "kp"
     compensable = False
     confused_with = (

@@ -30,7 +30,7 @@ class ServoDelay(Effect):
     )
     forms = ("alike", "apart")
     apart = "apart"
-    everywhere = True
+    everywhere = begins = True
     changes = "delay"
     compensable = False
     confused_with = (

@@ -39,7 +39,7 @@ class VelocitySaturation(Effect):
     )
     forms = ("alike", "apart")
     apart = "apart"
-    everywhere = True
+    everywhere = begins = True
     changes = "v_max"
     view = View("time", window=6.0)
     compensable = False

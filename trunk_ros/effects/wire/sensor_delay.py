@@ -30,7 +30,7 @@ class SensorDelay(Effect):
     )
     compensable = False
     delays_readings = True
-    everywhere = True
+    everywhere = begins = True
     confused_with = (("viscous_lag", "stop abruptly: a delay keeps the shape, a lag rounds it"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

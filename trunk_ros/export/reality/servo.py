@@ -37,7 +37,7 @@ class Servo:
         self.fastest = spread(core.v_max)
         self.gain = spread(core.kp)
         self.kp = spread(np.asarray(arm.kp))
-        self.cogging = core.cogging if core.cogging.shape[1] > 1 else None
+        self.cogging = core.cogging[:, 0] if core.cogging.any() else None
         self.rub = spread(core.rub)
         self.reach = np.maximum(spread(np.abs(arm.dead_band / arm.ratio)), self.rub)
         self.held: Array | None = None

@@ -133,9 +133,9 @@ class Compensation:
 
 def position_gain(model: Model) -> Array:
     """Gain of the position loop [1/s] per joint, with what was found."""
-    return np.asarray(model.number("kp") * np.ones(len(model.arm.joints)))
+    return np.asarray(model.at_end().number("kp") * np.ones(len(model.arm.joints)))
 
 
 def top_speed(model: Model) -> Array:
     """(joints,) rad/s at the shaft: top speed of each servo, as nominal or as found, whichever is less."""
-    return np.asarray(model.number("v_max") * np.ones(len(model.arm.joints)))
+    return np.asarray(model.at_end().number("v_max") * np.ones(len(model.arm.joints)))

@@ -29,7 +29,7 @@ class Observation:
     def use(self, model: Model) -> None:
         """Another model: what was learnt about the last one is forgotten."""
         self.measured.use(model)
-        self.delay = lateness(model.effects)
+        self.delay = lateness(model.at_end().effects)
         self.feedback = SlowFeedback(len(model.arm.joints))
         self.past = Past()
 
