@@ -129,8 +129,8 @@ def test_a_model_file_keeps_the_moments(tmp_path: Path) -> None:
 
 def test_effects_that_cannot_begin_say_so(tmp_path: Path) -> None:
     (tmp_path / "model.yaml").write_text(
-        "/**:\n  ros__parameters:\n    effects:\n      sensor_delay: {delay: 0.01, from: [3.0]}\n"
+        "/**:\n  ros__parameters:\n    effects:\n      zero_offset: {offset: [0.01], from: [3.0]}\n"
     )
-    with pytest.raises(ModelError, match=r"effects\.sensor_delay\.from"):
+    with pytest.raises(ModelError, match=r"effects\.zero_offset\.from"):
         load_model(tmp_path / "model.yaml")
-    assert all(kind.stage == "wire" and kind.named for kind in registry().values() if kind.begins)
+    assert all(kind.stage != "arm" and kind.named for kind in registry().values() if kind.begins)
