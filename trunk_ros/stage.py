@@ -16,7 +16,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.servo.loop import servo_loop
+from trunk_ros.effects.servo.loop import SEVERAL, servo_loop, servo_loops
 from trunk_ros.effects.wire.play import SharpPlay
 
 SENSOR = 700  # wire effects from this place on change the reading, not the joint
@@ -157,7 +157,7 @@ def run_servo(
             e.adjust(core, now)
     out, state = np.empty((n, columns)), start.copy()
     skip = len(stamps) - n
-    servo_loop(
+    (servo_loop if columns < SEVERAL else servo_loops)(
         setpoints,
         stamps,
         core.kp,
