@@ -133,6 +133,14 @@ def price(fit: Fit, term: Term) -> float:
     )
 
 
+def with_curves_at_least(now: Fit, bare: Hypothesis, columns: list[int]) -> float:
+    """The score that a hypothesis has with curves on some joints which leave nothing there."""
+    context, cost = now.context, now.cost | dict.fromkeys(columns, 0.0)
+    new = [c for c in columns if c not in context.known.curved]
+    least = [CURVE * max(need(context, c), FORMULAS * context.misfit.get(c, 0.0)) for c in new]
+    return priced(replace(now, hypothesis=bare, cost=cost)) + sum(least)
+
+
 def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
     """Of a curve: more than of an effect, and as much as it leaves beyond what the noise is known to, so that
     one that leaves most of a misfit does not stand for it; what moves slowly is imitated by any curve over
