@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -28,6 +28,8 @@ class Fit:
     cost: dict[int, float]
     """Sum of squares by column."""
     context: Context
+    priced: list[float] = field(default_factory=list, init=False, repr=False, compare=False)
+    """What it is worth, once somebody asked."""
 
     @property
     def total(self) -> float:
