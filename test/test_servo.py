@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.effects.servo.loop import servo_loop, servo_loops
 from trunk_ros.model import Model
 
 STEP = 0.002  # s
+OVER_TIME = (2, 3, 4, 5, 7, 10)  # arguments of a loop that may change
 
 
 def reference(setpoint: Array, rows: int, kp: float = 20.0, tau: float = 0.02, v_max: float = 1.5) -> Array:
@@ -174,3 +176,28 @@ def test_what_begins_or_ends_in_mid_run_is_the_servo_with_it_and_without_one_aft
     off = np.abs(whole[half:] - then)
     assert off.max() < 0.1 * size.max()
     assert off[-100:].max() < 2e-3 * size.max()
+
+
+@pytest.mark.parametrize("held", [0.0, 0.004])
+def test_joints_side_by_side_come_out_as_each_by_itself(held: float) -> None:
+    columns, rng = 6, np.random.default_rng(3)
+    stamp = np.cumsum(rng.choice([0.004, 0.01, 0.011, 0.09], size=400))
+    setpoint = np.cumsum(rng.normal(scale=0.02, size=(len(stamp), columns)), axis=0)
+    each, reach = np.linspace(0.5, 1.5, columns), 0.01 if held else 0.0
+    delay = np.array([0.0, 0.013, 0.013, 0.2, 0.2, 0.0])
+    arguments: list[Array] = [
+        setpoint, stamp, 20.0 * each, 0.02 * each, 1.5 * each, delay,
+        rng.normal(scale=1e-3, size=setpoint.shape), held * each, reach * each,
+        np.full(setpoint.shape, held) * (each > 1.0), np.array([1e-3 * each, 22.0 * each, each]),
+    ]  # fmt: skip
+    arguments[2][1] = 300.0  # stiff: stepped finer than the others
+    together, start = np.empty_like(setpoint), rng.normal(size=(3, columns))
+    after = start.copy()
+    servo_loops(*arguments, 0, after, together)
+    for j in range(columns):
+        some = [a if a is stamp else np.ascontiguousarray(a[..., j : j + 1]) for a in arguments]
+        some = [a[..., None, :] if k in OVER_TIME else a for k, a in enumerate(some)]
+        alone, state = np.empty((len(stamp), 1)), start[:, j : j + 1].copy()
+        servo_loop(*some, 0, state, alone)
+        assert np.array_equal(alone[:, 0], together[:, j])
+        assert np.array_equal(state[:, 0], after[:, j])

@@ -16,7 +16,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.servo.loop import servo_loop
+from trunk_ros.effects.servo.loop import SEVERAL, servo_loop, servo_loops
 from trunk_ros.effects.wire.play import SharpPlay
 
 SENSOR = 700  # wire effects from this place on change the reading, not the joint
@@ -160,23 +160,26 @@ def run_servo(
             _set(e, core, now)
     out, state = np.empty((n, columns)), start.copy()
     skip = len(stamps) - n
-    servo_loop(
-        setpoints,
-        stamps,
-        core.kp,
-        core.tau_v,
-        core.v_max,
-        core.delay,
-        core.pull,
-        core.rub,
-        np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0),
-        core.dead_zone,
-        core.cogging,
-        skip,
-        state,
-        out,
-    )
+    _step(core, setpoints, stamps, skip, state, out)
     return out, state
+
+
+def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
+    """Step the loops, side by side where that pays and nothing of them changes."""
+    numbers = core.kp, core.tau_v, core.v_max, core.delay, core.pull, core.rub
+    reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
+    steady = all(len(one) == 1 for one in (*numbers[:4], core.rub, core.cogging[0]))
+    if out.shape[1] < SEVERAL or not steady:
+        servo_loop(
+            setpoints, stamps, *numbers, reached, core.dead_zone, core.cogging, skip, state, out
+        )  # fmt: skip
+        return
+    kp, tau_v, v_max, delay, _, rub = (number[0] for number in numbers)
+    pull, zone = (np.zeros_like(out) + over_time for over_time in (core.pull, core.dead_zone))
+    cogging = np.ascontiguousarray(core.cogging[:, 0])
+    servo_loops(
+        setpoints, stamps, kp, tau_v, v_max, delay, pull, rub, reached, zone, cogging, skip, state, out
+    )  # fmt: skip
 
 
 def _set(e: Effect, core: Core, now: Now) -> None:

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.side_by_side import alike
+from trunk_ros.diagnosis.side_by_side import Seen
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
@@ -206,15 +206,15 @@ class Context:
         """Predictions of a column, one (n,) a span."""
         return [self.predict(index, hypothesis, column) for index in range(len(self.views))]
 
-    def predictions_each(self, hypotheses: Sequence[Hypothesis], column: int) -> list[list[Array]]:
-        """The same of several hypotheses, computed together where they differ in values alone."""
-        out: list[list[Array]] = [[] for _ in hypotheses]
+    def predictions_each(self, pairs: Sequence[Seen]) -> list[list[Array]]:
+        """The same of several hypotheses, each of one joint, computed together where they differ in values
+        alone.
+        """
+        out: list[list[Array]] = [[] for _ in pairs]
         for index, view in enumerate(self.views):
-            self.work.done += len(view.span.grid) * len(hypotheses)
-            for same in alike(hypotheses):
-                some = [hypotheses[k] for k in same]
-                for k, seen in zip(same, self.stage.predict_each(self, index, some, column), strict=True):
-                    out[k].append(seen)
+            self.work.done += len(view.span.grid) * len(pairs)
+            for parts, seen in zip(out, self.stage.predict_each(self, index, pairs), strict=True):
+                parts.append(seen)
         return out
 
     def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
@@ -226,10 +226,11 @@ class Context:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
         return self.whiten([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
 
-    def whitened_each(self, hypotheses: Sequence[Hypothesis], column: int) -> list[Array]:
-        """The same of several hypotheses."""
-        seen, out = [view.columns[column] for view in self.views], []
-        for each in self.predictions_each(hypotheses, column):
+    def whitened_each(self, pairs: Sequence[Seen]) -> list[Array]:
+        """The same of several hypotheses, each of one joint."""
+        out = []
+        for (_, column), each in zip(pairs, self.predictions_each(pairs), strict=True):
+            seen = [view.columns[column] for view in self.views]
             rests = [np.where(s.valid, s.target - p, 0.0) for s, p in zip(seen, each, strict=True)]
             out.append(self.whiten(rests, column))
         return out

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -181,6 +181,7 @@ class Hypothesis(dict[str, Term]):
         return {name: _model_values(self[name], joints) for name in registry() if name in self}
 
 
+@cache
 def _place(name: str) -> tuple[int, str]:
     """Where an effect acts among those of its stage."""
     return effect(name).place, name
@@ -284,8 +285,9 @@ def _model_values(term: Term, joints: int) -> Values:
 
 def payload_of(hypothesis: Hypothesis) -> Payload:
     """Mass at the tip that the terms add; of several that which is not always there says when."""
-    found = [payload_in(p.name, t.shared) for t in hypothesis.values() for p in effect(t.effect).carried()]
-    there = [one for one in found if one.mass]
+    terms = [term for term in hypothesis.values() if term.shared]  # asked at each prediction
+    masses = [(p.name, t.shared) for t in terms for p in effect(t.effect).carried() if t.shared.get(p.name)]
+    there = [payload_in(name, values) for name, values in masses]
     when = next((one for one in there if not one.always), NOTHING)
     return when._replace(mass=float(sum(one.mass for one in there)))
 

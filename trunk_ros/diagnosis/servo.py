@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from trunk_ros.chain import run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.data.surroundings import joined
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
+from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
 
 
@@ -15,6 +19,7 @@ class ServoStage(Stage):
     """Setpoint to gearbox angle."""
 
     name = "servo"
+    joint_by_joint = False
 
     def noises(self, found: list[Noise]) -> list[Noise]:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""
@@ -27,13 +32,16 @@ class ServoStage(Stage):
         return float(2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0))
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
-        span = sight.views[index].span
-        now, blocks = sight.now(index, column, payload_of(hypothesis)), hypothesis.bound(column)
-        source = np.ascontiguousarray(span.source[:, column : column + 1])
-        begin = now.gearbox[0, 0]
-        start = np.array([[begin], [now.speed[0, 0] / now.ratio[0]], [begin]])
+        return self._predict_alike(sight, index, [(hypothesis, column)])[0]
+
+    def _predict_alike(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> Sequence[Array]:
+        span, columns = sight.views[index].span, [column for _, column in pairs]
+        payload, blocks = payload_of(pairs[0][0]), bind_together(pairs)
+        now = joined([sight.now(index, column, payload) for column in columns])
+        source = np.ascontiguousarray(span.source[:, columns])
+        start = np.array([now.gearbox[0], now.speed[0] / now.ratio, now.gearbox[0]])
         out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start)
         for block in blocks:
             if block.acts_at > block.CORE:
                 out, _ = block.run(out, now, None)
-        return np.asarray(out[span.rows, 0])
+        return list(np.ascontiguousarray(out[span.rows].T))

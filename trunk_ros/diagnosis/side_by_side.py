@@ -2,32 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import groupby
+from collections.abc import Hashable, Iterator, Sequence
 
 import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, payload_of
 from trunk_ros.effects import Effect, effect
 
-
-def alike(hypotheses: Sequence[Hypothesis]) -> Iterator[list[int]]:
-    """Places of hypotheses in a row by which the arm carries the same."""
-    for _, same in groupby(range(len(hypotheses)), lambda k: payload_of(hypotheses[k])):
-        yield list(same)
+Seen = tuple[Hypothesis, int]
+"""A hypothesis, and the joint that it predicts."""
 
 
-def bind_together(hypotheses: Sequence[Hypothesis], column: int) -> list[Effect] | None:
-    """The effects that hypotheses have on one joint, as blocks over as many columns; None where they differ
-    in more than values and words, or what an effect does on one column depends on the others.
+def alike(pairs: Sequence[Seen], joint_by_joint: bool) -> Iterator[list[int]]:
+    """Places of those that differ in values and words alone, and by which the arm carries the same; of one
+    that has to be computed with others, each by itself.
     """
-    terms = list(zip(*(h.on(column) for h in hypotheses), strict=False))
-    alike = len({len(h.on(column)) for h in hypotheses}) == 1 and len(set(map(payload_of, hypotheses))) == 1
-    if not alike or any(len({_kind_on(t, column) for t in same}) > 1 for same in terms):
-        return None
-    if any(same[0].form in effect(same[0].effect).shaking for same in terms):
-        return None
-    return [_side_by_side(same, column) for same in terms]
+    found: dict[Hashable, list[int]] = {}
+    for k, (hypothesis, column) in enumerate(pairs):
+        terms = hypothesis.on(column)
+        alone = k if any(t.form in effect(t.effect).shaking for t in terms) else -1
+        which = column if joint_by_joint else -1
+        kinds = tuple(_kind_on(term, column) for term in terms)
+        found.setdefault((payload_of(hypothesis), alone, which, kinds), []).append(k)
+    return iter(found.values())
+
+
+def bind_together(pairs: Sequence[Seen]) -> list[Effect]:
+    """The effects that hypotheses which are ``alike`` have on their joints, as blocks of as many columns."""
+    columns = [column for _, column in pairs]
+    terms = zip(*(hypothesis.on(column) for hypothesis, column in pairs), strict=True)
+    return [_side_by_side(same, columns) for same in terms]
 
 
 def _kind_on(term: Term, column: int) -> tuple[object, ...]:
@@ -36,9 +40,10 @@ def _kind_on(term: Term, column: int) -> tuple[object, ...]:
     return (term.effect, term.form, *term.shared, None, *term.own[column], None, *words)
 
 
-def _side_by_side(terms: Sequence[Term], column: int) -> Effect:
+def _side_by_side(terms: Sequence[Term], columns: Sequence[int]) -> Effect:
     kind = effect(terms[0].effect)
-    values = [{**kind.null(), **term.values(column)} for term in terms]
-    words = [term.words.get(column, {}) for term in terms]
+    seen = list(zip(terms, columns, strict=True))
+    values = [{**kind.null(), **term.values(column)} for term, column in seen]
+    words = [term.words.get(column, {}) for term, column in seen]
     numbers = {name: np.array([each[name] for each in values]) for name in values[0]}
     return kind(numbers, {w: tuple(each[w] for each in words) for w in words[0]}, terms[0].form)

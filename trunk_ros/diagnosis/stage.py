@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.repeated_readings import coarseness
 from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
+from trunk_ros.diagnosis.side_by_side import Seen, alike
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Now, borne
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -26,6 +27,7 @@ from trunk_ros.guards import SAME
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
 
+CELLS = 2**20  # samples that are computed together: of long recordings more would not fit into memory
 STANDING = 3.0  # times the mean power of an encoder's steps that a joint shows where it stands
 
 
@@ -53,6 +55,8 @@ class Stage(ABC):
     """Recordings of one stage of an arm, and the model that predicts them."""
 
     name: str
+    joint_by_joint = True
+    """Only hypotheses of the same joint are computed together."""
 
     def __init__(self, spans: Sequence[Span], model: Model, units: dict[str, str] | None = None):
         """``model``: the nominal one, with the effects it already has; ``units``: SI unit of joints that are
@@ -132,11 +136,20 @@ class Stage(ABC):
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
 
-    def predict_each(
-        self, sight: Sight, index: int, hypotheses: Sequence[Hypothesis], column: int
-    ) -> Sequence[Array]:
-        """The same of several hypotheses, each (n,)."""
-        return [self.predict(sight, index, hypothesis, column) for hypothesis in hypotheses]
+    def predict_each(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> list[Array]:
+        """The same of several hypotheses, each of one joint and (n,)."""
+        out: dict[int, Array] = {}
+        most = max(CELLS // len(sight.views[index].span.grid), 1)
+        for same in alike(pairs, self.joint_by_joint):
+            for first in range(0, len(same), most):
+                some = same[first : first + most]
+                seen = self._predict_alike(sight, index, [pairs[k] for k in some])
+                out |= zip(some, seen, strict=True)
+        return [out[k] for k in range(len(pairs))]
+
+    def _predict_alike(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> Sequence[Array]:
+        """The same of hypotheses that may be computed together."""
+        return [self.predict(sight, index, hypothesis, column) for hypothesis, column in pairs]
 
     def seen(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
         """What is seen with the angles and loads that a hypothesis predicts, where the stage has any; as it

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.surroundings import View, beside
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.side_by_side import bind_together
+from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import Sight, Stage
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
@@ -44,14 +44,12 @@ class WireStage(Stage):
         span, now = sight.views[index].span, sight.now(index, column, payload)
         return _besides(span, column, now, blocks, span.measured(shown[:, 0]))
 
-    def predict_each(
-        self, sight: Sight, index: int, hypotheses: Sequence[Hypothesis], column: int
-    ) -> Sequence[Array]:
-        payload, times = payload_of(hypotheses[0]), len(hypotheses)
-        blocks = bind_together(hypotheses, column) if times > 1 else None
-        if blocks is None or any(b.transients(sight.now(index, column, payload)) is not None for b in blocks):
-            return super().predict_each(sight, index, hypotheses, column)
-        shown, _ = self._passed(sight, index, column, payload, blocks, times)
+    def _predict_alike(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> Sequence[Array]:
+        hypothesis, column = pairs[0]
+        payload, blocks = payload_of(hypothesis), bind_together(pairs) if len(pairs) > 1 else []
+        if not blocks or any(b.transients(sight.now(index, column, payload)) is not None for b in blocks):
+            return super()._predict_alike(sight, index, pairs)
+        shown, _ = self._passed(sight, index, column, payload, blocks, len(pairs))
         return list(np.ascontiguousarray(sight.views[index].span.measured(shown).T))
 
     def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:

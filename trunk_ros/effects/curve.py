@@ -143,12 +143,15 @@ class Curve(Effect):
         curve.
         """
         words = self.words.get("on", ())
-        pieces = np.zeros((len(self["low"]), 4, KNOTS - 1))
+        low, high, values = self["low"], self["high"], np.array([self[p.name] for p in VALUES])
+        pieces = np.zeros((len(low), 4, KNOTS - 1))
+        ends: dict[tuple[float, float], list[int]] = {}
         for column, variable in enumerate(words):
             if variable:
-                knots = np.linspace(self["low"][column], self["high"][column], KNOTS)
-                values = np.array([self[p.name][column] for p in VALUES])
-                pieces[column] = self.spline(knots, values).c
+                ends.setdefault((low[column], high[column]), []).append(column)
+        for (first, last), some in ends.items():
+            drawn = self.spline(np.linspace(first, last, KNOTS), values[:, some])
+            pieces[some] = np.moveaxis(drawn.c, 2, 0)
         return pieces
 
 

@@ -10,7 +10,7 @@ import pytest
 from test.diagnosis.search.looks import context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
-from trunk_ros.diagnosis.side_by_side import bind_together
+from trunk_ros.diagnosis.side_by_side import alike
 from trunk_ros.effects import effect, registry
 
 BASE = Hypothesis(
@@ -46,34 +46,45 @@ def forms() -> Iterator[tuple[str, str]]:
 def test_each_comes_out_as_by_itself(kind: str, form: str) -> None:
     some, there = starts(kind, form), context("sag")
     alone = [there.predictions(hypothesis, JOINT)[0] for hypothesis in some]
-    together = there.predictions_each(some, JOINT)
+    together = there.predictions_each([(hypothesis, JOINT) for hypothesis in some])
     assert np.ptp(np.array(alone), axis=0).max() > 0.0
     for one, (other,) in zip(alone, together, strict=True):
         assert np.abs(one - other).max() < 1e-12
+
+
+def apart(*some: Hypothesis) -> bool:
+    """Whether each of some hypotheses of a joint is computed by itself."""
+    return len(list(alike([(hypothesis, JOINT) for hypothesis in some], True))) == len(some)
 
 
 def test_what_differs_in_more_than_values_is_not_put_side_by_side() -> None:
     other_form = Term("stribeck_friction", "gaussian", own={2: {"amplitude": 1e-3, "velocity": 0.05}})
     one = Hypothesis(stribeck_friction=Term("stribeck_friction", "exponential", own=other_form.own))
     two = Hypothesis(stribeck_friction=other_form)
-    assert bind_together([one, one], JOINT) is not None
-    assert bind_together([one, two], JOINT) is None
-    assert bind_together([one, Hypothesis()], JOINT) is None
+    assert not apart(one, one)
+    assert apart(one, two)
+    assert apart(one, Hypothesis())
     until = one.copy()
     until["stribeck_friction"].own[2]["until"] = 9.0
-    assert bind_together([one, until], JOINT) is None
+    assert apart(one, until)
     heavy = Hypothesis(
         load_elasticity=Term("load_elasticity", "weight", {"payload": 0.1}, {2: {"compliance": 0.1}})
     )
     light = heavy.moved(next(f for f in heavy.free([2]) if f.column is None), 0.2)
-    assert bind_together([heavy, light], JOINT) is None
-    assert bind_together([heavy, heavy], JOINT) is not None
+    assert apart(heavy, light)
+    assert not apart(heavy, heavy)
+
+
+def test_joints_are_computed_together_only_where_a_stage_can() -> None:
+    both = [(Hypothesis(), 1), (Hypothesis(), 2)]
+    assert list(alike(both, joint_by_joint=True)) == [[0], [1]]
+    assert list(alike(both, joint_by_joint=False)) == [[0, 1]]
 
 
 def test_work_is_counted_as_of_each_by_itself() -> None:
     there, some = context("sag"), starts("stribeck_friction", "gaussian")
     before = there.work.done
-    there.predictions_each(some, JOINT)
+    there.predictions_each([(hypothesis, JOINT) for hypothesis in some])
     assert there.work.done - before == len(some) * len(there.views[0].span.grid)
 
 

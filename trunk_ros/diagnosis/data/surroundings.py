@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -162,18 +162,24 @@ def following(valid: np.ndarray) -> np.ndarray:
 
 def beside(now: Now, times: int) -> Now:
     """The surroundings of one joint, side by side as many times."""
-    if times == 1:
-        return now
+    return joined([now] * times)
+
+
+def joined(each: Sequence[Now]) -> Now:
+    """The surroundings of single joints in one recording, side by side."""
+    first = each[0]
+    if len(each) == 1:
+        return first
     out = replace(
-        now,
-        gearbox=np.repeat(now.gearbox, times, axis=1),
-        speed=np.repeat(now.speed, times, axis=1),
-        load=lambda: np.repeat(now.load, times, axis=1),  # type: ignore[arg-type]
-        ratio=np.repeat(now.ratio, times),
-        columns=now.columns * times,
+        first,
+        gearbox=np.concatenate([now.gearbox for now in each], axis=1),
+        speed=np.concatenate([now.speed for now in each], axis=1),
+        load=lambda: np.concatenate([now.load for now in each], axis=1),  # type: ignore[arg-type]
+        ratio=np.concatenate([now.ratio for now in each]),
+        columns=tuple(column for now in each for column in now.columns),
     )
     if isinstance(out, Seen):
-        out.known_masses = lambda: now.masses
+        out.known_masses = lambda: first.masses
     return out
 
 

@@ -201,12 +201,10 @@ def _design(context: Context, now: Hypothesis, column: int, place: Place, values
     if place.curve.linear:
         return design_of(context, column, place)
 
-    def predictions(at: Array) -> list[Array]:
-        return context.predictions(with_curve(now, place, column, at), column)
-
-    base = predictions(values)
-    steps = [predictions(values + BUMP * one) for one in np.eye(KNOTS)]
-    changes = [[(p - b) / BUMP for p, b in zip(there, base, strict=True)] for there in steps]
+    there = [values, *(values + BUMP * np.eye(KNOTS))]
+    pairs = [(with_curve(now, place, column, at), column) for at in there]
+    base, *steps = context.predictions_each(pairs)
+    changes = [[(p - b) / BUMP for p, b in zip(step, base, strict=True)] for step in steps]
     return np.column_stack([context.whiten_change(change, column) for change in changes])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -28,6 +28,8 @@ class Fit:
     cost: dict[int, float]
     """Sum of squares by column."""
     context: Context
+    priced: list[float] = field(default_factory=list, init=False, repr=False, compare=False)
+    """What it is worth, once somebody asked."""
 
     @property
     def total(self) -> float:
@@ -57,7 +59,7 @@ class Residuals:
         """Residuals by column."""
         if self._at is None or self._at[0] != x.tobytes():
             self._moved.set(self.free, x)
-            self._at = x.tobytes(), [self.context.whitened(self._moved, c) for c in self.columns]
+            self._at = x.tobytes(), self.context.whitened_each([(self._moved, c) for c in self.columns])
         return self._at[1]
 
     def __call__(self, x: Array) -> Array:
@@ -78,14 +80,17 @@ class Residuals:
         base = self.parts(x)
         _, high = bounds(self.free)
         steps = STEP * self.scale * np.where(x + STEP * self.scale <= high, 1.0, -1.0)
-        out = []
-        for part, column in zip(base, self.columns, strict=True):
-            moving = [k for k, f in enumerate(self.free) if f.parameter.carried or column in self._touched(f)]
-            there = [self._moved.moved(self.free[k], x[k] + steps[k]) for k in moving]
-            seen = self.context.whitened_each(there, column)
-            slopes = [(one - part) / steps[k] for one, k in zip(seen, moving, strict=True)]
+        moving = [
+            [k for k, f in enumerate(self.free) if f.parameter.carried or c in self._touched(f)]
+            for c in self.columns
+        ]
+        there = {k: self._moved.moved(f, x[k] + steps[k]) for k, f in enumerate(self.free)}
+        pairs = [(there[k], c) for c, some in zip(self.columns, moving, strict=True) for k in some]
+        seen, out = iter(self.context.whitened_each(pairs)), []
+        for part, some in zip(base, moving, strict=True):
+            slopes = [(next(seen) - part) / steps[k] for k in some]
             finite = [slope if np.isfinite(slope).all() else 0.0 * part for slope in slopes]
-            out.append((moving, np.array(finite).T if finite else np.zeros((len(part), 0))))
+            out.append((some, np.array(finite).T if finite else np.zeros((len(part), 0))))
         return out
 
     def _touched(self, f: Free) -> list[int]:
@@ -163,8 +168,9 @@ def costed_on(now: Fit, hypothesis: Hypothesis, column: int) -> Fit:
 
 def costed(context: Context, hypothesis: Hypothesis) -> Fit:
     """A hypothesis with the values that it has."""
-    parts = {c: context.whitened(hypothesis, c) for c in context.columns}
-    return Fit(hypothesis, {c: float(part @ part) for c, part in parts.items()}, context)
+    parts = context.whitened_each([(hypothesis, c) for c in context.columns])
+    cost = {c: float(part @ part) for c, part in zip(context.columns, parts, strict=True)}
+    return Fit(hypothesis, cost, context)
 
 
 def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) -> Array:

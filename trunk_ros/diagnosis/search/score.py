@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from math import log
 
 import numpy as np
@@ -53,7 +54,9 @@ def score(fit: Fit) -> float:
 
 def priced(fit: Fit) -> float:
     """The same, whether the motion can show it or not."""
-    return fit.total + sum(price(fit, term) for term in fit.hypothesis.values())
+    if not fit.priced:  # asked for again with each trial that it is compared with
+        fit.priced.append(fit.total + sum(price(fit, term) for term in fit.hypothesis.values()))
+    return fit.priced[0]
 
 
 def beats(trial: Fit, best: Fit) -> bool:
@@ -84,6 +87,7 @@ def choice(among: int) -> float:
     return 2.0 * log(max(among, 1))
 
 
+@cache
 def naming(stage: str) -> float:
     """Price of a name among those of a stage; on several joints it is chosen once."""
     return choice(sum(kind.stage == stage and kind.named and kind.tried for kind in registry().values()))
@@ -131,6 +135,14 @@ def price(fit: Fit, term: Term) -> float:
         + further
         + _moments(fit, term, needs)
     )
+
+
+def with_curves_at_least(now: Fit, bare: Hypothesis, columns: list[int]) -> float:
+    """The score that a hypothesis has with curves on some joints which leave nothing there."""
+    context, cost = now.context, now.cost | dict.fromkeys(columns, 0.0)
+    new = [c for c in columns if c not in context.known.curved]
+    least = [CURVE * max(need(context, c), FORMULAS * context.misfit.get(c, 0.0)) for c in new]
+    return priced(replace(now, hypothesis=bare, cost=cost)) + sum(least)
 
 
 def _curve(fit: Fit, term: Term, column: int, need: float) -> float:

@@ -97,7 +97,7 @@ class Screen:
         base = self.base[column]
         return [
             self.context.whiten_change([a - b for a, b in zip(each, base, strict=True)], column)
-            for each in self.context.predictions_each(there, column)
+            for each in self.context.predictions_each([(one, column) for one in there])
         ]
 
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:

@@ -11,6 +11,8 @@ STEP = 0.002  # s
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
 EDGE = 0.01  # of a dead zone, over which the loop's answer rises: with a jump no two runs would agree
 LONGEST = 30.0  # s without a new setpoint, after which a servo stands
+SEVERAL = 4  # columns from which on the processor steps them side by side: none has to wait for its own past
+BLOCK = 8  # steps of which setpoints are looked up at once
 
 
 @compiled
@@ -89,3 +91,132 @@ def servo_loop(
         state[0, j] = phi
         state[1, j] = v
         state[2, j] = stuck
+
+
+@compiled
+def servo_loops(
+    setpoint: Array,
+    stamp: Array,
+    kp: Array,
+    tau_v: Array,
+    v_max: Array,
+    delay: Array,
+    pull: Array,
+    rub: Array,
+    reach: Array,
+    dead_zone: Array,
+    cogging: Array,
+    skip: int,
+    state: Array,
+    out: Array,
+) -> None:
+    """The same as ``servo_loop``, to the last bit, with the columns in the innermost loop."""
+    rows, columns = setpoint.shape
+    phi, v, stuck = state[0], state[1], state[2]
+    held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
+    step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
+    known, asked = np.full(columns, -1.0), np.zeros((BLOCK, columns))
+    clocked = np.zeros(columns, np.bool_)  # as the column before
+    for j in range(columns):
+        step[j] = min(STEP, CLOSE / kp[j])
+        clocked[j] = j > 0 and delay[j] == delay[j - 1] and step[j] == step[j - 1]
+    rubs, cogs = np.any(rub != 0.0), np.any(cogging[0] != 0.0)
+    for k in range(skip, rows):
+        span = min(stamp[k] - stamp[k - 1], LONGEST) if k > 0 else 0.0
+        most, zones = 0, False
+        for j in range(columns if k > 0 else 0):
+            if clocked[j]:
+                substeps[j], h[j] = substeps[j - 1], h[j - 1]
+            else:
+                substeps[j] = max(1, int(np.round(span / step[j])))
+                h[j] = span / substeps[j]
+            if h[j] != known[j]:
+                known[j] = h[j]
+                smooth[j] = -np.expm1(-h[j] / tau_v[j]) if tau_v[j] < h[j] else h[j] / tau_v[j]
+            most = max(most, substeps[j])
+            zones = zones or dead_zone[k - skip, j] > 0.0
+        for first in range(0, most, BLOCK):
+            last = min(first + BLOCK, most)
+            _ask(
+                setpoint,
+                stamp,
+                k,
+                span,
+                delay,
+                h,
+                substeps,
+                clocked,
+                pull[k - skip],
+                held,
+                first,
+                last,
+                asked,
+            )
+            for i in range(first, last):
+                error = asked[i - first]
+                if cogs:
+                    for j in range(columns):
+                        error[j] += cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
+                if rubs:
+                    for j in range(columns):
+                        if rub[j] != 0.0 and i < substeps[j]:
+                            stuck[j] = min(max(stuck[j], phi[j] - reach[j]), phi[j] + reach[j])
+                            error[j] -= rub[j] * (phi[j] - stuck[j]) / reach[j]
+                for j in range(columns):
+                    error[j] -= phi[j]
+                if zones:
+                    for j in range(columns):
+                        zone = dead_zone[k - skip, j]
+                        if zone > 0.0:
+                            error[j] *= min(max((abs(error[j]) / zone - 1.0) / EDGE + 0.5, 0.0), 1.0)
+                for j in range(columns):
+                    goes_on = i < substeps[j]
+                    v_ref = kp[j] * error[j]
+                    v_ref = v_max[j] if v_ref > v_max[j] else v_ref  # not min, which could not be vectorised
+                    v_ref = -v_max[j] if v_ref < -v_max[j] else v_ref
+                    v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - v[j])
+                    phi[j] += (h[j] if goes_on else 0.0) * v[j]
+        for j in range(columns):
+            out[k - skip, j] = phi[j]
+
+
+@compiled
+def _ask(
+    setpoint: Array,
+    stamp: Array,
+    k: int,
+    span: float,
+    delay: Array,
+    h: Array,
+    substeps: np.ndarray,
+    clocked: np.ndarray,
+    pull: Array,
+    held: np.ndarray,
+    first: int,
+    last: int,
+    asked: Array,
+) -> None:
+    """What the loops of each column are asked for (last - first, columns) at some of the steps before stamp
+    ``k``; ``held`` (columns,): the setpoints that act.
+    """
+    columns = len(h)
+    j = 0
+    while j < columns:
+        end = j + 1
+        while end < columns and clocked[end]:
+            end += 1
+        now = held[j]
+        for i in range(first, min(last, substeps[j])):
+            t = stamp[k] - span + i * h[j] - delay[j]
+            while now + 1 < k and stamp[now + 1] <= t + 1e-9:
+                now += 1
+            if now + 1 < k and stamp[now + 1] < t + h[j] - 1e-9:
+                share = (t + h[j] - stamp[now + 1]) / h[j]
+                for m in range(j, end):
+                    before = setpoint[now, m]
+                    asked[i - first, m] = before + share * (setpoint[now + 1, m] - before) + pull[m]
+            else:
+                for m in range(j, end):
+                    asked[i - first, m] = setpoint[now, m] + pull[m]
+        held[j] = now
+        j = end

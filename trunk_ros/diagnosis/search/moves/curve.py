@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.candidates import MOST, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
-from trunk_ros.diagnosis.search.score import beats, priced, score
+from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_at_least
 from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.diagnosis.search.state import state_of
 from trunk_ros.effects import effect
@@ -71,7 +71,8 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
         named = all(effect(name).named for name in local)
         key = ("curve", column, *state_of(now, [column]))
         open_ = now.beyond_noise(column) > 0.0 or _may_replace(now, column, local)
-        if named and open_ and key not in desk.kept:
+        least = with_curves_at_least(now, now.hypothesis.less(local, column), [column])
+        if named and open_ and least < score(now) and key not in desk.kept:
             trial = min(_curved(now, column, local), key=score, default=now)
             if beats(trial, now) and _is_clear(now, trial, column, local):
                 now = trial
@@ -119,6 +120,8 @@ def _everywhere(best: Fit, shared: list[str]) -> Iterator[Fit]:
     bare, cost = best.hypothesis, dict(best.cost)
     for name in shared:
         bare = bare.without(name)
+    if with_curves_at_least(best, bare, best.context.columns) >= score(best):
+        return
     for column in best.context.columns:
         trial = curve_fit(best.context, bare, column)
         if trial is None:

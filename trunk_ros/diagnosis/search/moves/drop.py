@@ -9,6 +9,7 @@ from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.trial import refit_to_win
 from trunk_ros.effects import effect
 
 
@@ -29,7 +30,8 @@ def _fewer(best: Fit, own: list[str], column: int) -> Iterator[Fit]:
 
 
 def _everywhere(best: Fit, name: str) -> Iterator[Fit]:
-    yield dropped(best, name)
+    less = best.hypothesis.without(name)
+    yield dropped(best, name) if best.hypothesis.curved else refit_to_win(best, less)
     term = best.hypothesis[name]
     unseen = hidden(best.context, term)
     if 0 < len(unseen) < len(term.columns):

@@ -8,8 +8,9 @@ from functools import partial
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds, replaced, taken, usable
+from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, only
-from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.form import FORM
 from trunk_ros.diagnosis.search.moves.member import MEMBER
@@ -50,9 +51,18 @@ def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Ite
                 continue
             trial = refit(best.context, there)
             if _promises(trial, screen, lost, again):
-                trial = _polished(best, desk, dated(trial, kind.id), name, score(leader), again)
+                trial = dated(trial, kind.id)
+                if not _is_shown(trial, kind.id):
+                    continue
+                trial = _polished(best, desk, trial, name, score(leader), again)
                 leader = min(leader, trial, key=score)
                 yield trial
+
+
+def _is_shown(trial: Fit, name: str) -> bool:
+    """Whether the motion of one joint at least shows an effect: else no step that follows makes it so."""
+    term = trial.hypothesis[name]
+    return bool(set(term.columns) & set(trial.context.columns) - set(hidden(trial.context, term)))
 
 
 def _may_promise(there: Hypothesis, gain: float, screen: Screen, lost: dict[int, float]) -> bool:
@@ -152,7 +162,8 @@ def _back(old: Term, now: Fit, column: int) -> Fit:
         if column in old.words:
             term.words[column] = dict(old.words[column])
         trials.append(as_it_was)
-    return min((refit(now.context, trial) for trial in trials), key=score, default=now)
+    found = min((refit_column(now, trial, column) for trial in trials), key=score, default=now)
+    return refit(now.context, found.hypothesis) if trials else now
 
 
 SWAP_ALL = Move("swap_all", groups, descends=True)
