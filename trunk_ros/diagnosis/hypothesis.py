@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache, lru_cache
+from functools import cache, lru_cache, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -166,10 +166,7 @@ class Hypothesis(dict[str, Term]):
 
     def less(self, names: Iterable[str], column: int) -> Hypothesis:
         """A copy without some effects on one joint."""
-        out = self
-        for name in names:
-            out = out.without(name, column)
-        return out
+        return reduce(lambda out, name: out.without(name, column), names, self)
 
     @property
     def shakes(self) -> bool:
