@@ -10,9 +10,9 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_JOINTS
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect
-from trunk_ros.effects.lasting import Payload, share
+from trunk_ros.effects.lasting import LASTING, NULLS, Payload, share
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import FROM, GROWN, NEVER, UNTIL, Parameter
+from trunk_ros.parameter import Parameter
 
 Values = dict[str, Any]
 """Of one effect: (joints,) by parameter, a float where it is shared; words as lists; ``form``."""
@@ -115,20 +115,20 @@ def at_end(name: str, values: Values, duration: float, joints: tuple[str, ...]) 
     if not moments:
         return values
     left = {key: value for key, value in values.items() if key not in moments}
-    acts = _acting_at(duration, values)
-    lead = kind.own_parameters(str(values.get("form", kind.forms[0])))[0]
+    lead, at = kind.own_parameters(str(values.get("form", kind.forms[0])))[0], np.array([duration])
+    acts = share(at, values, max(np.size(values[name]) for name in moments))[0]
     for p in (p for p in kind.parameters if p.name in left):
-        there = payload_in(p.name, values).lasts(duration) if p.carried else acts
+        there = payload_in(p.name, {**values, p.name: 1.0}).at(at)[0, 0] if p.carried else acts
         if np.ndim(left[p.name]) or np.size(there) == 1:
-            size = there if p is lead else there > 0
+            size = there if p is lead or p.carried else there != 0
             left[p.name] = np.asarray(p.null + size * (left[p.name] - p.null))[()]
     return effect_values(kind, left, joints)
 
 
 def payload_in(name: str, values: Mapping[str, Any]) -> Payload:
     """What an effect's values make the arm carry; ``name``: of the mass."""
-    mass, begin, until = (values.get(f"{name}{when}") for when in ("", "_from", "_until"))
-    return Payload(mass or 0.0, begin or 0.0, NEVER if until is None else until)
+    said = ((m.name, values.get(f"{name}_{m.name}", m.null)) for m in LASTING)
+    return Payload(values.get(name) or 0.0, tuple((m, at) for m, at in said if at != NULLS[m]))
 
 
 def lateness(effects: Mapping[str, Values]) -> float:
@@ -145,12 +145,3 @@ def _first_of(effects: Mapping[str, Values], says: str) -> list[Any]:
     """First values of the effects that say that of themselves."""
     those = [(effect(name).parameters[0], v) for name, v in effects.items() if getattr(effect(name), says)]
     return [values.get(lead.name, lead.null) for lead, values in those]
-
-
-def _acting_at(stamp: float, values: Values) -> Any:
-    """(joints,) or one: how much of an effect acts at a time [s]."""
-    begin, until, grown = (
-        np.asarray(values.get(name, default))
-        for name, default in ((FROM.name, 0.0), (UNTIL.name, NEVER), (GROWN.name, 0.0))
-    )
-    return share(np.array([stamp]), begin, until, grown)[0]

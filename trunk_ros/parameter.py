@@ -1,6 +1,6 @@
 """A parameter is declared once: nodes, fits, model files and docs all read this declaration."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 
@@ -88,3 +88,22 @@ GROWN = Parameter(
     "grown", "s", (0.0, NEVER), "when it has its full size; at once where it is not said", typical=1.0,
     optional=True, moment=True,
 )  # fmt: skip
+SPELLS = 3
+"""Times that an effect may come, each time with a size of its own."""
+
+
+def spell(number: int) -> tuple[Parameter, Parameter, Parameter]:
+    """When it comes again for the second time or a later one, until when, and with how much of its size."""
+    often = {2: "second", 3: "third"}[number]
+    return (
+        replace(UNTIL, name=f"from_{number}", meaning=f"when its {often} size begins"),
+        replace(UNTIL, name=f"until_{number}", meaning=f"when its {often} size ends"),
+        Parameter(
+            f"times_{number}", "", (-MANY, MANY), f"its {often} size, in its first", typical=1.0, null=1.0,
+            optional=True,
+        ),
+    )  # fmt: skip
+
+
+MANY = 10.0
+LATER = tuple(p for number in range(2, SPELLS + 1) for p in spell(number))

@@ -71,8 +71,8 @@ class Term:
         self.own[column] = {name: value for name, value in values.items() if name in used}
 
     def moments(self, column: int) -> tuple[str, ...]:
-        """Which of its beginning and end on a joint are said."""
-        return tuple(m.name for m in effect(self.effect).moments() if m.name in self.own[column])
+        """Which of its beginnings and ends on a joint are said."""
+        return tuple(m.name for m in effect(self.effect).moments() if m.moment and m.name in self.own[column])
 
     def values(self, column: int) -> dict[str, float]:
         """All values for one joint, the shared ones included."""

@@ -15,7 +15,7 @@ from trunk_ros.effects.now import Now as Now
 from trunk_ros.effects.now import View
 from trunk_ros.effects.now import borne as borne
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import FROM, GROWN, UNTIL, Parameter
+from trunk_ros.parameter import FROM, GROWN, LATER, UNTIL, Parameter
 
 Stage = Literal["servo", "wire", "arm"]
 Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
@@ -208,14 +208,13 @@ class Effect(ABC):
     @classmethod
     @cache
     def moments(cls) -> tuple[Parameter, ...]:
-        """When it begins and ends, and when what it makes the arm carry is taken up and put down."""
+        """When it begins, changes its size and ends, and the same of what it makes the arm carry."""
         if not cls.begins:
             return ()
         shared = cls.parameters[0].shared
-        both = replace(FROM, shared=shared), replace(UNTIL, shared=shared)
-        grown = [replace(GROWN, shared=shared)] if cls.grows else []
-        loads = [replace(m, name=f"{p.name}_{m.name}", shared=True) for p in cls.carried() for m in both]
-        return (*both, *grown, *loads)
+        own = FROM, UNTIL, *([GROWN] if cls.grows else []), *LATER
+        loads = [replace(m, name=f"{p.name}_{m.name}") for p in cls.carried() for m in (FROM, UNTIL, *LATER)]
+        return (*(replace(m, shared=shared) for m in own), *(replace(m, shared=True) for m in loads))
 
     @classmethod
     def used(cls, form: str) -> tuple[Parameter, ...]:

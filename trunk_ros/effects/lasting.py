@@ -1,11 +1,13 @@
 """When an effect begins and ends, where it does not act all the time: a screw comes loose, a weight is
-taken up.
+taken up; and when it changes its size.
 
-It acts from its ``from`` until its ``until``; the friction element goes on remembering.
+It acts from its ``from`` until its ``until``, from its ``from_2`` on with ``times_2`` of that size, and so
+on; the friction element goes on remembering.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,76 +15,79 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.parameter import NEVER
+from trunk_ros.parameter import FROM, GROWN, LATER, NEVER, SPELLS, UNTIL
 
 RISE = 0.02  # s, so that a fit can move a moment
-MOMENTS = ("from", "until", "grown")
+LASTING = (FROM, UNTIL, GROWN, *LATER)
+NULLS = {p.name: p.null for p in LASTING}
 
 
 class Payload(NamedTuple):
-    """A mass [kg] at the tip, and when [s] it is taken up and put down."""
+    """A mass [kg] at the tip, and by the names of an effect's moments when [s] how much of it is there."""
 
     mass: float = 0.0
-    begin: float = 0.0
-    until: float = NEVER
+    when: tuple[tuple[str, float], ...] = ()
 
     @property
     def always(self) -> bool:
         """Whether it is there from beginning to end."""
-        return self.begin <= 0.0 and self.until >= NEVER
+        return not self.when
 
     @property
     def own(self) -> float:
         """kg that the arm has from beginning to end."""
         return self.mass if self.always else 0.0
 
-    def lasts(self, stamp: float) -> bool:
-        """Whether it is carried at a time [s]."""
-        return self.begin <= stamp < self.until
-
     def at(self, stamp: Array) -> Array:
         """(n, 1) kg at ``stamp`` (n,) s."""
-        return self.mass * share(stamp, np.array([self.begin]), np.array([self.until]))
+        return self.mass * share(stamp, {name: np.array([value]) for name, value in self.when}, 1)
 
 
 NOTHING = Payload()
 
 
-def share(stamp: Array, begin: Array, until: Array, grown: Array | float = 0.0) -> Array:
-    """(n, columns) from 0 to 1: what acts from ``begin`` until ``until`` (columns,) s; ``stamp`` (n,) s.
+def share(stamp: Array, values: Mapping[str, Any], columns: int) -> Array:
+    """(n, columns): how much of its size acts at ``stamp`` (n,) s, by moments that are (columns,) or one."""
+    spells = [name for name in range(2, SPELLS + 1) if f"from_{name}" in values]
 
-    ``grown`` (columns,) s: when it has its full size, 0 for at once.
-    """
-    whole = np.zeros(np.broadcast(begin, until, grown).size)
-    out = np.empty((len(stamp), len(whole)))
-    _share(stamp, whole + begin, whole + until, whole + grown, out)
+    def of(name: str) -> Array:
+        return np.broadcast_to(np.asarray(values.get(name, NULLS[name]), dtype=float), (columns,))
+
+    begin = np.array([of(FROM.name), *(of(f"from_{k}") for k in spells)])
+    until = np.array([of(UNTIL.name), *(of(f"until_{k}") for k in spells)])
+    times = np.array([np.ones(columns), *(of(f"times_{k}") for k in spells)])
+    out = np.empty((len(stamp), columns))
+    _share(stamp, begin, until, times, of(GROWN.name).copy(), out)
     return out
 
 
 @compiled
-def _share(stamp: Array, begin: Array, until: Array, grown: Array, out: Array) -> None:
-    for j in range(len(begin)):
-        rise = max(grown[j] - begin[j], RISE)
-        middle = begin[j] + rise / 2 if grown[j] > begin[j] else begin[j]
-        always = begin[j] <= 0.0 and grown[j] <= 0.0
+def _share(stamp: Array, begin: Array, until: Array, times: Array, grown: Array, out: Array) -> None:
+    for j in range(len(grown)):
+        rise = max(grown[j] - begin[0, j], RISE)
+        middle = begin[0, j] + rise / 2 if grown[j] > begin[0, j] else begin[0, j]
+        always = begin[0, j] <= 0.0 and grown[j] <= 0.0
         for k in range(len(stamp)):
-            begun = 1.0 if always else min(max((stamp[k] - middle) / rise + 0.5, 0.0), 1.0)
-            ended = min(max((stamp[k] - until[j]) / RISE + 0.5, 0.0), 1.0) if until[j] < NEVER else 0.0
-            out[k, j] = begun * (1.0 - ended)
+            size = 1.0 if always else min(max((stamp[k] - middle) / rise + 0.5, 0.0), 1.0)
+            for i in range(len(begin)):
+                if i and begin[i, j] < NEVER:
+                    begun = min(max((stamp[k] - begin[i, j]) / RISE + 0.5, 0.0), 1.0)
+                    size += begun * (times[i, j] - size)
+                if until[i, j] < NEVER:
+                    size *= 1.0 - min(max((stamp[k] - until[i, j]) / RISE + 0.5, 0.0), 1.0)
+            out[k, j] = size
 
 
 def lasts(e: Effect) -> bool:
     """Whether an effect acts all the time."""
-    return e.values.keys().isdisjoint(MOMENTS)
+    return e.values.keys().isdisjoint(NULLS)
 
 
 def acting(e: Effect, now: Now) -> Array:
     """(n, columns): how much of an effect acts; kept with it, as a fit asks again and again."""
     kept = e.acts
     if kept is None or kept[0] is not now.stamp:
-        nothing = np.zeros_like(now.ratio)
-        begin, until = e.values.get("from", nothing), e.values.get("until", nothing + NEVER)
-        e.acts = kept = now.stamp, share(now.stamp, begin, until, e.values.get("grown", nothing))
+        e.acts = kept = now.stamp, share(now.stamp, e.values, len(now.ratio))
     return kept[1]
 
 

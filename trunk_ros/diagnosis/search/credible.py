@@ -12,7 +12,8 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
-from trunk_ros.parameter import FROM, UNTIL
+from trunk_ros.effects.lasting import LASTING
+from trunk_ros.parameter import GROWN
 
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
 SEEN = 0.1  # of what a joint does in all, to and fro, before and after a moment that it shows
@@ -48,7 +49,8 @@ def ends_within(block: Effect, now: Now) -> bool:
     other none shows that. What acts by the way of the motion has to be seen to and fro there: if it was there
     on one way and not on the way back, it went by the direction.
     """
-    times = sorted(t for name in (FROM.name, UNTIL.name) for t in block.values.get(name, ()))
+    moments = (m.name for m in LASTING if m.moment and m is not GROWN)
+    times = sorted(t for name in moments for t in block.values.get(name, ()))
     if not times:
         return True
     followed = {word for words in block.words.values() for word in words if word in now.joints}

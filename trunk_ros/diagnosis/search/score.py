@@ -163,7 +163,7 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     kind, context = effect(term.effect), fit.context
     left = {c: (1 / OVER_TIME - 1) * max(fit.rest(c) - STRONG * context.count(c), 0.0) for c in needs}
     own = sum(n * len(term.moments(c)) + left[c] for c, n in needs.items() if term.moments(c))
-    shared = sum(m.name in term.shared for m in kind.moments())
+    shared = sum(m.moment and m.name in term.shared for m in kind.moments())
     if not shared:
         return own
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Hashable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -15,15 +13,14 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.followed import directions
-from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.search.size import different, gains, leading, merit, scaled, too_large
-from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
+from trunk_ros.diagnosis.search.score import FURTHER, chance, need
+from trunk_ros.diagnosis.search.size import different, leading, merit, reach, scaled, too_large
+from trunk_ros.diagnosis.search.starts import Starts
+from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_window
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
 
-SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 PROMISED = 0.5  # of what a fit gains: a linear look does not see all of it
-BAGS = 2  # of an arm's recordings that give an effect its starts
 
 Products = dict[int, tuple[float, float]]
 """By column: (rest . d, d . d) of a change d of the prediction."""
@@ -41,7 +38,7 @@ class Screen:
         self.base = {c: context.predictions(hypothesis, c) for c in columns}
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
         self.basis, self._shared = directions(context, hypothesis, columns)
-        self._residuals: dict[tuple[int, int], Array] = {}
+        self._starts = Starts(context, hypothesis, self.base)
 
     def left(self, column: int) -> float:
         """Squared residual of a column once the values that are there have followed, linearly."""
@@ -101,32 +98,36 @@ class Screen:
         ]
 
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
-        """A candidate with the time in which it gains most; None where it acts all the time."""
+        """A candidate with the time in which it gains most, or with the time at which its size changes; None
+        where it acts all the time alike.
+        """
         kind, context = effect(candidate.effect), self.context
         columns = [c for c in columns if context.timed(c)]
-        if not kind.begins or len(context.views) > 1:
+        if not kind.begins:
             return None
         there = extended(context, self.hypothesis, candidate)
-        columns = [c for c in columns if c in there[candidate.effect].own]
-        window = self.window(there, columns, partial(gains, kind, candidate), kind.grows)
+        changes = {c: self.change(there, c) for c in columns if c in there[candidate.effect].own}
+        window = self.window(changes, reach(kind, candidate), kind.grows)
         found = window and scaled(kind, candidate, window.rd, window.dd)
         if not window or not found or found.gain - window.price <= candidate.gain:
             return None
         own = {c: {**start, **window.moments} for c, start in candidate.own.items()}
         return replace(found, start={**found.start, **window.moments}, own=own, free=True)
 
-    def window(self, there: Hypothesis, columns: list[int], gain: Gain, grows: bool) -> Window | None:
-        """The time in which another hypothesis gains most on some columns; None for all the time."""
-        if not columns:
+    def window(
+        self, changes: dict[int, Array], within: Reach, grows: bool = False, steps: bool = True
+    ) -> Window | None:
+        """The time in which changes (rows,) of the predictions of some columns gain most; None for all the
+        time alike, and for several recordings. ``grows``, ``steps``: little by little, or with two sizes one
+        after the other.
+        """
+        if not changes or len(self.context.views) > 1:
             return None
         span = self.context.views[0].span
-        edges = edges_of(span.stamp)
-        sums = [
-            Sums.of(edges, span.stamp[span.valid[:, c]], self.rest[c], self.change(there, c), self.basis[c])
-            for c in columns
-        ]
-        price = float(np.median([need(self.context, c) for c in columns]))
-        return best_window(sums, edges, gain, price, grows)
+        seen = [(span.stamp[span.valid[:, c]], self.rest[c], d, self.basis[c]) for c, d in changes.items()]
+        price = float(np.median([need(self.context, c) for c in changes]))
+        value = FURTHER * float(np.mean([chance(self.context, c) for c in changes]))
+        return best_window(seen, span.stamp, within, Prices(price, price + value if steps else np.inf), grows)
 
     def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
         """The best start of each form that comes near the best one."""
@@ -163,7 +164,7 @@ class Screen:
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""
         best: Candidate | None = None
-        trials = [Candidate(kind.id, form, column, start) for start in self._starts(kind, form, column)]
+        trials = [Candidate(kind.id, form, column, start) for start in self._starts.on(kind, form, column)]
         for trial, (rd, dd) in zip(trials, self.products(trials, column), strict=True):
             better = scaled(kind, trial, rd, dd)
             if better is not None and (best is None or better.gain > best.gain):
@@ -214,7 +215,7 @@ class Screen:
     ) -> Iterator[tuple[Candidate, Products]]:
         """Each choice of the shared values, with every joint's best choice of its own."""
         columns = self.context.columns
-        starts = {c: list(self._starts(kind, form, c)) for c in columns}
+        starts = {c: list(self._starts.on(kind, form, c)) for c in columns}
         names = [p.name for p in kind.own_parameters(form) if p.shared]
         shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
         for values in different(shared):
@@ -260,40 +261,3 @@ class Screen:
         own = {c: f.start for c, f in chosen.items()}
         gain = sum(f.gain for f in chosen.values())
         return replace(trial, start=next(iter(own.values())), gain=gain, columns=tuple(chosen), own=own)
-
-    def _residual(self, column: int, index: int) -> Array:
-        """(m,) residual of a recording over its whole grid."""
-        if (column, index) not in self._residuals:
-            span = self.context.views[index].span
-            valid = span.valid[:, column]
-            off = span.target[valid, column] - self.base[column][index][valid]
-            found = np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
-            self._residuals[column, index] = found
-        return self._residuals[column, index]
-
-    def _starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
-        """Where an effect may begin on a column, by the recordings with most to explain."""
-        telling = self.context.telling(column)[:BAGS]
-        return different([s for index in telling for s in self._starts_in(index, kind, form, column)])
-
-    def _starts_in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
-        context = self.context
-        rest = None if column in context.wide else self._residual(column, index)
-        for start in kind({}, {}, form).starts(context.shown(column, index), 0, rest):
-            if not kind.texts:
-                yield start
-                yield from self._wide_starts(index, kind, form, column, start)
-                continue
-            words = self.hypothesis.get_words(kind.id, column)
-            for joint in context.joints:
-                if joint != context.joints[column] and joint not in words:
-                    yield {**start, kind.texts[0]: joint}
-
-    def _wide_starts(
-        self, index: int, kind: type[Effect], form: str, column: int, start: dict[str, Any]
-    ) -> Iterator[dict[str, Any]]:
-        """Starts far from null for what makes a wide loop: a linear look does not reach that far."""
-        if column in self.context.wide and kind.regime == "reversal":
-            now, lead = self.context.now(index, column), kind.own_parameters(form)[0]
-            for share in SHARES:
-                yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}

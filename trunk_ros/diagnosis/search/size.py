@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.candidates import Candidate
+from trunk_ros.diagnosis.search.windows import Reach
 from trunk_ros.effects import Effect
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
@@ -39,15 +39,13 @@ def merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
     return float(along if kind.own_parameters(form)[0].shared else abs(along))
 
 
-def gains(kind: type[Effect], trial: Candidate, rd: Array, dd: Array) -> Array:
-    """What a change of these products gains (k,), scaled to its optimum where that can be."""
-    dd = np.maximum(dd, ROUNDED)
+def reach(kind: type[Effect], trial: Candidate) -> Reach:
+    """Within which multiples of its start the leading parameter may be."""
     lead = leading(kind, trial)
     if not kind.scalable:
-        return np.asarray(2 * rd - dd)
-    reach = (np.array(lead.bounds) - lead.null) / (trial.start[lead.name] - lead.null)
-    factor = np.clip(rd / dd, reach.min(), reach.max())
-    return np.asarray(factor * (2 * rd - factor * dd))
+        return 1.0, 1.0
+    ends = (np.array(lead.bounds) - lead.null) / (trial.start[lead.name] - lead.null)
+    return float(ends.min()), float(ends.max())
 
 
 def scaled(

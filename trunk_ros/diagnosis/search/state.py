@@ -37,7 +37,7 @@ def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
         columns = sorted({c for term in hypothesis.values() for c in term.columns})
         return tuple((c, structure(hypothesis, c)) for c in columns)
     return tuple(
-        (structure_of(t), t.moments(column), tuple(sorted(t.words.get(column, {}).items())))
+        (structure_of(t), tuple(sorted(t.own[column])), tuple(sorted(t.words.get(column, {}).items())))
         for t in hypothesis.on(column)
     )
 

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.parameter import FROM, GROWN, UNTIL
+from trunk_ros.guards import ROUNDED
+from trunk_ros.parameter import FROM, GROWN, MANY, UNTIL, spell
 
 EDGES = 100  # moments of a recording that are looked at
 INSIDE = 0.03  # of a recording: nothing is said of a beginning nearer to its ends
 
-Gain = Callable[[Array, Array], Array]
-"""(rest . d, d . d) to what is gained by d."""
+NEAR = 41  # moments around each of those that gain most
+FROM_2, _, TIMES_2 = spell(2)
+TIMES = TIMES_2.name
+
+Reach = tuple[float, float]
+"""Least and greatest multiple of itself that a change may be taken at."""
+Seen = tuple[Array, Array, Array, Array]
+"""Of a joint: stamp, rest and change d (n,), and what the fitted values can follow (n, basis)."""
 Shape = Callable[["Sums"], tuple[Array, Array]]
 
 
@@ -66,56 +74,112 @@ class Sums:
         rd, dd = (sums[0, -1] - sums[0] for sums in (self.rd, self.dd))
         return once + rd[None], square + dd[None] - np.sum(qd**2, axis=2)
 
+    def stepping(self) -> tuple[Array, Array]:
+        """(k, 2) rest . d and (k, 2, 2) d . d of a d before each edge and of the rest of it."""
+        (qd, *_), whole = self.qd, self.qd[0, -1]
+        parts = np.stack([qd, whole - qd], axis=1)
+        rd = np.stack([self.rd[0], self.rd[0, -1] - self.rd[0]], axis=1)
+        dd = np.stack([self.dd[0], self.dd[0, -1] - self.dd[0]], axis=1)
+        return rd, dd[:, :, None] * np.eye(2) - parts @ parts.transpose(0, 2, 1)
+
 
 def _inside(sums: Array) -> Array:
     """(k, k, …) from one edge to another, of sums (k, …) until each."""
     return np.asarray(sums[None] - sums[:, None])
 
 
-def edges_of(stamp: Array) -> Array:
-    """(k,) s: the beginning, moments inside, and the end."""
-    first, span = stamp[0], stamp[-1] - stamp[0]
-    inside = first + span * np.linspace(INSIDE, 1.0 - INSIDE, EDGES)
-    return np.concatenate([[-np.inf], inside, [np.inf]])
-
-
 @dataclass(frozen=True)
 class Window:
-    """When (s) an effect acts, and its products there."""
+    """When (s) an effect acts, and its products there, as if it had one size."""
 
     moments: dict[str, float]
-    """``from``, ``until`` and ``grown``, as far as they are not the beginning or the end of the recording."""
+    """``from``, ``until`` and ``grown``, as far as they are not the beginning or the end of the recording; or
+    ``from_2`` and ``times_2``.
+    """
     rd: float
     dd: float
     price: float
-    """Of its moments."""
+    """Of its moments, and of a second size."""
+
+    @property
+    def size(self) -> float:
+        """By how much the change is multiplied where it gains most."""
+        return self.rd / max(self.dd, ROUNDED)
+
+
+class Prices(NamedTuple):
+    """Of a moment, and of one at which the size changes."""
+
+    moment: float
+    change: float
 
 
 def best_window(
-    sums: list[Sums], edges: Array, gain: Gain, price: float, grows: bool = False
+    seen: list[Seen], stamp: Array, within: Reach, prices: Prices, grows: bool = False
 ) -> Window | None:
-    """The time in which an effect gains most, over all ``sums``, if each moment is worth a ``price``; None
-    where it does as well from beginning to end. ``grows``: it may do so little by little.
+    """The time in which changes of several joints gain most together; None where they do as well from
+    beginning to end. ``stamp`` (n,) s of the recording; ``grows``: it may do so little by little.
+
+    What gains most at a hundred moments is looked at again at those between them.
     """
+    first, span = stamp[0], stamp[-1] - stamp[0]
+    edges = first + span * np.linspace(INSIDE, 1.0 - INSIDE, EDGES)
+    found = _best_at(edges, seen, within, prices, grows)
+    near = (edges[1] - edges[0]) * np.linspace(-1.0, 1.0, NEAR)
+    if found is None:
+        return None
+    moments = np.array([at for name, at in found.moments.items() if name != TIMES])
+    edges = np.unique(np.clip(moments[:, None] + near, edges[0], edges[-1]))
+    return _best_at(edges, seen, within, prices, grows) or found
+
+
+def _best_at(edges: Array, seen: list[Seen], within: Reach, prices: Prices, grows: bool) -> Window | None:
+    """The best window between some edges [s], the beginning and the end."""
+    edges = np.concatenate([[-np.inf], edges, [np.inf]])
+    sums = [Sums.of(edges, *one) for one in seen]
     inside = np.isfinite(edges)
     later = np.arange(len(edges))[:, None] < np.arange(len(edges))[None, :]
-    count = inside[:, None].astype(float) + inside[None, :]
-    shapes = [(UNTIL.name, Sums.between, later)]
+    count = prices.moment * (inside[:, None].astype(float) + inside[None, :])
+    found = [_lasting(sums, edges, UNTIL.name, Sums.between, within, count, later)]
     if grows:
-        shapes.append((GROWN.name, Sums.growing, later & inside[None, :]))
-    found = [_best(sums, edges, name, shape, gain, price * count, may) for name, shape, may in shapes]
+        found.append(_lasting(sums, edges, GROWN.name, Sums.growing, within, count, later & inside[None, :]))
+    if within[0] < within[1] and np.isfinite(prices.change):
+        found.append(_changing(sums, edges, within, prices.change))
     best, worth = max(found, key=lambda one: one[1])
     return best if best.moments and worth > 0.0 else None
 
 
-def _best(
-    sums: list[Sums], edges: Array, end: str, shape: Shape, gain: Gain, prices: Array, may: np.ndarray
+def _lasting(
+    sums: list[Sums], edges: Array, end: str, shape: Shape, within: Reach, prices: Array, may: np.ndarray
 ) -> tuple[Window, float]:
     """The best window of one shape, and what it is worth."""
     parts = [shape(one) for one in sums]
     rd, dd = (np.sum([part[k] for part in parts], axis=0) for k in (0, 1))
-    worth = np.where(may, gain(rd, dd) - prices, -np.inf)
+    worth = np.where(may, gained(rd, dd, within) - prices, -np.inf)
     i, j = np.unravel_index(int(np.argmax(worth)), worth.shape)
     ends = {FROM.name: float(edges[i]), end: float(edges[j])}
     moments = {name: t for name, t in ends.items() if np.isfinite(t)}
     return Window(moments, float(rd[i, j]), float(dd[i, j]), float(prices[i, j])), float(worth[i, j])
+
+
+def _changing(sums: list[Sums], edges: Array, within: Reach, price: float) -> tuple[Window, float]:
+    """The best moment of a change from one size to another, and what it is worth."""
+    parts = [one.stepping() for one in sums]
+    rd, dd = (np.sum([part[k] for part in parts], axis=0)[1:-1] for k in (0, 1))
+    ridge = ROUNDED * np.trace(dd, axis1=1, axis2=2)[:, None, None] * np.eye(2) + ROUNDED * np.eye(2)
+    sizes = np.linalg.solve(dd + ridge, rd[:, :, None])[:, :, 0]
+    one, two = sizes.T
+    may = np.all((sizes > within[0]) & (sizes < within[1]), axis=1) & (np.abs(two) < MANY * np.abs(one))
+    worth = np.where(may, np.sum(sizes * rd, axis=1) - price, -np.inf)
+    k = int(np.argmax(worth))
+    if not np.isfinite(worth[k]):
+        return Window({}, 0.0, 0.0, 0.0), -np.inf
+    gain, size = float(worth[k]) + price, float(one[k])
+    moments = {FROM_2.name: float(edges[k + 1]), TIMES: float(two[k] / one[k])}
+    return Window(moments, gain / size, gain / size**2, price), float(worth[k])
+
+
+def gained(rd: Array, dd: Array, within: Reach) -> Array:
+    """What a change of these products gains (…), at the multiple of its size that gains most."""
+    factor = np.clip(rd / np.maximum(dd, ROUNDED), *within)
+    return np.asarray(factor * (2 * rd - factor * dd))

@@ -10,6 +10,7 @@ from trunk_ros.diagnosis.search.moves.onset import ONSET
 from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.restart import RESTART
 from trunk_ros.diagnosis.search.moves.source import SOURCE
+from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap import SWAP
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
@@ -21,6 +22,7 @@ MOVES = (
     OPTION,
     SOURCE,
     EVENT,
+    SPELL,
     DROP,
     EARLY_CURVE,
     SWAP_ALL,

@@ -23,6 +23,7 @@ from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
+from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_what_it_stood_for
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
@@ -153,7 +154,7 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         if score(trial) < score(best) and not shared_by_most(best, trial, candidate.effect):
             trial = with_what_it_stood_for(best, trial)
         trial = descend_with(
-            shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT), desk, score(leader)
+            shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT, SPELL), desk, score(leader)
         )
         if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
             leader = min(leader, trial, key=score)

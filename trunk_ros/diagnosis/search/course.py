@@ -1,0 +1,91 @@
+"""The sizes that an effect has one after the other, and the values that say so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from trunk_ros.parameter import FROM, MANY, NEVER, SPELLS, UNTIL, spell
+
+NAMES = ((FROM.name, UNTIL.name, ""), *(tuple(p.name for p in spell(k)) for k in range(2, SPELLS + 1)))
+
+
+@dataclass(frozen=True)
+class Course:
+    """Sizes, from the beginning of a recording and from each of some moments [s] on."""
+
+    sizes: tuple[float, ...]
+    moments: tuple[float, ...] = ()
+
+    @staticmethod
+    def of(values: Mapping[str, float], prefix: str = "") -> Course:
+        """As values say, whose names begin with ``prefix``; the effect's own value is for size 1."""
+        begins = values.get(prefix + FROM.name, FROM.null)
+        sizes, moments = ([1.0], []) if begins <= 0.0 else ([0.0, 1.0], [begins])
+        for k, (again, until, times) in enumerate(NAMES):
+            if k and prefix + again in values:
+                sizes.append(values.get(prefix + times, 1.0))
+                moments.append(values[prefix + again])
+            if values.get(prefix + until, NEVER) < NEVER:
+                sizes.append(0.0)
+                moments.append(values[prefix + until])
+        return Course(tuple(sizes), tuple(moments))
+
+    @property
+    def first(self) -> float:
+        """Its first size that is not 0; 0 where there is none."""
+        return next((size for size in self.sizes if size), 0.0)
+
+    def values(self, prefix: str = "") -> dict[str, float] | None:
+        """What says so where the effect's own value is for its ``first`` size; None where that can not be
+        said.
+        """
+        out: dict[str, float] = {}
+        spells = 0
+        for at, size in zip((0.0, *self.moments), self.sizes, strict=True):
+            if not size:
+                if spells:
+                    out[prefix + NAMES[spells - 1][1]] = at
+                continue
+            if spells == SPELLS or abs(size) > MANY * abs(self.first):
+                return None
+            begins, _, times = NAMES[spells]
+            if at > 0.0:
+                out[prefix + begins] = at
+            if spells and size != self.first:
+                out[prefix + times] = size / self.first
+            spells += 1
+        return out if spells else None
+
+    def plus(self, size: float, begin: float, until: float) -> Course:
+        """With so much more from one moment until another; either may be infinite."""
+        moments = sorted({*self.moments, *(t for t in (begin, until) if np.isfinite(t))})
+        starts = (-np.inf, *moments)
+        sizes = [self.sizes[int(np.searchsorted(self.moments, t, "right"))] for t in starts]
+        return Course(
+            tuple(s + size * (begin <= t < until) for s, t in zip(sizes, starts, strict=True)), tuple(moments)
+        )
+
+    def rounded(self) -> Course:
+        """With each size at what is nearest to it: none, or the first one."""
+        one = self.first
+        sizes = [one if s == one or abs(s - one) < abs(s) else 0.0 for s in self.sizes]
+        return Course(tuple(sizes), self.moments).plain()
+
+    def plain(self) -> Course:
+        """Without moments at which nothing changes."""
+        keep = [k for k in range(len(self.moments)) if self.sizes[k] != self.sizes[k + 1]]
+        return Course(
+            (self.sizes[0], *(self.sizes[k + 1] for k in keep)), tuple(self.moments[k] for k in keep)
+        )
+
+    def simpler(self) -> Iterator[Course]:
+        """Without one of its moments: the size before it goes on, or that after it was there before."""
+        for k in range(len(self.moments)):
+            moments = self.moments[:k] + self.moments[k + 1 :]
+            for lost in (k, k + 1):
+                simpler = Course(self.sizes[:lost] + self.sizes[lost + 1 :], moments).plain()
+                if simpler.first:
+                    yield simpler

@@ -1,0 +1,140 @@
+"""What comes again, or with another size: one more change of an effect's size, or one less."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.course import Course
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.moves.onset import dated
+from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.screen import PROMISED, Screen
+from trunk_ros.diagnosis.search.windows import Window
+from trunk_ros.effects import effect
+from trunk_ros.effects.lasting import LASTING
+from trunk_ros.parameter import FROM, GROWN, UNTIL, Parameter
+
+
+class Sized(NamedTuple):
+    """What may change its size: an effect on a ``column``, or on all of its joints; or a mass that it makes
+    the arm carry, whose moments begin with ``prefix``.
+    """
+
+    effect: str
+    column: int | None
+    lead: Parameter
+    prefix: str = ""
+
+    def values(self, hypothesis: Hypothesis) -> dict[str, float]:
+        """Those among which its size and its moments are."""
+        term = hypothesis[self.effect]
+        return term.shared if self.column is None else term.own[self.column]
+
+    def course(self, hypothesis: Hypothesis) -> Course:
+        """As a hypothesis has it."""
+        return Course.of(self.values(hypothesis), self.prefix)
+
+    def columns(self, now: Fit) -> list[int]:
+        """The joints that show it."""
+        if self.column is not None:
+            return [self.column]
+        on = now.hypothesis[self.effect].columns
+        return [c for c in now.context.columns if self.prefix or c in on]
+
+    def taking(self, hypothesis: Hypothesis, course: Course) -> Hypothesis | None:
+        """With other sizes; None where they cannot be said."""
+        out, moments, lead = hypothesis.copy(), course.values(self.prefix), self.lead
+        if moments is None:
+            return None
+        values = self.values(out)
+        for moment in LASTING:
+            values.pop(self.prefix + moment.name, None)
+        size = lead.null + (values[lead.name] - lead.null) * course.first
+        values |= moments | {lead.name: float(np.clip(size, *lead.bounds))}
+        return out
+
+    def without(self, hypothesis: Hypothesis) -> Hypothesis:
+        """Without what has a size."""
+        if not self.prefix:
+            return hypothesis.without(self.effect, self.column)
+        out = hypothesis.copy()
+        del self.values(out)[self.lead.name]
+        return out
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Each effect that may begin, on each joint that it has a size of its own on, and each payload."""
+    for one in sized(best) if len(best.context.views) == 1 else ():
+        trials, promise = partial(_changed, best, one), partial(_promise, best, one)
+        yield Group((one.effect, one.column, one.prefix), one.columns(best), trials, promise)
+
+
+def sized(now: Fit) -> Iterator[Sized]:
+    """All that may change its size."""
+    for name, term in now.hypothesis.items():
+        kind = effect(name)
+        if not kind.begins or not kind.named:
+            continue
+        lead = kind.own_parameters(term.form)[0]
+        for mass in kind.carried():
+            if term.shared.get(mass.name):
+                yield Sized(name, None, mass, f"{mass.name}_")
+        if GROWN.name in term.shared or not kind.scalable:
+            continue
+        if kind.parameters[0].shared:
+            if lead.name in term.shared:
+                yield Sized(name, None, lead)
+            continue
+        for column in (c for c in term.columns if c in now.context.columns):
+            if lead.name in term.own[column] and GROWN.name not in term.own[column]:
+                yield Sized(name, column, lead)
+
+
+def _promise(now: Fit, one: Sized) -> float:
+    """What one more change may gain, and all that may be saved; what has moments may do with fewer."""
+    if one.course(now.hypothesis).moments:
+        return np.inf
+    window = _seen(now, one)
+    return score(now) - now.total + (window.rd * window.size if window else 0.0) / PROMISED
+
+
+def _seen(now: Fit, one: Sized) -> Window | None:
+    """The time in which a change of its size gains most by a linear look."""
+    columns = [c for c in one.columns(now) if now.context.timed(c)]
+    always = one.taking(now.hypothesis, Course((1.0,)))
+    if always is None or not columns:
+        return None
+    bare, screen = one.without(now.hypothesis), Screen(now.context, now.hypothesis, columns)
+
+    def whole(column: int) -> Array:
+        there, without = screen.changes([always, bare], column)
+        return there - without
+
+    return screen.window({c: whole(c) for c in columns}, (-np.inf, np.inf), steps=False)
+
+
+def _changed(now: Fit, one: Sized) -> Iterator[Fit]:
+    """With one change less, or one more: of the size that gains most, or to none and to the first size."""
+    course = one.course(now.hypothesis)
+    others = list(course.simpler())
+    window = _seen(now, one)
+    if window is not None:
+        begin, until = window.moments.get(FROM.name, -np.inf), window.moments.get(UNTIL.name, np.inf)
+        more = course.plus(window.size, begin, until)
+        others += [more, more.rounded()]
+    for other in dict.fromkeys(others):
+        there = one.taking(now.hypothesis, other) if other.first and other != course else None
+        if there is None:
+            continue
+        trial = refit(now.context, there) if one.column is None else refit_column(now, there, one.column)
+        yield dated(trial, one.effect, one.column) if len(other.moments) > len(course.moments) else trial
+
+
+SPELL = Move("spell", groups)

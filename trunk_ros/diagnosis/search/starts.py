@@ -1,0 +1,62 @@
+"""The values that an effect may start with on a joint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.size import different
+from trunk_ros.effects import Effect
+
+SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
+BAGS = 2  # of an arm's recordings that give an effect its starts
+
+
+class Starts:
+    """Of effects beside a hypothesis, whose predictions ``base`` has by column and recording."""
+
+    def __init__(self, context: Context, hypothesis: Hypothesis, base: dict[int, list[Array]]):
+        self.context, self.hypothesis, self.base = context, hypothesis, base
+        self._residuals: dict[tuple[int, int], Array] = {}
+
+    def _residual(self, column: int, index: int) -> Array:
+        """(m,) residual of a recording over its whole grid."""
+        if (column, index) not in self._residuals:
+            span = self.context.views[index].span
+            valid = span.valid[:, column]
+            off = span.target[valid, column] - self.base[column][index][valid]
+            found = np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
+            self._residuals[column, index] = found
+        return self._residuals[column, index]
+
+    def on(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
+        """Where an effect may begin on a column, by the recordings with most to explain."""
+        telling = self.context.telling(column)[:BAGS]
+        return different([s for index in telling for s in self._in(index, kind, form, column)])
+
+    def _in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
+        context = self.context
+        rest = None if column in context.wide else self._residual(column, index)
+        for start in kind({}, {}, form).starts(context.shown(column, index), 0, rest):
+            if not kind.texts:
+                yield start
+                yield from self._wide(index, kind, form, column, start)
+                continue
+            words = self.hypothesis.get_words(kind.id, column)
+            for joint in context.joints:
+                if joint != context.joints[column] and joint not in words:
+                    yield {**start, kind.texts[0]: joint}
+
+    def _wide(
+        self, index: int, kind: type[Effect], form: str, column: int, start: dict[str, Any]
+    ) -> Iterator[dict[str, Any]]:
+        """Starts far from null for what makes a wide loop: a linear look does not reach that far."""
+        if column in self.context.wide and kind.regime == "reversal":
+            now, lead = self.context.now(index, column), kind.own_parameters(form)[0]
+            for share in SHARES:
+                yield {**start, lead.name: share * float(np.ptp(now.gearbox) * now.ratio[0])}
