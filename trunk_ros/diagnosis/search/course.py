@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.parameter import FROM, MANY, NEVER, SPELLS, UNTIL, spell
 
 NAMES = ((FROM.name, UNTIL.name, ""), *(tuple(p.name for p in spell(k)) for k in range(2, SPELLS + 1)))
@@ -37,6 +38,10 @@ class Course:
     def first(self) -> float:
         """Its first size that is not 0; 0 where there is none."""
         return next((size for size in self.sizes if size), 0.0)
+
+    def at(self, stamp: Array) -> Array:
+        """(n,) its size at ``stamp`` (n,) s."""
+        return np.array(self.sizes)[np.searchsorted(self.moments, stamp, "right")]
 
     def values(self, prefix: str = "") -> dict[str, float] | None:
         """What says so where the effect's own value is for its ``first`` size; None where that can not be

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.followed import directions
 from trunk_ros.diagnosis.search.score import FURTHER, chance, need
 from trunk_ros.diagnosis.search.size import different, leading, merit, reach, scaled, too_large
 from trunk_ros.diagnosis.search.starts import Starts
-from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_window
+from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_course, best_window
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
 
@@ -115,11 +115,11 @@ class Screen:
         return replace(found, start={**found.start, **window.moments}, own=own, free=True)
 
     def window(
-        self, changes: dict[int, Array], within: Reach, grows: bool = False, steps: bool = True
+        self, changes: dict[int, Array], within: Reach, grows: bool = False, once: bool = False
     ) -> Window | None:
         """The time in which changes (rows,) of the predictions of some columns gain most; None for all the
-        time alike, and for several recordings. ``grows``, ``steps``: little by little, or with two sizes one
-        after the other.
+        time alike, and for several recordings. ``grows``: it may do so little by little; ``once``: in one
+        window only.
         """
         if not changes or len(self.context.views) > 1:
             return None
@@ -127,7 +127,10 @@ class Screen:
         seen = [(span.stamp[span.valid[:, c]], self.rest[c], d, self.basis[c]) for c, d in changes.items()]
         price = float(np.median([need(self.context, c) for c in changes]))
         value = FURTHER * float(np.mean([chance(self.context, c) for c in changes]))
-        return best_window(seen, span.stamp, within, Prices(price, price + value if steps else np.inf), grows)
+        prices = Prices(price, value)
+        if once:
+            return best_window(seen, span.stamp, within, prices)
+        return best_course(seen, span.stamp, within, prices, grows)
 
     def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
         """The best start of each form that comes near the best one."""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import FROM, GROWN, MANY, UNTIL, spell
 
@@ -106,34 +107,103 @@ class Window:
         """By how much the change is multiplied where it gains most."""
         return self.rd / max(self.dd, ROUNDED)
 
+    @property
+    def worth(self) -> float:
+        """What it gains at that size, less its price."""
+        return self.rd * self.size - self.price
+
+    def gain(self, within: Reach) -> float:
+        """What it gains at a size that may be."""
+        return float(gained(np.array(self.rd), np.array(self.dd), within))
+
 
 class Prices(NamedTuple):
-    """Of a moment, and of one at which the size changes."""
+    """Of a moment, and of a further size."""
 
     moment: float
-    change: float
+    size: float
+
+    def of(self, course: Course) -> float:
+        """Of all that a course says."""
+        return self.moment * len(course.moments) + self.size * max(len({*course.sizes} - {0.0}) - 1, 0)
+
+
+def best_course(
+    seen: list[Seen], stamp: Array, within: Reach, prices: Prices, grows: bool = False
+) -> Window | None:
+    """The times, and the sizes at them, in which changes of several joints gain most together; None where
+    they do as well from beginning to end. ``stamp`` (n,) s of the recording; ``grows``: it may do so little
+    by little.
+
+    One window after the other is found in what those before it leave.
+    """
+    best = best_window(seen, stamp, within, prices, grows, steps=within[0] < within[1])
+    if best is None or GROWN.name in best.moments or within[0] == within[1]:
+        return best
+    course = Course.of(best.moments)
+    while (more := _one_more(seen, stamp, course, best.size, prices)) is not None:
+        tries = [_sized(seen, one, within, prices) for one in (more, more.rounded()) if one.values()]
+        found = max(filter(None, tries), key=lambda f: f[1].worth, default=None)
+        if found is None or found[1].worth <= best.worth:
+            break
+        course, best = found
+    return best
+
+
+def _one_more(seen: list[Seen], stamp: Array, course: Course, size: float, prices: Prices) -> Course | None:
+    """A course with the window that gains most beside it, ``size`` being its first."""
+    left = []
+    for at, rest, d, q in seen:
+        more = rest - size / course.first * course.at(at) * d
+        left.append((at, more - q @ (q.T @ more), d, q))
+    window = best_window(left, stamp, (-np.inf, np.inf), prices)
+    if window is None:
+        return None
+    begin, until = window.moments.get(FROM.name, -np.inf), window.moments.get(UNTIL.name, np.inf)
+    return course.plus(window.size * course.first / size, begin, until).plain()
+
+
+def _sized(seen: list[Seen], course: Course, within: Reach, prices: Prices) -> tuple[Course, Window] | None:
+    """A course with the sizes that gain most, those that are equal still being so."""
+    levels = sorted({*course.sizes} - {0.0})
+    normal, along = np.zeros((len(levels), len(levels))), np.zeros(len(levels))
+    for stamp, rest, d, q in seen:
+        at = course.at(stamp)
+        parts = np.where(at[:, None] == levels, d[:, None], 0.0)
+        parts -= q @ (q.T @ parts)
+        normal, along = normal + parts.T @ parts, along + parts.T @ rest
+    sizes = np.linalg.lstsq(normal, along, rcond=None)[0]
+    if not np.all((sizes >= within[0]) & (sizes <= within[1]) & (sizes != 0.0)):
+        return None
+    taken = dict(zip(levels, map(float, sizes), strict=True)) | {0.0: 0.0}
+    there = Course(tuple(taken[s] for s in course.sizes), course.moments).plain()
+    moments, gain, first = there.values(), float(along @ sizes), there.first
+    if moments is None or gain <= 0.0:
+        return None
+    return there, Window(moments, gain / first, gain / first**2, prices.of(there))
 
 
 def best_window(
-    seen: list[Seen], stamp: Array, within: Reach, prices: Prices, grows: bool = False
+    seen: list[Seen], stamp: Array, within: Reach, prices: Prices, grows: bool = False, steps: bool = False
 ) -> Window | None:
-    """The time in which changes of several joints gain most together; None where they do as well from
-    beginning to end. ``stamp`` (n,) s of the recording; ``grows``: it may do so little by little.
+    """The same of one window; ``steps``: or of two sizes, one after the other.
 
     What gains most at a hundred moments is looked at again at those between them.
     """
     first, span = stamp[0], stamp[-1] - stamp[0]
     edges = first + span * np.linspace(INSIDE, 1.0 - INSIDE, EDGES)
-    found = _best_at(edges, seen, within, prices, grows)
+    found = _best_at(edges, seen, within, prices, grows, steps)
     near = (edges[1] - edges[0]) * np.linspace(-1.0, 1.0, NEAR)
     if found is None:
         return None
     moments = np.array([at for name, at in found.moments.items() if name != TIMES])
     edges = np.unique(np.clip(moments[:, None] + near, edges[0], edges[-1]))
-    return _best_at(edges, seen, within, prices, grows) or found
+    return _best_at(edges, seen, within, prices, grows, steps) or found
 
 
-def _best_at(edges: Array, seen: list[Seen], within: Reach, prices: Prices, grows: bool) -> Window | None:
+def _best_at(
+    edges: Array, seen: list[Seen], within: Reach, prices: Prices, grows: bool, steps: bool
+) -> Window | None:
     """The best window between some edges [s], the beginning and the end."""
     edges = np.concatenate([[-np.inf], edges, [np.inf]])
     sums = [Sums.of(edges, *one) for one in seen]
@@ -143,8 +213,8 @@ def _best_at(edges: Array, seen: list[Seen], within: Reach, prices: Prices, grow
     found = [_lasting(sums, edges, UNTIL.name, Sums.between, within, count, later)]
     if grows:
         found.append(_lasting(sums, edges, GROWN.name, Sums.growing, within, count, later & inside[None, :]))
-    if within[0] < within[1] and np.isfinite(prices.change):
-        found.append(_changing(sums, edges, within, prices.change))
+    if steps:
+        found.append(_changing(sums, edges, within, sum(prices)))
     best, worth = max(found, key=lambda one: one[1])
     return best if best.moments and worth > 0.0 else None
 

@@ -16,8 +16,9 @@ from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
-from trunk_ros.diagnosis.search.windows import Reach, Window, gained
+from trunk_ros.diagnosis.search.windows import Reach, Window
 from trunk_ros.effects import effect
+from trunk_ros.effects.lasting import LASTING
 from trunk_ros.parameter import Parameter
 
 
@@ -26,8 +27,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     if len(best.context.views) > 1:
         return
     for name, term in best.hypothesis.items():
-        alike = effect(name).begins and not any(term.moments(c) for c in term.columns)
-        for mass in (m for m in effect(name).carried() if alike and not _when(term, m)):
+        for mass in (m for m in effect(name).carried() if effect(name).begins and not _when(term, m)):
             trials, promise = partial(_taken_up, best, desk, name, mass), partial(_promise, best, name, mass)
             yield Group((name, mass.name), best.context.columns, trials, promise)
         taken_up = any(m.name in term.shared for m in effect(name).moments())
@@ -52,7 +52,7 @@ def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
 def _promise(now: Fit, name: str, mass: Parameter) -> float:
     """What a mass for a time may gain, and all that may be saved."""
     _, window = _seen(Screen(now.context, _without(now.hypothesis, name, mass)), name, mass)
-    gain = 0.0 if window is None else float(gained(window.rd, window.dd, _reach(mass)))
+    gain = 0.0 if window is None else window.gain(_reach(mass))
     return score(now) - now.total + gain / PROMISED
 
 
@@ -62,7 +62,7 @@ def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]
     there, window = _seen(screen, name, mass)
     if window is None:
         return
-    if not may_win(now, there, screen, float(gained(window.rd, window.dd, _reach(mass)))):
+    if not may_win(now, there, screen, window.gain(_reach(mass))):
         return
     there[name].shared[mass.name] = float(np.clip(mass.typical * window.size, *mass.bounds))
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
@@ -77,9 +77,12 @@ def _when(term: Term, mass: Parameter) -> list[str]:
 
 
 def _without(hypothesis: Hypothesis, name: str, mass: Parameter) -> Hypothesis:
-    """A hypothesis in which an effect carries nothing."""
+    """A hypothesis in which an effect carries nothing, and acts all the time."""
     bare = hypothesis.copy()
     bare[name].shared.pop(mass.name, None)
+    for own in bare[name].own.values():
+        for moment in LASTING:
+            own.pop(moment.name, None)
     return bare
 
 

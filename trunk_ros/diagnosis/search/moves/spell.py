@@ -117,13 +117,13 @@ def _seen(now: Fit, one: Sized) -> Window | None:
         there, without = screen.changes([always, bare], column)
         return there - without
 
-    return screen.window({c: whole(c) for c in columns}, (-np.inf, np.inf), steps=False)
+    return screen.window({c: whole(c) for c in columns}, (-np.inf, np.inf), once=True)
 
 
 def _changed(now: Fit, one: Sized) -> Iterator[Fit]:
     """With one change less, or one more: of the size that gains most, or to none and to the first size."""
     course = one.course(now.hypothesis)
-    others = list(course.simpler())
+    others = [*course.simpler(), course.rounded()]
     window = _seen(now, one)
     if window is not None:
         begin, until = window.moments.get(FROM.name, -np.inf), window.moments.get(UNTIL.name, np.inf)
