@@ -61,7 +61,7 @@ class Screen:
         ones too, and the fit sees as much again as the look does, or as its ``gain`` on single joints.
         """
         changes = {c: self.change(there, c) for c in self.rest}
-        changes = {c: d - self.basis[c] @ (self.basis[c].T @ d) for c, d in changes.items()}
+        changes = {c: self.beyond_values(d, c) for c, d in changes.items()}
         rd = sum(float(self.rest[c] @ d) for c, d in changes.items())
         dd = sum(float(d @ d) for d in changes.values())
         left = sum(map(self.left, self.rest))
@@ -80,9 +80,13 @@ class Screen:
         there = [extended(self.context, self.hypothesis, candidate) for candidate in candidates]
         return [self._look(d, column) for d in self.changes(there, column)]
 
-    def _look(self, d: Array, column: int) -> tuple[float, float]:
+    def beyond_values(self, d: Array, column: int) -> Array:
+        """(rows,) of a column as far as the fitted values cannot follow it, linearly."""
         q = self.basis[column]
-        d = d - q @ (q.T @ d)
+        return np.asarray(d - q @ (q.T @ d))
+
+    def _look(self, d: Array, column: int) -> tuple[float, float]:
+        d = self.beyond_values(d, column)
         return float(self.rest[column] @ d), float(d @ d)
 
     def change(self, there: Hypothesis, column: int) -> Array:
@@ -124,7 +128,10 @@ class Screen:
         if not changes or len(self.context.views) > 1:
             return None
         span = self.context.views[0].span
-        seen = [(span.stamp[span.valid[:, c]], self.rest[c], d, self.basis[c]) for c, d in changes.items()]
+        seen = [
+            (span.stamp[span.valid[:, c]], self.beyond_values(self.rest[c], c), d, self.basis[c])
+            for c, d in changes.items()
+        ]
         price = float(np.median([need(self.context, c) for c in changes]))
         value = FURTHER * float(np.mean([chance(self.context, c) for c in changes]))
         prices = Prices(price, value)
