@@ -11,7 +11,7 @@ from test.diagnosis.arms import on, recorded
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.search.credible import ends_within
-from trunk_ros.diagnosis.search.windows import Sums, best_window, edges_of
+from trunk_ros.diagnosis.search.windows import Prices, Reach, Sums, Window, best_course
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
@@ -120,6 +120,51 @@ def test_a_slip_is_an_event() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("effects", "size", "moment", "times"),
+    [
+        ({"joint_coupling": {"gain": on(3, 0.01), "source": ["", "", "joint_2", "", ""]}}, 0.01, 20.0, -1.0),
+        ({"load_elasticity": {"compliance": on(2, 0.03)}}, 0.03, 22.0, 2.0),
+        ({"backlash": {"half_width": on(3, 2e-3)}}, 2e-3, 20.0, 2.5),
+    ],
+)
+def test_what_changes_its_size_does_so_at_a_moment(
+    effects: dict[str, dict[str, Any]], size: float, moment: float, times: float
+) -> None:
+    ((name, values),) = effects.items()
+    said = diagnosed({name: {**values, "from_2": moment * ALL, "times_2": times * ALL}})
+    (finding,), (event,) = said.findings, said.events
+    assert (finding.effect, said.verdict) == (name, "explained")
+    (found,) = finding.parameters.values()
+    assert found[effect(name).parameters[0].name]["value"] == pytest.approx(size, rel=0.02)
+    assert (event.begin, event.until) == (pytest.approx(moment, abs=0.05), None)
+    assert event.times == said.to_json()["events"][0]["times"] == pytest.approx(times, rel=0.02)
+
+
+def test_what_comes_twice_is_one_effect() -> None:
+    moments = {"from": 8.0 * ALL, "until": 15.0 * ALL, "from_2": 25.0 * ALL, "until_2": 33.0 * ALL}
+    said = diagnosed({"backlash": {"half_width": on(3, 2e-3), **moments}})
+    assert [(f.effect, f.joints) for f in said.findings] == [("backlash", ["joint_3"])]
+    assert [(e.begin, e.until) for e in said.events] == [
+        (pytest.approx(8.0, abs=0.05), pytest.approx(15.0, abs=0.05)),
+        (pytest.approx(25.0, abs=0.05), pytest.approx(33.0, abs=0.05)),
+    ]
+
+
+def test_two_weights_one_after_the_other_are_two_payloads_and_no_softer_wire() -> None:
+    weights = {"payload": 0.1, "payload_from": 6.0, "payload_from_2": 22.0, "payload_times_2": 0.4}
+    said = diagnosed({"load_elasticity": {"compliance": 0.03 * ALL, **weights}})
+    assert [f.effect for f in said.findings] == ["load_elasticity"]
+    assert [e.begin for e in said.events] == [pytest.approx(6.0, abs=0.1), pytest.approx(22.0, abs=0.1)]
+    assert "payload of 0.0" in said.events[1].statement
+    assert said.events[1].times == pytest.approx(0.4, abs=0.02)
+
+
+def course_of(rest: Array, d: Array, prices: Prices, within: Reach = (-9.0, 9.0)) -> Window | None:
+    stamp = np.linspace(0.0, 30.0, len(rest))
+    return best_course([(stamp, rest, d, np.zeros((len(rest), 0)))], stamp, within, prices)
+
+
 @pytest.mark.parametrize("grows", [False, True])
 def test_the_look_at_all_windows_is_that_at_each(grows: bool) -> None:
     """Sums from edge to edge against the same products with the change masked."""
@@ -127,11 +172,14 @@ def test_the_look_at_all_windows_is_that_at_each(grows: bool) -> None:
     stamp = np.linspace(0.0, 30.0, 1500)
     rest, d = rng.normal(size=1500), rng.normal(size=1500)
     q = np.linalg.qr(rng.normal(size=(1500, 2)))[0]
-    edges = edges_of(stamp)
+    edges = np.linspace(1.0, 29.0, 100)
     sums = Sums.of(edges, stamp, rest, d, q)
     rd, dd = sums.growing() if grows else sums.between()
     i, j = 21, 64
     if grows:
+        # what grows goes on until the end, which an edge at infinity is
+        sums = Sums.of(np.append(edges, np.inf), stamp, rest, d, q)
+        rd, dd = sums.growing()
         shape = np.clip((stamp - edges[i]) / (edges[j] - edges[i]), 0.0, 1.0)
     else:
         shape = (stamp >= edges[i]) & (stamp < edges[j])
@@ -145,16 +193,32 @@ def test_the_best_window_is_where_the_change_was() -> None:
     stamp = np.linspace(0.0, 30.0, 1500)
     d = np.sin(stamp)
     rest = np.where((stamp > 9.0) & (stamp < 21.0), 3.0 * d, 0.0) + rng.normal(size=1500)
-    edges = edges_of(stamp)
-
-    def gain(rd: np.ndarray, dd: np.ndarray) -> np.ndarray:
-        return np.asarray(rd**2 / np.maximum(dd, 1e-12))
-
-    found = best_window([Sums.of(edges, stamp, rest, d, np.zeros((1500, 0)))], edges, gain, 60.0)
+    found = course_of(rest, d, Prices(60.0, 20.0))
     assert found is not None
-    assert (found.moments["from"], found.moments["until"]) == (
-        pytest.approx(9.0, abs=0.7),
-        pytest.approx(21.0, abs=0.7),
-    )
-    noise = Sums.of(edges, stamp, rng.normal(size=1500), d, np.zeros((1500, 0)))
-    assert best_window([noise], edges, gain, 60.0) is None
+    assert found.moments == {"from": pytest.approx(9.0, abs=0.7), "until": pytest.approx(21.0, abs=0.7)}
+    assert found.size == pytest.approx(3.0, abs=0.2)
+    assert course_of(rng.normal(size=1500), d, Prices(60.0, 20.0)) is None
+
+
+def test_sizes_one_after_the_other_are_found_one_window_after_the_other() -> None:
+    rng = np.random.default_rng(4)
+    stamp = np.linspace(0.0, 30.0, 3000)
+    d = np.sin(3.0 * stamp)
+    sizes = np.select([stamp < 6.0, stamp < 12.0, stamp < 20.0], [0.0, 4.0, 0.0], 2.0)
+    found = course_of(sizes * d + rng.normal(size=3000), d, Prices(60.0, 20.0))
+    assert found is not None
+    assert found.moments == {
+        "from": pytest.approx(6.0, abs=0.4),
+        "until": pytest.approx(12.0, abs=0.4),
+        "from_2": pytest.approx(20.0, abs=0.4),
+        "times_2": pytest.approx(0.5, abs=0.1),
+    }
+    assert found.size == pytest.approx(4.0, abs=0.2)
+
+
+def test_what_is_only_as_it_is_has_no_second_size() -> None:
+    stamp = np.linspace(0.0, 30.0, 3000)
+    d = np.sin(3.0 * stamp)
+    twofold = np.where(stamp < 15.0, 1.0, 2.0) * d
+    found = course_of(twofold, d, Prices(60.0, 20.0), within=(1.0, 1.0))
+    assert found is None or not {"from_2", "times_2"} & set(found.moments)

@@ -134,3 +134,26 @@ def test_effects_that_cannot_begin_say_so(tmp_path: Path) -> None:
     with pytest.raises(ModelError, match=r"effects\.zero_offset\.from"):
         load_model(tmp_path / "model.yaml")
     assert all(kind.stage != "arm" and kind.named for kind in registry().values() if kind.begins)
+
+
+def test_what_comes_again_has_the_size_of_then() -> None:
+    soft, hard = {"compliance": np.full(3, 0.02)}, {"compliance": np.full(3, 1e-9)}
+    moments = {
+        "until": np.array([1e6, 5.0, 1e6]),
+        "from_2": np.array([10.0, 12.0, 1e6]),
+        "times_2": np.array([2.5, 1.0, 1.0]),
+    }
+    some, whole, none = (wire({"load_elasticity": v}, 1e-9) for v in (soft | moments, soft, hard))
+    for t, sizes in ((4.0, (1.0, 1.0, 1.0)), (8.0, (1.0, 0.0, 1.0)), (16.0, (2.5, 1.0, 1.0))):
+        k = int(np.searchsorted(STAMP, t))
+        assert (some - none)[k] == pytest.approx(np.array(sizes) * (whole - none)[k], rel=0.05, abs=1e-5)
+
+
+def test_at_the_end_a_model_has_the_last_size() -> None:
+    values = {"compliance": np.full(3, 0.02), "payload": 0.1, "payload_from_2": 8.0, "payload_times_2": 0.4}
+    moments = {"from_2": np.full(3, 10.0), "times_2": np.array([2.0, 1.0, 0.5])}
+    model = Model(arm_of(3, 1e-3), {"load_elasticity": values | moments}, duration=20.0)
+    there = model.at_end().effects["load_elasticity"]
+    assert there["compliance"] == pytest.approx([0.04, 0.02, 0.01])
+    assert there["payload"] == pytest.approx(0.04)
+    assert set(there) == {"compliance", "payload", "form"}

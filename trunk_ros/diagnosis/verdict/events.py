@@ -1,4 +1,4 @@
-"""What happened at moments of a recording: where findings begin, grow, and end."""
+"""What happened at moments of a recording: where findings begin, grow, change their size, and end."""
 
 from __future__ import annotations
 
@@ -9,13 +9,17 @@ from typing import Any
 from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
-from trunk_ros.parameter import FROM, GROWN, UNTIL
+from trunk_ros.parameter import FROM, GROWN, SPELLS, UNTIL, spell
 
 TOGETHER = 0.5  # s, or surely not apart by their spreads: joints on which the same begins
 ARM = "arm"
 BEGINS, ENDS, GROWS = FROM.name, UNTIL.name, GROWN.name
 WORDS = {BEGINS: "begins at", ENDS: "ends at", GROWS: "has its full size at"}
 CARRIED = {BEGINS: "is taken up at", ENDS: "is put down at"}
+AGAIN = {BEGINS: "comes back at", ENDS: "ends at"}
+CHANGED = {BEGINS: "is {:.3g} times as large from", ENDS: "ends at"}
+CARRIED_AGAIN = {BEGINS: "is carried from", ENDS: "is put down at"}
+TIMES = spell(2)[2].name.rstrip("2")
 
 Times = dict[str, tuple[float, float | None]]
 """By moment: when [s], and its standard deviation."""
@@ -23,19 +27,23 @@ Times = dict[str, tuple[float, float | None]]
 
 @dataclass(frozen=True)
 class Event:
-    """Where a finding begins or ends, s since the recording's first sample; ``std`` of the first moment."""
+    """Where a finding begins or ends, s since the recording's first sample; ``std`` of the first moment.
+
+    ``times``: how many times its first size it has from then on, where it is not the first.
+    """
 
     effect: str
     joints: list[str]
     begin: float | None
     until: float | None
     grown: float | None
+    times: float | None
     std: float | None
     statement: str
 
     def to_json(self) -> dict[str, Any]:
         """As in ``diagnosis.json``."""
-        own = {BEGINS: self.begin, ENDS: self.until, GROWS: self.grown}
+        own = {BEGINS: self.begin, ENDS: self.until, GROWS: self.grown, "times": self.times}
         return {
             "effect": self.effect, "joints": self.joints, **own, "std": self.std, "statement": self.statement
         }  # fmt: skip
@@ -50,23 +58,28 @@ def events(findings: Sequence[Finding]) -> list[Event]:
 def _of(finding: Finding) -> list[Event]:
     if finding.effect not in registry():
         return []
-    kind = effect(finding.effect)
     out = []
-    for what in ("", *(f"{p.name}_" for p in kind.carried())):
-        by_joint: dict[str, Times] = {}
-        for owner, values in finding.parameters.items():
-            times = {
-                name: (values[what + name]["value"], values[what + name]["std"])
-                for name in WORDS
-                if what + name in values
-            }
-            moments = [p.name for p in kind.parameters if p.moment and p.name in values and not what]
-            for name in moments:
-                times[BEGINS] = values[name]["value"], values[name]["std"]
-            if times:
-                by_joint[owner] = times
-        out += [_event(finding, what, joints, by_joint[joints[0]]) for joints in _together(by_joint)]
+    for what in ("", *(f"{p.name}_" for p in effect(finding.effect).carried())):
+        for number in range(1, SPELLS + 1):
+            by_joint = {owner: _times(finding, owner, what, number) for owner in finding.parameters}
+            by_joint = {owner: times for owner, times in by_joint.items() if times}
+            out += [
+                _event(finding, what, number, joints, by_joint[joints[0]]) for joints in _together(by_joint)
+            ]
     return out
+
+
+def _times(finding: Finding, owner: str, what: str, number: int) -> Times:
+    """The moments of a joint or of all, and of later ones how much of the first size is there then."""
+    kind, values = effect(finding.effect), finding.parameters[owner]
+    after = "" if number == 1 else f"_{number}"
+    names = {name: f"{what}{name}{after}" for name in WORDS} | {TIMES: f"{what}{TIMES}{number}"}
+    onset = next((p.name for p in kind.parameters if p.moment and p.name in values), None)
+    if onset and number == 1 and not what:
+        names[BEGINS] = onset
+    return {
+        name: (values[said]["value"], values[said]["std"]) for name, said in names.items() if said in values
+    }
 
 
 def _together(by_joint: dict[str, Times]) -> list[list[str]]:
@@ -82,24 +95,37 @@ def _together(by_joint: dict[str, Times]) -> list[list[str]]:
 
 
 def _same(one: Times, other: Times) -> bool:
-    return one.keys() == other.keys() and all(
+    moments = one.keys() - {TIMES}
+    return moments == other.keys() - {TIMES} and all(
         abs(one[name][0] - other[name][0])
         <= max(TOGETHER, SURE * (one[name][1] or 0.0), SURE * (other[name][1] or 0.0))
-        for name in one
+        for name in moments
     )
 
 
-def _event(finding: Finding, what: str, owners: list[str], times: Times) -> Event:
+def _event(finding: Finding, what: str, number: int, owners: list[str], times: Times) -> Event:
     joints = list(finding.joints) if owners == [ARM] else owners
-    words = CARRIED if what else WORDS
+    factor = times.get(TIMES, (1.0, None))[0]
+    words = WORDS if number == 1 else CHANGED if TIMES in times else AGAIN
+    if what:
+        words = CARRIED if number == 1 else CARRIED_AGAIN
     said = " and ".join(f"{words[name]} {_time(*times[name])}" for name in words if name in times)
     subject = f"{', '.join(joints)}: {finding.effect.replace('_', ' ')}"
     if what:
-        mass = finding.parameters[ARM][what.rstrip("_")]["value"]
+        mass = factor * finding.parameters[ARM][what.rstrip("_")]["value"]
         subject = f"tip: {what.rstrip('_')} of {mass:.3g} kg"
     begin, until, grown = (times.get(name, (None, None))[0] for name in (BEGINS, ENDS, GROWS))
     std = next(times[name][1] for name in WORDS if name in times)
-    return Event(finding.effect, joints, begin, until, grown, std, f"{subject} {said}.")
+    return Event(
+        finding.effect,
+        joints,
+        begin,
+        until,
+        grown,
+        factor if number > 1 else None,
+        std,
+        f"{subject} {said.format(factor)}.",
+    )
 
 
 def _time(at: float, std: float | None) -> str:
