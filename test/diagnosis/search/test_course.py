@@ -33,7 +33,7 @@ def test_values_say_what_a_course_is(sizes: list[float]) -> None:
 def test_a_window_adds_to_what_is_there() -> None:
     twice = Course.of({"from": 10.0, "until": 20.0}).plus(1.0, 30.0, np.inf)
     assert twice.values() == {"from": 10.0, "until": 20.0, "from_2": 30.0}
-    assert twice.plus(-0.9, -np.inf, 25.0).rounded().values() == {"from": 30.0}
+    assert twice.plus(-0.9, 10.0, 20.0).rounded().values() == {"from": 30.0}
     assert Course.of({}).plus(1.5, 18.0, np.inf).values("payload_") == {
         "payload_from_2": 18.0,
         "payload_times_2": 2.5,

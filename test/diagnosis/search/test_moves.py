@@ -147,9 +147,9 @@ def test_event_dates_what_was_taken_for_lasting() -> None:
     assert best.hypothesis["backlash"].own[2]["from"] == pytest.approx(12.0, abs=0.05)
 
 
-def test_event_drops_a_moment_that_nothing_speaks_for() -> None:
+def test_spell_drops_a_moment_that_nothing_speaks_for() -> None:
     wrong = Term("backlash", own={2: {"half_width": 1.5e-3, "from": 3.0}})
-    assert "from" not in improved("event", "backlash", wrong).hypothesis["backlash"].own[2]
+    assert "from" not in improved("spell", "backlash", wrong).hypothesis["backlash"].own[2]
 
 
 def test_event_takes_a_payload_up() -> None:

@@ -74,8 +74,8 @@ class Course:
         )
 
     def rounded(self) -> Course:
-        """With each size at what is nearest to it: none, or the first one."""
-        one = self.first
+        """With each size at what is nearest to it: none, or the largest one."""
+        one = max(self.sizes, key=abs)
         sizes = [one if s == one or abs(s - one) < abs(s) else 0.0 for s in self.sizes]
         return Course(tuple(sizes), self.moments).plain()
 

@@ -9,10 +9,11 @@ import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import extended
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, only
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import OPTION
+from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
@@ -67,7 +68,8 @@ def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]
     there[name].shared[mass.name] = float(np.clip(mass.typical * window.size, *mass.bounds))
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
     trial = dated(refit(now.context, there), name)
-    yield descend_with(trial, (OPTION,), desk) if trial.total < score(now) else trial
+    sizes = only(SPELL, (name, None, f"{mass.name}_"))
+    yield descend_with(trial, (sizes, OPTION), desk) if trial.total < score(now) else trial
 
 
 def _when(term: Term, mass: Parameter) -> list[str]:
