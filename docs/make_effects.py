@@ -120,8 +120,8 @@ def facts(kind: type[Effect]) -> Iterator[str]:
     elif not kind.tried:
         yield "- The diagnosis does not try it: it is switched on in a model by hand."
     if kind.begins:
-        once = [f"`{m.name}`" for m in kind.moments() if not m.name[-1].isdigit()]
-        yield f"- In mid-run: {', '.join(once)} (s); again, or of another size: `from_2`, `until_2`, `times_2`."
+        once = ", ".join(f"`{m.name}`" for m in kind.moments() if not m.name[-1].isdigit())
+        yield f"- In mid-run: {once} (s); again, or with another size: `from_2`, `until_2`, `times_2`."
     if kind.replaces:
         yield f"- Includes {', '.join(f'`{name}`' for name in kind.replaces)}."
     if kind.stage == "wire":
