@@ -16,7 +16,7 @@ from trunk_ros.effects.lasting import LASTING
 from trunk_ros.parameter import GROWN
 
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
-SEEN = 0.1  # of what a joint does in all, to and fro, before and after a moment that it shows
+SEEN = 0.1  # of what a joint does in all, before and after a moment that it shows
 
 
 class Shown(IntEnum):
@@ -46,8 +46,8 @@ def hidden(context: Context, term: Term) -> list[int]:
 def ends_within(block: Effect, now: Now) -> bool:
     """Whether what begins or ends does so while it is looked at: the joint or what it follows moves, or its
     load changes, on both sides of each moment, as far as to the next one; of joints that move one after the
-    other none shows that. What acts by the way of the motion has to be seen to and fro there: if it was there
-    on one way and not on the way back, it went by the direction.
+    other none shows that. What acts by the way of the motion has to be seen on the same way on both sides: if
+    it was there on one way and not on the way back, it went by the direction.
     """
     moments = (m.name for m in LASTING if m.moment and m is not GROWN)
     times = sorted(t for name in moments for t in block.values.get(name, ()))
@@ -57,24 +57,24 @@ def ends_within(block: Effect, now: Now) -> bool:
     signals = [now.gearbox[:, 0], *(now.angles[:, now.joints.index(joint)] for joint in followed)]
     signals += [now.load[:, 0]] if "load" in block.needs else []
     rows = np.split(np.arange(len(now.stamp)), np.searchsorted(now.stamp, times))
-    seen = _to_and_fro if block.regime in BY_THE_WAY else _moves
+    seen = _ways if block.regime in BY_THE_WAY else _moves
     goes = np.array([[seen(signal, part) for part in rows] for signal in signals])
-    return bool((goes[:, :-1] & goes[:, 1:]).any(axis=0).all())
+    return bool((goes[:, :-1] & goes[:, 1:]).any(axis=(0, 2)).all())
 
 
-def _moves(signal: Array, part: np.ndarray) -> bool:
+def _moves(signal: Array, part: np.ndarray) -> tuple[bool]:
     """Whether a signal (n,) changes in some rows of it."""
-    return bool(len(part) and np.ptp(signal[part]) > SEEN * np.ptp(signal))
+    return (bool(len(part) and np.ptp(signal[part]) > SEEN * np.ptp(signal)),)
 
 
-def _to_and_fro(signal: Array, part: np.ndarray) -> bool:
-    """Whether a signal (n,) rises and falls in some rows of it."""
+def _ways(signal: Array, part: np.ndarray) -> tuple[bool, bool]:
+    """Whether a signal (n,) rises, and whether it falls, in some rows of it."""
     if not len(part):
-        return False
-    there = signal[part]
+        return False, False
+    there, least = signal[part], SEEN * np.ptp(signal)
     rise = np.max(there - np.minimum.accumulate(there))
     fall = np.max(np.maximum.accumulate(there) - there)
-    return bool(min(rise, fall) > SEEN * np.ptp(signal))
+    return bool(rise > least), bool(fall > least)
 
 
 def _shown(context: Context, term: Term, column: int) -> int:

@@ -73,7 +73,7 @@ class Desk:
     """By move, group and state: what its best trial gained there."""
     kept: set[Hashable] = field(default_factory=set)
     """What was tried once and for all."""
-    tried: dict[Hashable, dict[str, Any]] = field(default_factory=dict)
+    tried: dict[Hashable, dict[tuple[str, bool], Any]] = field(default_factory=dict)
     """Effects that would help single columns, by all that this depends on."""
     kept_looks: dict[Hashable, Kept] = field(default_factory=dict)
     """By column and a state that is nearly the same: what looks at each effect found."""

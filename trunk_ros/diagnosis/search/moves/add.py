@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import NamedTuple
 
 from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -16,7 +17,7 @@ from trunk_ros.diagnosis.search.candidates import (
     open_kinds,
     usable,
 )
-from trunk_ros.diagnosis.search.credible import hidden
+from trunk_ros.diagnosis.search.credible import hidden, unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
@@ -33,8 +34,17 @@ from trunk_ros.effects import Effect
 
 EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 
-Trials = dict[str, tuple[float, Hypothesis, float]]
-"""By effect: the gain in score on a joint, the hypothesis and the joint's squared residuals."""
+
+class Tried(NamedTuple):
+    """An effect on a joint: what it gains, the hypothesis with it, and the joint's squared residuals."""
+
+    gain: float
+    hypothesis: Hypothesis
+    cost: float
+
+
+Trials = dict[tuple[str, bool], Tried]
+"""By effect, and whether the joint shows it by itself and not only beside another one."""
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -55,15 +65,16 @@ def on_joints(best: Fit, desk: Desk) -> Iterator[Fit]:
     """For each effect that a joint may have, the hypothesis with it on the joints where it is among the
     best.
     """
-    tried: dict[str, dict[int, tuple[float, Hypothesis, float]]] = {}
+    alone: dict[str, dict[int, Tried]] = {}
+    beside: dict[str, dict[int, Tried]] = {}
     for column, found in zip(best.context.columns, trials(best, desk, best.context.columns), strict=True):
-        for name, trial in found.items():
-            tried.setdefault(name, {})[column] = trial
-    most = {c: max((t[c][0] for t in tried.values() if c in t), default=0.0) for c in best.context.columns}
-    for name, by in tried.items():
-        chosen = {c: t for c, t in by.items() if t[0] >= MOST * most[c]}
+        for (name, by_itself), trial in found.items():
+            (alone if by_itself else beside).setdefault(name, {})[column] = trial
+    most = {c: max((t[c].gain for t in alone.values() if c in t), default=0.0) for c in best.context.columns}
+    for name, by in alone.items():
+        chosen = {c: t for c, t in by.items() if t.gain >= MOST * most[c]}
         if chosen:
-            yield _merged(best, name, chosen)
+            yield _merged(best, name, chosen | _shown(best, name, chosen, beside.get(name, {}), most))
     yield from lines(best, most)
 
 
@@ -105,13 +116,13 @@ def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
 def _tried(best: Fit, kept: dict[int, Kept], column: int) -> tuple[Trials, Kept]:
     """The effects that would help a column, and all looks at it, those ``kept`` among them."""
     tried: Trials = {}
-    kinds, before = open_kinds(best.context, best.hypothesis, column), score(best)
+    kinds, before = open_kinds(best.context, best.hypothesis, column), unshown(best.context, best.hypothesis)
     kinds = [*kinds, *(breaking_kinds(best.context, best.hypothesis, column) if kinds else ())]
     for trial in column_trials(best, best.hypothesis, column, kinds, PROMISING, kept[column]):
-        gain = before - score(trial)
-        name = _added(best.hypothesis, trial.hypothesis, column)
-        if gain > (tried[name][0] if name in tried else 0.0):
-            tried[name] = gain, trial.hypothesis, trial.cost[column]
+        alone = unshown(trial.context, trial.hypothesis) <= before
+        gain, key = priced(best) - priced(trial), (_added(best.hypothesis, trial.hypothesis, column), alone)
+        if gain > (tried[key].gain if key in tried else 0.0):
+            tried[key] = Tried(gain, trial.hypothesis, trial.cost[column])
     return tried, kept[column]
 
 
@@ -126,17 +137,38 @@ def _added(before: Hypothesis, after: Hypothesis, column: int) -> str:
     )
 
 
-def _merged(best: Fit, name: str, chosen: dict[int, tuple[float, Hypothesis, float]]) -> Fit:
+def _shown(
+    best: Fit, name: str, chosen: dict[int, Tried], beside: dict[int, Tried], most: dict[int, float]
+) -> dict[int, Tried]:
+    """Those that explain more on a joint than what it shows by itself, where it shows them beside what was
+    ``chosen``.
+    """
+    more = {
+        c: t
+        for c, t in beside.items()
+        if t.gain >= MOST * most[c] and (c not in chosen or t.gain > chosen[c].gain)
+    }
+    unseen = hidden(best.context, _joined(best, name, chosen | more)[name]) if more else []
+    return {c: trial for c, trial in more.items() if c not in unseen}
+
+
+def _joined(best: Fit, name: str, chosen: dict[int, Tried]) -> Hypothesis:
     """One hypothesis out of the trials of one effect on several joints."""
     out = best.hypothesis.copy()
-    leader = chosen[max(chosen, key=lambda c: best.cost[c] - chosen[c][2])][1][name]
+    leader = chosen[max(chosen, key=lambda c: best.cost[c] - chosen[c].cost)].hypothesis[name]
     term = out.setdefault(name, Term(name, leader.form, dict(leader.shared), given=leader.given))
     shared = dict(term.shared)
-    for column, (_, there, _) in chosen.items():
-        out.take(column, there)
+    for column, trial in chosen.items():
+        out.take(column, trial.hypothesis)
     out[name].shared = shared
-    cost = best.cost | {c: cost for c, (_, _, cost) in chosen.items()}
-    return refit(best.context, out) if shared else Fit(out, cost, best.context)
+    return out
+
+
+def _merged(best: Fit, name: str, chosen: dict[int, Tried]) -> Fit:
+    """The same, fitted."""
+    out = _joined(best, name, chosen)
+    cost = best.cost | {c: trial.cost for c, trial in chosen.items()}
+    return refit(best.context, out) if out[name].shared else Fit(out, cost, best.context)
 
 
 def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:

@@ -29,12 +29,13 @@ def _anew(best: Fit, desk: Desk, column: int, own: list[str]) -> Iterator[Fit]:
 
 def _further(now: Fit, desk: Desk, column: int) -> list[Fit]:
     """With each effect that helps a column, the best first."""
-    found = sorted(trials(now, desk, [column])[0].values(), key=lambda trial: -trial[0])
+    tried = trials(now, desk, [column])[0]
+    found = sorted((t for (_, alone), t in tried.items() if alone), key=lambda t: -t.gain)
     out = []
-    for _, there, cost in found:
+    for one in found:
         trial = now.hypothesis.copy()
-        trial.take(column, there)
-        out.append(Fit(trial, now.cost | {column: cost}, now.context))
+        trial.take(column, one.hypothesis)
+        out.append(Fit(trial, now.cost | {column: one.cost}, now.context))
     return out
 
 
