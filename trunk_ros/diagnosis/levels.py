@@ -32,3 +32,5 @@ NEARLY = 0.9
 """Share that is nearly all of something."""
 CLEARLY = 1.5
 """Times as much as a level: clearly more than that."""
+TOGETHER = 0.5
+"""s: on several joints it is one event."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
@@ -157,17 +158,32 @@ def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
 
 
 def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
-    """Of the times at which a term begins and ends: each is a claim of its own, and as what comes and goes
-    with time imitates much, none is made where what is left is known to be incomplete.
+    """Of the times at which a term begins and ends: each is a claim of its own, on several joints at once as
+    well; and as what comes and goes with time imitates much, none is made where what is left is known to be
+    incomplete.
     """
     kind, context = effect(term.effect), fit.context
     left = {c: (1 / OVER_TIME - 1) * max(fit.rest(c) - STRONG * context.count(c), 0.0) for c in needs}
-    own = sum(n * len(term.moments(c)) + left[c] for c, n in needs.items() if term.moments(c))
+    names = {name for c in needs for name in term.moments(c)}
+    times = [[(term.own[c][name], n) for c, n in needs.items() if name in term.own[c]] for name in names]
+    own = sum(map(_apart, times)) + sum(left[c] for c in needs if term.moments(c))
     shared = sum(m.moment and m.name in term.shared for m in kind.moments())
     if not shared:
         return own
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
     return own + usual * shared + sum(left.values())
+
+
+def _apart(times: list[tuple[float, float]]) -> float:
+    """Of times [s] on several joints, each with its price: what happens on several at once is one event, of
+    which one joint tells the others.
+    """
+    total, last, least = 0.0, -np.inf, 0.0
+    for at, price in sorted(times):
+        if at - last > TOGETHER:
+            total, least = total + least, np.inf
+        last, least = at, min(least, price)
+    return total + least
 
 
 def _slice(fit: Fit, column: int, values: int) -> float:

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from trunk_ros.diagnosis.levels import SURE
+from trunk_ros.diagnosis.levels import SURE, TOGETHER
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
 from trunk_ros.parameter import FROM, GROWN, SPELLS, UNTIL, spell
 
-TOGETHER = 0.5  # s, or surely not apart by their spreads: joints on which the same begins
 ARM = "arm"
 BEGINS, ENDS, GROWS = FROM.name, UNTIL.name, GROWN.name
 WORDS = {BEGINS: "begins at", ENDS: "ends at", GROWS: "has its full size at"}
@@ -83,7 +82,7 @@ def _times(finding: Finding, owner: str, what: str, number: int) -> Times:
 
 
 def _together(by_joint: dict[str, Times]) -> list[list[str]]:
-    """Joints on which the same happens at the same time."""
+    """Joints on which the same happens at the same time, or surely not apart by their spreads."""
     groups: list[list[str]] = []
     for joint, times in by_joint.items():
         same = next((g for g in groups if _same(by_joint[g[0]], times)), None)

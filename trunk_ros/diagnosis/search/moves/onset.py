@@ -10,7 +10,8 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
-from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit, refit_column
+from trunk_ros.diagnosis.search.score import need
 from trunk_ros.effects import effect
 
 REACH = 1.0  # s
@@ -27,10 +28,36 @@ def moments(now: Fit) -> Iterator[tuple[str, int | None, str]]:
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each moment by itself."""
+    """Each moment by itself, and that of several joints at once."""
     for name, column, moment in moments(best):
         columns = best.context.columns if column is None else [column]
         yield Group((name, column, moment), columns, partial(_nearby, best, name, column, moment))
+    yield from events(best)
+
+
+def events(best: Fit) -> Iterator[Group]:
+    """What happens on several joints, each by itself."""
+    for name, term in best.hypothesis.items():
+        on = {c: term.moments(c) for c in term.columns if c in best.context.columns}
+        for moment in sorted({moment for some in on.values() for moment in some}):
+            columns = [c for c, some in on.items() if moment in some]
+            if len(columns) > 1:
+                yield Group((name, moment), columns, partial(_at_once, best, name, columns, moment))
+
+
+def _at_once(best: Fit, name: str, columns: list[int], moment: str) -> Iterator[Fit]:
+    """On as many joints as may be at the moment of one: those that show it no less then."""
+    own = best.hypothesis[name].own
+    for at in sorted({own[c][moment] for c in columns}):
+        trial, cost = best.hypothesis.copy(), dict(best.cost)
+        for c in (c for c in columns if own[c][moment] != at):
+            trial[name].own[c][moment] = at
+            moved = costed_on(best, trial, c).cost[c]
+            if moved < best.cost[c] + need(best.context, c):
+                cost[c] = moved
+            else:
+                trial[name].own[c][moment] = own[c][moment]
+        yield Fit(trial, cost, best.context)
 
 
 def dated(now: Fit, name: str, on: int | None = None) -> Fit:
