@@ -188,7 +188,8 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             if not desk.pays(promised, best):
                 desk.note(move, group, best, promised)
                 continue
-            if score(best) - FEW * promised > desk.goal:
+            saved = score(best) - best.total
+            if best.total - FEW * max(promised - saved, 0.0) > desk.goal:
                 continue
             trials = list(group.trials())
             found = min(trials, key=score, default=best)

@@ -98,9 +98,7 @@ def sized(now: Fit) -> Iterator[Sized]:
 
 
 def _promise(now: Fit, one: Sized) -> float:
-    """What one more change may gain, and all that may be saved; what has moments may do with fewer."""
-    if one.course(now.hypothesis).moments:
-        return np.inf
+    """What one more change may gain, and all that may be saved."""
     window = _seen(now, one)
     return score(now) - now.total + (window.rd * window.size if window else 0.0) / PROMISED
 
@@ -129,12 +127,19 @@ def _changed(now: Fit, one: Sized) -> Iterator[Fit]:
         begin, until = window.moments.get(FROM.name, -np.inf), window.moments.get(UNTIL.name, np.inf)
         more = course.plus(window.size, begin, until)
         others += [more, more.rounded()]
+    trials = []
     for other in dict.fromkeys(others):
         there = one.taking(now.hypothesis, other) if other.first and other != course else None
-        if there is None:
-            continue
-        trial = refit(now.context, there) if one.column is None else refit_column(now, there, one.column)
-        yield dated(trial, one.effect, one.column) if len(other.moments) > len(course.moments) else trial
+        if there is not None:
+            trials.append(_refitted(now, one, there))
+    yield from trials
+    best = min(trials, key=score, default=now)
+    if one.course(best.hypothesis).moments:
+        yield dated(best, one.effect, one.column)
+
+
+def _refitted(now: Fit, one: Sized, there: Hypothesis) -> Fit:
+    return refit(now.context, there) if one.column is None else refit_column(now, there, one.column)
 
 
 SPELL = Move("spell", groups)
