@@ -98,7 +98,7 @@ class WireStage(Stage):
         same = ROUGH**2 if hypothesis.shakes else ROUGH  # what shakes links goes by the angles' curvature
         if all(np.abs(view.angles - path).max() <= same * np.ptp(path) for view, path in pairs):
             return sight.views
-        return tuple(replace(view, angles=path) for view, path in pairs)
+        return tuple(view.turned(path) for view, path in pairs)
 
 
 def _chain(arm: Arm, hypothesis: Hypothesis) -> Chain:
