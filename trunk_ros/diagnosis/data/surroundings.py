@@ -11,6 +11,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -192,9 +193,9 @@ def joined(each: Sequence[Now]) -> Now:
         return first
     out = replace(
         first,
-        gearbox=np.concatenate([now.gearbox for now in each], axis=1),
-        speed=np.concatenate([now.speed for now in each], axis=1),
-        load=lambda: np.concatenate([now.load for now in each], axis=1),  # type: ignore[arg-type]
+        gearbox=abreast([now.gearbox for now in each]),
+        speed=abreast([now.speed for now in each]),
+        load=lambda: abreast([now.load for now in each]),  # type: ignore[arg-type]
         ratio=np.concatenate([now.ratio for now in each]),
         columns=tuple(column for now in each for column in now.columns),
     )
@@ -205,8 +206,11 @@ def joined(each: Sequence[Now]) -> Now:
 
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
-    whole = ("joints", "ratio", "held", "columns", "arm", "dt")
+    lazy = isinstance(now, Seen)
+    whole = ("joints", "ratio", "held", "columns", "arm", "dt", *(["load"] if lazy else []))
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
+    if lazy:
+        steps["load"] = lambda: now.load[rows]
     out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
     if isinstance(out, Seen):
         out.known_masses = lambda: now.masses[rows]
