@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
 
-LOOKED = 2**18  # rows at which what is known of the whole arm is kept
+LOOKED = 2**17  # rows at which what is known of the whole arm is kept
 
 
 class Column(NamedTuple):
