@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import platform
+import subprocess
+import sys
 import weakref
 from dataclasses import replace
 
@@ -122,3 +125,16 @@ def test_banks_are_weighed_on_a_bounded_number_of_rows() -> None:
     rows = [len(thinned(np.zeros(n))) for n in (1000, 99_999, 100_000, 359_000, 720_000)]
     assert rows[:2] == [1000, 99_999]
     assert all(ENOUGH <= n < 2 * ENOUGH for n in rows[2:])
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="others keep memory by rules of their own")
+def test_arrays_that_come_and_go_take_the_same_pages_again() -> None:
+    code = (
+        "import resource; import numpy as np; from trunk_ros.diagnosis.heap import keep_what_is_freed\n"
+        "faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt\n"
+        "keep_what_is_freed(); np.zeros(2**20) + 1.0; before = faults()\n"
+        "for _ in range(50): np.zeros(2**20) + 1.0\n"
+        "print(faults() - before)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 50 * 2**20 * 8 / 4096 / 4
