@@ -16,9 +16,12 @@ import pytest
 from test.bench import __main__ as bench
 from test.bench import policy, reality
 from test.bench.compare import changes
+from test.bench.diagnosis import HIDDEN, diagnosed
 from test.bench.releases import last
 from test.bench.row import Row
+from test.diagnosis.arms import recorded
 from trunk_ros import __version__
+from trunk_ros.recording.write import write_recording
 
 
 @pytest.mark.parametrize("name", bench.sections())
@@ -151,3 +154,13 @@ def test_policy_refuses_a_constant_that_there_is_not(capsys: pytest.CaptureFixtu
     with pytest.raises(SystemExit):
         bench.main(["policy", "nothing.AT_ALL"])
     assert "--list names them" in capsys.readouterr().err
+
+
+def test_a_diagnosis_is_measured_with_what_it_found(tmp_path: Path) -> None:
+    hidden = {"backlash": HIDDEN["backlash"]}
+    write_recording(tmp_path / "run", recorded(hidden, seconds=20.0))
+    took, memory, clock, found = diagnosed(tmp_path)
+    assert 0.0 < took < 60.0
+    assert 50.0 < memory < 2048.0
+    assert clock > 0.0
+    assert found

@@ -108,9 +108,16 @@ def friction(
     adjusted(core, order, now, old, new)
     if core.rounding is None and not order.path:
         return SharpPlay().run(x, core.width, state, now.ratio)
-    u = through(x * now.ratio, order.path, now, old, new) + core.middle
+    u = through(_at_the_joint(x, now.ratio), order.path, now, old, new)
+    if not (isinstance(core.middle, float) and core.middle == 0.0):
+        u = u + core.middle
     moved: tuple[Array, Any] = (core.rounding or SharpPlay()).run(u, core.width, state)
     return moved
+
+
+def _at_the_joint(x: Array, ratio: Array) -> Array:
+    """``x`` (n, columns) times ratios (columns,): one that all columns have goes over the array at once."""
+    return x * ratio[0] if len(x) > 1 and (ratio == ratio[0]).all() else x * ratio
 
 
 def adjusted(core: Core, order: Order, now: Now, old: Memory, new: Memory) -> None:

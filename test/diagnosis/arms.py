@@ -17,10 +17,10 @@ RATE = 100.0
 NOISE = 1e-4
 
 
-def setpoints_of(seconds: float, joints: int, seed: int = 0) -> np.ndarray:
+def setpoints_of(seconds: float, joints: int, seed: int = 0, rate: float = RATE) -> np.ndarray:
     """(n, joints) gearbox angles: sums of sines with stops."""
     rng = np.random.default_rng(seed)
-    t = np.arange(int(seconds * RATE)) / RATE
+    t = np.arange(int(seconds * rate)) / rate
     out = np.zeros((len(t), joints))
     for j in range(joints):
         for _ in range(4):
@@ -37,12 +37,15 @@ def recorded(
     noise: float = NOISE,
     name: str = "made",
     size: float = 1.0,
+    rate: float = RATE,
 ) -> Recording:
-    """Setpoints, gearbox and joints of the nominal arm with some effects; ``size`` scales the motion."""
+    """Setpoints, gearbox and joints of the nominal arm with some effects, at a ``rate`` [Hz]; ``size`` scales
+    the motion.
+    """
     nominal = load_model("trunk")
     model = Model(nominal.arm, effects or {})
-    joints, stamp = nominal.arm.joints, np.arange(int(seconds * RATE)) / RATE
-    setpoints = size * setpoints_of(seconds, len(joints), seed)
+    joints, stamp = nominal.arm.joints, np.arange(int(seconds * rate)) / rate
+    setpoints = size * setpoints_of(seconds, len(joints), seed, rate)
     phi, _ = Chain(model, "servo").run(setpoints, stamp)
     step = 2 * np.pi / nominal.arm.counts_per_rev
     theta, _ = Chain(model, "wire").run(phi, stamp)

@@ -10,7 +10,9 @@ import pytest
 from test.real.features import play
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
+from trunk_ros.diagnosis.data.sensing.band import Band
 from trunk_ros.diagnosis.data.sensing.hum import hums
+from trunk_ros.diagnosis.data.sensing.physics import apart
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -102,3 +104,25 @@ def test_a_clean_recording_has_no_hum_and_few_joints_tell_of_none(model: Model) 
 def test_what_comes_back_four_times_may_have_happened_to_the_arm(model: Model) -> None:
     slow = _recording(model, _tone(4.0 / STAMP[-1], np.full(5, 2.0 * SIZE))).series
     assert hums(slow["gearbox_states"], slow["joint_states"], model.arm) == []
+
+
+def test_sums_over_stretches_of_time_give_what_waves_near_by_share_with_signals() -> None:
+    rng = np.random.default_rng(2)
+    stamp = np.sort(rng.uniform(3.0, 63.0, 4000))
+    stamp = stamp[(stamp < 20.0) | (stamp > 31.0)]  # a gap
+    signals = rng.normal(size=(len(stamp), 3))
+    band = Band.of(stamp, signals, 2.5)
+    for frequency in (2.5, 2.5 - 16.5 / 60.0, 2.5 + 16.5 / 60.0):
+        turn = 2 * np.pi * frequency * stamp
+        np.testing.assert_allclose(
+            band.at(frequency), np.stack([np.cos(turn), np.sin(turn)]) @ signals, atol=1e-9
+        )
+
+
+def test_mixtures_of_features_are_orthonormal_and_leave_out_what_others_say() -> None:
+    rng = np.random.default_rng(3)
+    features = rng.normal(size=(500, 4)) * [1e-6, 1.0, 1e5, 1.0]
+    features[:, 3] = features[:, 1] - 2e6 * features[:, 0]
+    mixed = features @ apart(features)
+    assert mixed.shape == (500, 3)
+    np.testing.assert_allclose(mixed.T @ mixed, np.eye(3), atol=1e-9)

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import platform
+import subprocess
+import sys
+import weakref
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.excerpt import BLOCKS, LENGTH, LONG, WARM, excerpt
+from trunk_ros.diagnosis.data.surroundings import LOOKED
+from trunk_ros.diagnosis.discrepancy.bank_weights import ENOUGH, Source, thinned
+from trunk_ros.diagnosis.discrepancy.memory import sources
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
@@ -67,3 +78,63 @@ def test_a_jump_between_the_blocks_is_found_at_its_moment() -> None:
     assert (found.effect, found.joints) == ("wire_slip", ["joint_2"])
     assert found.parameters["joint_2"]["onset"]["value"] == pytest.approx(onset, abs=0.5)
     assert found.parameters["joint_2"]["step"]["value"] == pytest.approx(5e-4, rel=0.02)
+
+
+@pytest.fixture(scope="module")
+def looked() -> Context:
+    """The first look at a short run."""
+    nominal = load_model("trunk")
+    return first_look(WireStage([wire_span(recorded(seconds=40.0), nominal)], nominal))
+
+
+def test_looks_share_what_does_not_go_by_the_joints_angles(looked: Context) -> None:
+    (view,) = looked.views
+    other = view.turned(view.angles + 0.1)
+    assert other.columns is view.columns
+    assert other.cuts is view.cuts
+    assert not np.array_equal(other.load, view.load)
+
+
+def test_mass_matrices_are_kept_for_so_many_looks_as_fit_into_memory(looked: Context) -> None:
+    (view,) = looked.views
+    first, most = view.masses(0.0), LOOKED // len(view.angles)
+    assert view.masses(0.0) is first
+    np.testing.assert_allclose(
+        view.masses(0.5), looked.arm.mass_matrix(view.angles) + 0.5 * looked.arm.mass_lever(view.angles)
+    )
+    for k in range(most + 2):
+        view.turned(view.angles + 1e-3 * k).masses(0.0)
+    assert sum(what == "masses" for what, *_ in view.large) == most
+    np.testing.assert_array_equal(view.masses(0.0), first)
+
+
+def test_sources_of_banks_are_made_one_at_a_time(looked: Context) -> None:
+    """Their designs are by far the largest arrays of a diagnosis."""
+    seen = list[weakref.ref[Array]]()
+
+    def looked_at(source: Source) -> bool:
+        there = any(ref() is not None for ref in seen)
+        seen.append(weakref.ref(source.design))
+        return there
+
+    assert not any(map(looked_at, sources(looked, 2)))
+    assert len(seen) > 3
+
+
+def test_banks_are_weighed_on_a_bounded_number_of_rows() -> None:
+    rows = [len(thinned(np.zeros(n))) for n in (1000, 99_999, 100_000, 359_000, 720_000)]
+    assert rows[:2] == [1000, 99_999]
+    assert all(ENOUGH <= n < 2 * ENOUGH for n in rows[2:])
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="others keep memory by rules of their own")
+def test_arrays_that_come_and_go_take_the_same_pages_again() -> None:
+    code = (
+        "import resource; import numpy as np; from trunk_ros.diagnosis.heap import keep_what_is_freed\n"
+        "faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt\n"
+        "keep_what_is_freed(); np.zeros(2**20) + 1.0; before = faults()\n"
+        "for _ in range(50): np.zeros(2**20) + 1.0\n"
+        "print(faults() - before)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 50 * 2**20 * 8 / 4096 / 4

@@ -13,6 +13,7 @@ from trunk_ros.arm.weight import Tree, frames, tree_of, weigh
 from trunk_ros.compiled import Array
 
 KEPT = 8  # models with a payload that are kept
+TOGETHER = 4096  # rows that are spread over the joints at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,11 +169,12 @@ class Body:
 
     def _matrix(self, theta: Array, payload: float, links: bool) -> Array:
         pin, (model, data, _) = library(), self._with(payload, links)
-        q = self._whole(theta) + self.offset
-        out = np.empty((len(q), model.nv, model.nv))
-        for k in range(len(q)):
-            out[k] = pin.crba(model, data, q[k])
-        return np.asarray(self.spread.T @ out @ self.spread)
+        q, joints = self._whole(theta) + self.offset, self.spread.shape[1]
+        out = np.empty((len(q), joints, joints))
+        for first in range(0, len(q), TOGETHER):  # what is not spread yet is needed once more
+            some = np.array([pin.crba(model, data, row).copy() for row in q[first : first + TOGETHER]])
+            out[first : first + TOGETHER] = self.spread.T @ some @ self.spread
+        return out
 
     def poses(self, theta: Array) -> Array:
         """Tip (n, 7) in the base link: x, y, z [m] and the quaternion x, y, z, w."""

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.side_by_side import Seen
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.stage import CELLS, Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -82,6 +82,11 @@ class Context:
     def step(self) -> float:
         """Usual time between two samples of the target [s]."""
         return self.stage.step
+
+    @property
+    def together(self) -> int:
+        """Predictions of a joint that are looked at together."""
+        return max(CELLS // sum(len(view.span.grid) for view in self.views), 1)
 
     # Other contexts.
 

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.other_simulator import completed, sides_told
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
+from trunk_ros.diagnosis.heap import keep_what_is_freed
 from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.finding import Finding
@@ -50,6 +51,7 @@ def diagnose(
     ``servos``: of the arm, found in other recordings where the model says nothing of them.
     Raises RecordingError or ModelError in one line.
     """
+    keep_what_is_freed()
     several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
     read = [part for r in several for part in _read(r, from_time, until, namespace)]
     other = (

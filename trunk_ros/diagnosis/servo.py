@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.chain import run_servo
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.surroundings import joined
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
@@ -44,4 +45,4 @@ class ServoStage(Stage):
         for block in blocks:
             if block.acts_at > block.CORE:
                 out, _ = block.run(out, now, None)
-        return list(np.ascontiguousarray(out[span.rows].T))
+        return columns_of(span.measured(out))

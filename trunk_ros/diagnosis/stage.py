@@ -27,7 +27,7 @@ from trunk_ros.guards import SAME
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
 
-CELLS = 2**20  # samples that are computed together: of long recordings more would not fit into memory
+CELLS = 2**19  # samples that are computed together: of long recordings more would not fit into memory
 STANDING = 3.0  # times the mean power of an encoder's steps that a joint shows where it stands
 
 

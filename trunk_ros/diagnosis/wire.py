@@ -10,6 +10,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.surroundings import View, beside
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
@@ -50,7 +51,7 @@ class WireStage(Stage):
         if not blocks or any(b.transients(sight.now(index, column, payload)) is not None for b in blocks):
             return super()._predict_alike(sight, index, pairs)
         shown, _ = self._passed(sight, index, column, payload, blocks, len(pairs))
-        return list(np.ascontiguousarray(sight.views[index].span.measured(shown).T))
+        return columns_of(sight.views[index].span.measured(shown))
 
     def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(m,) the joint's own angle that a hypothesis predicts, at all steps of a span."""
@@ -98,7 +99,7 @@ class WireStage(Stage):
         same = ROUGH**2 if hypothesis.shakes else ROUGH  # what shakes links goes by the angles' curvature
         if all(np.abs(view.angles - path).max() <= same * np.ptp(path) for view, path in pairs):
             return sight.views
-        return tuple(replace(view, angles=path) for view, path in pairs)
+        return tuple(view.turned(path) for view, path in pairs)
 
 
 def _chain(arm: Arm, hypothesis: Hypothesis) -> Chain:

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context
+from trunk_ros.diagnosis.data.abreast import abreast, columns_of
+from trunk_ros.diagnosis.data.surroundings import at
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.side_by_side import alike
@@ -94,3 +96,23 @@ def test_a_value_that_moves_leaves_the_hypothesis_as_it_was() -> None:
     assert moved["backlash"].own[2]["half_width"] == 3e-3
     assert BASE["backlash"].own[2]["half_width"] == 1.5e-3
     assert moved["zero_offset"] is BASE["zero_offset"]
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_columns_side_by_side_and_apart_again_are_what_they_were(same: bool) -> None:
+    rng = np.random.default_rng(1)
+    columns = [rng.normal(size=(5000, 1))] * 3 if same else [rng.normal(size=(5000, 1)) for _ in range(3)]
+    whole = abreast(columns)
+    np.testing.assert_array_equal(whole, np.concatenate(columns, axis=1))
+    for column, each in zip(columns, columns_of(whole), strict=True):
+        np.testing.assert_array_equal(each, column[:, 0])
+        assert each.flags.c_contiguous
+
+
+def test_a_load_is_worked_out_only_where_an_effect_asks_for_it() -> None:
+    there = context("sag")
+    view = there.views[0].turned(there.views[0].angles + 0.1)
+    seen = view.now(there.arm, 1)
+    some = at(seen, np.array([3, 70]))
+    assert "load" not in vars(view)
+    np.testing.assert_array_equal(some.load, view.load[[3, 70], 1:2])

@@ -11,9 +11,12 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
+
+LOOKED = 2**17  # rows at which what is known of the whole arm is kept
 
 
 class Column(NamedTuple):
@@ -40,6 +43,10 @@ class View:
     speeds: Array
     follows: np.ndarray
     cuts: dict[int, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
+    large: dict[tuple[str, float, int], tuple[Array, Array]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    """What is known at angles, and those: of long recordings only that of the last looks fits into memory."""
 
     @cached_property
     def columns(self) -> list[Column]:
@@ -63,22 +70,40 @@ class View:
         load = self.arm.load(self.angles) if known is None else known.load(self.arm, self.angles)
         return load if self.arm.coupling is None else self.arm.carried(load)
 
-    @cached_property
+    @property
     def lever(self) -> Array:
         """(m, joints) what a kilogram more at the tip adds to it."""
+        return self._kept("lever", 0.0, self._lever)
+
+    def masses(self, payload: float) -> Array:
+        """M (m, joints, joints) kg m^2 of the arm with so many kg more at the tip."""
+        if not payload:
+            return self._kept("masses", 0.0, self.arm.mass_matrix)
+        return self._kept("loaded", payload, lambda _: self.masses(0.0) + payload * self._mass_lever)
+
+    @property
+    def _mass_lever(self) -> Array:
+        return self._kept("mass_lever", 0.0, self.arm.mass_lever)
+
+    def _lever(self, angles: Array) -> Array:
         known = self.span.resistance
-        more = self.arm.lever(self.angles) if known is None else known.per_kilogram(self.arm, self.angles)
+        more = self.arm.lever(angles) if known is None else known.per_kilogram(self.arm, angles)
         return more if self.arm.coupling is None else self.arm.carried(more)
 
-    @cached_property
-    def masses(self) -> Array:
-        """M (m, joints, joints) kg m^2 of the arm."""
-        return self.arm.mass_matrix(self.angles)
+    def _kept(self, what: str, payload: float, of: Callable[[Array], Array]) -> Array:
+        key = what, payload, id(self.angles)
+        if key not in self.large:
+            there = [k for k in self.large if k[0] == what]
+            for old in there[: max(len(there) + 1 - max(LOOKED // len(self.angles), 1), 0)]:
+                del self.large[old]
+            self.large[key] = self.angles, of(self.angles)
+        return self.large[key][1]
 
-    @cached_property
-    def mass_lever(self) -> Array:
-        """(m, joints, joints) what a kilogram more at the tip adds to it."""
-        return self.arm.mass_lever(self.angles)
+    def turned(self, angles: Array) -> View:
+        """The same with the joints at other angles (m, joints); what does not go by these is there once."""
+        other = replace(self, angles=angles)
+        vars(other).update(columns=self.columns, cuts=self.cuts, large=self.large)
+        return other
 
     def only(self, rows: np.ndarray) -> View:
         """The same with these rows (n,) of the target alone counting."""
@@ -88,26 +113,22 @@ class View:
     def now(self, arm: Arm, column: int, payload: Payload = NOTHING) -> Now:
         """The surroundings of one joint, (m, 1) each."""
         gearbox, speed = self._of(column)
-        ratio = arm.ratio[column : column + 1]
         seen = Seen(
             self.span.grid,
             self.dt,
             gearbox,
-            speed * ratio,
+            speed,
             lambda: self._load(column, payload),  # type: ignore[arg-type]
             self.angles,
             self.wires,
             self.span.joints,
-            ratio,
+            arm.ratio[column : column + 1],
             speeds=self.speeds,
             columns=(column,),
             arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
         )
-        seen.known_masses = partial(self._masses, payload.own)
+        seen.known_masses = partial(self.masses, payload.own)
         return seen
-
-    def _masses(self, payload: float) -> Array:
-        return self.masses + payload * self.mass_lever if payload else self.masses
 
     def _load(self, column: int, payload: Payload) -> Array:
         one = slice(column, column + 1)
@@ -118,12 +139,12 @@ class View:
         return np.ascontiguousarray(load)
 
     def _of(self, column: int) -> tuple[Array, Array]:
-        """Gearbox angle and its speed of one joint, (m, 1) each."""
+        """Gearbox angle and speed at the joint of one joint, (m, 1) each."""
         if column not in self.cuts:
             one, span = slice(column, column + 1), self.span
             self.cuts[column] = (
                 np.ascontiguousarray(span.gearbox[:, one]),
-                np.ascontiguousarray(span.velocity[:, one]),
+                np.ascontiguousarray(self.speeds[:, one]),
             )
         return self.cuts[column]
 
@@ -136,7 +157,7 @@ class Seen(Now):
     _load: Any
     known_masses: Callable[[], Array] | None = None
 
-    @cached_property
+    @property
     def masses(self) -> Array:
         """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
         return super().masses if self.known_masses is None else self.known_masses()
@@ -172,9 +193,9 @@ def joined(each: Sequence[Now]) -> Now:
         return first
     out = replace(
         first,
-        gearbox=np.concatenate([now.gearbox for now in each], axis=1),
-        speed=np.concatenate([now.speed for now in each], axis=1),
-        load=lambda: np.concatenate([now.load for now in each], axis=1),  # type: ignore[arg-type]
+        gearbox=abreast([now.gearbox for now in each]),
+        speed=abreast([now.speed for now in each]),
+        load=lambda: abreast([now.load for now in each]),  # type: ignore[arg-type]
         ratio=np.concatenate([now.ratio for now in each]),
         columns=tuple(column for now in each for column in now.columns),
     )
@@ -185,8 +206,11 @@ def joined(each: Sequence[Now]) -> Now:
 
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
-    whole = ("joints", "ratio", "held", "columns", "arm", "dt")
+    lazy = isinstance(now, Seen)
+    whole = ("joints", "ratio", "held", "columns", "arm", "dt", *(["load"] if lazy else []))
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
+    if lazy:
+        steps["load"] = lambda: now.load[rows]
     out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
     if isinstance(out, Seen):
         out.known_masses = lambda: now.masses[rows]

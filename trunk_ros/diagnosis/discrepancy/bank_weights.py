@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.discrepancy.precisions import Beside, Total, Weighed, w
 from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.effects.bank import Bank
 
-ENOUGH = 100_000  # rows
+ENOUGH = 50_000  # rows
 CUTS = 40  # blocks of time, in FOLDS that are left out in turn
 FOLDS = 5
 WORTHS = 4.0 ** np.arange(6)  # samples that may be worth one
@@ -103,16 +103,14 @@ class Sums:
     def of(found: Sequence[Source], rest: Array, cuts: Cuts) -> Sums:
         """Of a whitened residual (rows,)."""
         rest, number = thinned(rest), thinned(cuts.number)
-        blocks = [np.flatnonzero(number == k) for k in range(CUTS)]
-        parts = [(np.column_stack([s.design[rows] for s in found]), rest[rows]) for rows in blocks]
-        return Sums(
-            np.array([x.T @ x for x, _ in parts]),
-            np.array([x.T @ y for x, y in parts]),
-            np.array([float(y @ y) for _, y in parts]),
-            np.array([float(len(y)) for _, y in parts]),
-            tuple(s.kind.groups for s in found),
-            cuts.fold,
-        )
+        size = sum(s.design.shape[1] for s in found)
+        normal, side = np.empty((CUTS, size, size)), np.empty((CUTS, size))
+        power, count = np.empty(CUTS), np.empty(CUTS)
+        for k in range(CUTS):  # block by block: all rows of all sources would not fit into memory twice
+            rows = np.flatnonzero(number == k)
+            x, y = np.column_stack([s.design[rows] for s in found]), rest[rows]
+            normal[k], side[k], power[k], count[k] = x.T @ x, x.T @ y, y @ y, len(y)
+        return Sums(normal, side, power, count, tuple(s.kind.groups for s in found), cuts.fold)
 
     def weights(self, chosen: Sequence[int], worth: float) -> Array:
         """Weights (those of each chosen source,); ``worth`` samples count as one."""

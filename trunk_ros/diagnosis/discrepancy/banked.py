@@ -55,7 +55,7 @@ def _curved(state: Fit, column: int, misfit: float) -> Fit:
 
 
 def _banked(state: Fit, column: int, misfit: float) -> Fit:
-    context, found = state.context, sources(state.context, column)
+    context, found = state.context, list(sources(state.context, column))
     if not found:
         return state
     plain = [source for source in found if not source.kind.by_posture]

@@ -34,10 +34,9 @@ def without_banks(hypothesis: Hypothesis, column: int) -> Hypothesis:
     return hypothesis.less(there, column)
 
 
-def sources(context: Context, column: int) -> list[Source]:
-    """What may be in the banks of a column."""
-    found = _possible(context, column)
-    return [s for kind, word in found if (s := _source(context, column, kind, word)) is not None]
+def sources(context: Context, column: int) -> Iterator[Source]:
+    """What may be in the banks of a column; each is made when it is asked for."""
+    return filter(None, (_source(context, column, *each) for each in _possible(context, column)))
 
 
 def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]:
@@ -91,8 +90,11 @@ def _source(
     low, high = kind.range_of(together)
     each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)
     seen = ([view.span.measured(s) for s, view in zip(shapes, context.views, strict=True)] for shapes in each)
-    columns = [thinned(context.whiten_change(shapes, column)) for shapes in seen]
-    return Source(kind, word, low, high, np.column_stack(columns))
+    rows = sum(len(view.columns[column].counted) for view in context.views)
+    design = np.empty((len(thinned(np.empty(rows))), kind.weights))
+    for k, shapes in enumerate(seen):
+        design[:, k] = thinned(context.whiten_change(shapes, column))
+    return Source(kind, word, low, high, design)
 
 
 def in_banks(

@@ -91,15 +91,14 @@ class Screen:
 
     def change(self, there: Hypothesis, column: int) -> Array:
         """(rows,) unit noise by which another hypothesis changes the prediction."""
-        return self.changes([there], column)[0]
+        return next(self.changes([there], column))
 
-    def changes(self, there: Sequence[Hypothesis], column: int) -> list[Array]:
+    def changes(self, there: Sequence[Hypothesis], column: int) -> Iterator[Array]:
         """The same of several hypotheses."""
-        base = self.base[column]
-        return [
-            self.context.whiten_change([a - b for a, b in zip(each, base, strict=True)], column)
-            for each in self.context.predictions_each([(one, column) for one in there])
-        ]
+        context, base, most = self.context, self.base[column], self.context.together
+        for k in range(0, len(there), most):
+            for each in context.predictions_each([(one, column) for one in there[k : k + most]]):
+                yield context.whiten_change([a - b for a, b in zip(each, base, strict=True)], column)
 
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
         """A candidate with the time in which it gains most, or with the time at which its size changes; None

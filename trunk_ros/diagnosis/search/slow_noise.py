@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy.optimize import minimize
@@ -11,7 +12,7 @@ from scipy.optimize import minimize
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import WHITE, Noise
-from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Sums
+from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -159,13 +160,15 @@ def told(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     """Whether the motion tells of parts of the recording what a hypothesis leaves there, by what it left of
     the others.
     """
-    found = sources(context, column)
-    if not found:
-        return False
     cuts = replace(Cuts.on(context, column), fold=np.arange(CUTS) * FOLDS // CUTS)
-    sums = Sums.of(found, context.whitened(hypothesis, column), cuts)
+    rest = context.whitened(hypothesis, column)
+    return any(map(partial(_tells, rest, cuts), sources(context, column)))  # none is there beside the next
+
+
+def _tells(rest: Array, cuts: Cuts, source: Source) -> bool:
+    sums = Sums.of([source], rest, cuts)
     nothing = sums.tried([], 1.0).left
-    gains = [1.0 - sums.tried([k], w).left / nothing for k in range(len(found)) for w in WORTHS[::2]]
+    gains = (1.0 - sums.tried([0], worth).left / nothing for worth in WORTHS[::2])
     return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > TELLS for g in gains)
 
 

@@ -6,6 +6,7 @@ What physics shakes, it shakes each joint by its own inertia and stiffness.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,8 @@ from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import FEWEST, basis, motion_of, scaled
+from trunk_ros.diagnosis.data.sensing.band import Band
+from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, apart, basis, motion_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, NEARLY, SURE
 from trunk_ros.guards import BLIND, TINY
@@ -52,93 +54,118 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return []
     motion = motion_of(gearbox, shown, arm)
-    says = [_spanned(scaled(basis(motion, j, True))[0]) for j in range(len(arm.joints))]
     off, found = motion.off, list[Hum]()
-    while len(found) < TONES and (more := _tone(motion.stamp, off, motion.asked, says)) is not None:
+    while len(found) < TONES and (more := _tone(motion, off)) is not None:
         off = off - more.at(motion.stamp)
         found.append(more)
     return found
 
 
-def _spanned(features: Array) -> Array:
-    """Orthonormal features (n, fewer) that say the same as features (n, k)."""
-    u, size, _ = np.linalg.svd(features, full_matrices=False)
-    return np.asarray(u[:, size**2 > BLIND * size[0] ** 2])
+@dataclass(frozen=True)
+class _Waves:
+    """What waves of nearly one frequency share with signals, beside features that say something of them."""
+
+    own: list[Band]
+    """Of each signal, and in the columns after it of its features."""
+    mixes: list[Array]
+    """By which each signal's features are orthonormal."""
+    twice: Band
+    """Of a one at twice the frequency."""
+    count: int
+
+    def at(self, frequency: float) -> Iterator[tuple[Array, Array]]:
+        """Of each signal (2, 2) squares of cosine and sine beside its features, and (2,) what these share
+        with the signal, of which the features explain nothing.
+        """
+        (cosine,), (sine,) = self.twice.at(2.0 * frequency)
+        whole = 0.5 * np.array([[self.count + cosine, sine], [sine, self.count - cosine]])
+        for band, mix in zip(self.own, self.mixes, strict=True):
+            both = band.at(frequency)
+            along = both[:, 1:] @ mix
+            power, way = np.linalg.eigh(whole - along @ along.T)
+            yield (way * np.maximum(power, BLIND * self.count)) @ way.T, both[:, 0]
+
+    def power(self, frequency: float) -> Array:
+        """(signals,) squares of the signals that waves of a frequency explain."""
+        return np.array([both @ np.linalg.solve(square, both) for square, both in self.at(frequency)])
 
 
-def _tone(stamp: Array, off: Array, asked: Array, says: list[Array]) -> Hum | None:
+def _tone(motion: Motion, off: Array) -> Hum | None:
     """The strongest line of what the motion does not say of where each joint is off (n, joints), of the
-    middle joint, where it is one of all of them and not of the motion ``asked`` (n, joints) rad; ``says``:
-    the motion as orthonormal features.
+    middle joint, where it is one of all of them and not of the motion.
+
+    The motion as features is made anew when it is needed: that of all joints is as large as all else.
     """
-    rest = [one - u @ (u.T @ one) for one, u in zip(off.T, says, strict=True)]
-    frequency = _shared(stamp, rest, says)
+    stamp, pairs = motion.stamp, [_beside(basis(motion, j, True), one) for j, one in enumerate(off.T)]
+    rests, mixes = [rest for rest, _ in pairs], [mix for _, mix in pairs]
+    first = float(np.median([spectrum(stamp, rest)[0] for rest in rests]))
+    if first <= 0.0:
+        return None
+    own = [
+        Band.of(stamp, np.column_stack([rest, basis(motion, j, True)]), first) for j, rest in enumerate(rests)
+    ]
+    twice = Band.of(stamp, np.ones((len(stamp), 1)), 2.0 * first)
+    waves = _Waves(own, mixes, twice, len(stamp))
+    frequency = _shared(stamp, waves, np.array([float(rest @ rest) for rest in rests]), first)
     if frequency * float(np.ptp(stamp)) < TURNS:
         return None
-    lines = []
-    for one, u in zip(rest, says, strict=True):
-        wave, spread = _line(frequency, stamp, one[:, None], u)
-        if not np.all(np.hypot(*wave) > SURE * spread):
-            return None
-        lines.append((wave, spread))
-    waves, std = (np.concatenate(each, axis=-1) for each in zip(*lines, strict=True))
-    sizes = np.hypot(*waves)
+    seen, std = _lines(frequency, stamp, waves)
+    sizes = np.hypot(*seen)
+    if not np.all(sizes > SURE * std):
+        return None
     weight = std**-2.0
     mean, known = float(sizes @ weight / weight.sum()), float(weight.sum() ** -0.5)
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
         return None
-    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, waves, asked):
+    plain = [Band.of(stamp, one[:, None], first) for one in motion.asked.T]
+    asked = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))
+    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, seen, asked):
         return None
-    return Hum(frequency, mean, known, waves)
+    return Hum(frequency, mean, known, seen)
 
 
-def _shared(stamp: Array, rest: list[Array], says: list[Array]) -> float:
-    """The frequency near that of the middle joint's strongest line by which most of the rests (n,) is
-    explained beside features (n, k); 0 where there is no line.
+def _beside(features: Array, one: Array) -> tuple[Array, Array]:
+    """What features (n, k) do not say of a signal (n,), and the mixtures by which they are orthonormal."""
+    mix = apart(features)
+    return one - features @ (mix @ (mix.T @ (features.T @ one))), mix
+
+
+def _shared(stamp: Array, waves: _Waves, power: Array, first: float) -> float:
+    """The frequency near the ``first`` look's by which most of the signals of so much ``power`` (signals,) is
+    explained.
     """
-    first = float(np.median([spectrum(stamp, one)[0] for one in rest]))
-    if first <= 0.0:
-        return 0.0
-
-    def left(frequency: float) -> float:
-        turning = _turning(frequency, stamp)
-        waves = [np.linalg.qr(turning - u @ (u.T @ turning))[0] for u in says]
-        pairs = zip(waves, rest, strict=True)
-        return -float(sum(np.sum((wave.T @ one) ** 2) / max(float(one @ one), TINY) for wave, one in pairs))
-
     width = 0.5 / float(np.ptp(stamp))
     near = max(first - width, 0.5 * width), first + width
-    found = minimize_scalar(left, bounds=near, method="bounded", options={"xatol": 0.01 * width})
+    found = minimize_scalar(
+        lambda at: -float(np.sum(waves.power(at) / np.maximum(power, TINY))),
+        bounds=near,
+        method="bounded",
+        options={"xatol": 0.01 * width},
+    )
     return float(found.x)
 
 
-def _driven(frequency: float, stamp: Array, waves: Array, asked: Array) -> bool:
-    """Whether the motion ``asked`` (n, joints) may make the ``waves`` (2, joints): every joint swings with
-    that frequency itself, and its wave is as far behind that as the others' are behind theirs.
+def _driven(frequency: float, stamp: Array, seen: Array, asked: _Waves) -> bool:
+    """Whether the motion that was ``asked`` may make the waves that were ``seen`` (2, joints): every joint
+    swings with that frequency itself, and its wave is as far behind that as the others' are behind theirs.
     """
-    own, beside = _line(frequency, stamp, asked, np.empty((len(stamp), 0)))
-    behind = np.angle(np.exp(1j * (np.arctan2(*waves) - np.arctan2(*own))) ** 2)
+    own, beside = _lines(frequency, stamp, asked)
+    behind = np.angle(np.exp(1j * (np.arctan2(*seen) - np.arctan2(*own))) ** 2)
     in_step = float(np.abs(np.mean(np.exp(1j * behind))))
     return bool(np.all(np.hypot(*own) > CERTAIN * beside)) and in_step > NEARLY
 
 
-def _line(frequency: float, stamp: Array, signals: Array, besides: Array) -> tuple[Array, Array]:
-    """Cosine and sine (2, signals) of a frequency in signals (n, signals) beside orthonormal features (n,
-    features), and the std of each (signals,), by what there is of frequencies next to it.
+def _lines(frequency: float, stamp: Array, waves: _Waves) -> tuple[Array, Array]:
+    """Cosine and sine (2, signals) of a frequency in signals beside features, and the std of each (signals,),
+    by what there is of frequencies next to it.
     """
-
-    def beside_features(at: float) -> Array:
-        turning = _turning(at, stamp)
-        return np.asarray(turning - besides @ (besides.T @ turning))
-
     bins = [k for k in range(-FAR, FAR + 1) if abs(k) > NEAR]
     near = [at for k in bins if (at := frequency + k / float(np.ptp(stamp))) > 0.0]
-    power = np.mean([(np.linalg.qr(beside_features(at))[0].T @ signals) ** 2 for at in near], axis=(0, 1))
-    turning = beside_features(frequency)
-    inverse = np.linalg.inv(turning.T @ turning)
-    std = np.sqrt(power * np.trace(inverse) / 2.0)
-    return inverse @ (turning.T @ signals), np.maximum(std, 1e-15)
+    power = np.mean([waves.power(at) for at in near], axis=0) / 2.0
+    inverse = [(np.linalg.inv(square), both) for square, both in waves.at(frequency)]
+    std = np.sqrt(power * [np.trace(each) / 2.0 for each, _ in inverse])
+    return np.column_stack([each @ both for each, both in inverse]), np.maximum(std, 1e-15)
 
 
 def _turning(frequency: float, stamp: Array) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.resample import resample
@@ -72,6 +73,15 @@ def basis(motion: Motion, joint: int, wear: bool) -> Array:
     creeps = [_lowpass(motion.stamp, own, late) for late in CREEPS]
     headings = np.sin(motion.asked.cumsum(axis=1))
     return np.column_stack([np.ones_like(t), t, t**2, *rubs, *bends, *moves, *creeps, headings, motion.asked])
+
+
+def apart(features: Array) -> Array:
+    """(k, fewer): the mixtures of features (n, k) that are orthonormal and say the same."""
+    square = features.T @ features
+    size = np.sqrt(np.maximum(square.diagonal(), TINY))
+    power, mix = np.linalg.eigh(square / np.outer(size, size))
+    told = power > BLIND * power[-1]
+    return np.asarray(mix[:, told] / np.sqrt(power[told]) / size[:, None])
 
 
 def scaled(features: Array) -> tuple[Array, Array]:

@@ -4,14 +4,15 @@ to a whole period, over and over.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.data.sensing.physics import FEWEST, MOVES, scaled
+from trunk_ros.diagnosis.data.sensing.physics import FEWEST, MOVES, apart
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
 from trunk_ros.diagnosis.levels import MOST, ROWS
 from trunk_ros.guards import ROUNDED
@@ -76,13 +77,19 @@ def _saw(stamp: Array, takes: float, phase: float) -> Array:
 @dataclass(frozen=True)
 class _Lags:
     """(n, joints): speed, and what of a servo's errors is off but for what ``ways`` says, an orthonormal
-    basis (n, k) for each joint: what a constant lag, other gains, load and a top speed make of it.
+    basis (n, k) for each joint: what a constant lag, other gains, load and a top speed make of it. It is only
+    made where a saw is looked for.
     """
 
     stamp: Array
     speed: Array
     off: Array
-    ways: list[Array]
+    made: Callable[[], list[Array]]
+
+    @cached_property
+    def ways(self) -> list[Array]:
+        """(n, k) each."""
+        return self.made()
 
     @cached_property
     def moment(self) -> Array:
@@ -101,7 +108,7 @@ class _Lags:
 
     def rows(self, kept: np.ndarray | slice) -> _Lags:
         """Some of them."""
-        return _Lags(self.stamp[kept], self.speed[kept], self.off[kept], [q[kept] for q in self.ways])
+        return _Lags(self.stamp[kept], self.speed[kept], self.off[kept], lambda: [q[kept] for q in self.ways])
 
     def taken(self, bins: np.ndarray, many: int) -> Array:
         """(many, many) of the squared size of lags that are constant within bins (n,) of the samples: what
@@ -132,18 +139,26 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     if len(stamp) < FEWEST or not moving.any():
         return None
     speed, off, said = np.gradient(said, stamp, axis=0)[:, moving], off[:, moving], said[:, moving]
-    ways = [_ways(stamp, *column) for column in zip(speed.T, said.T, strict=True)]
-    left = np.column_stack([column - q @ (q.T @ column) for column, q in zip(off.T, ways, strict=True)])
-    return _Lags(stamp, speed, left, ways)
+    pairs = list(zip(speed.T, said.T, strict=True))
+    mixes, left = [], []
+    for one, pair in zip(off.T, pairs, strict=True):
+        design = _ways(stamp, *pair)
+        mixes.append(apart(design))
+        left.append(one - design @ (mixes[-1] @ (mixes[-1].T @ (design.T @ one))))
+    made = [partial(_ways, stamp, *pair) for pair in pairs]
+    return _Lags(
+        stamp,
+        speed,
+        np.column_stack(left),
+        lambda: [design() @ mix for design, mix in zip(made, mixes, strict=True)],
+    )
 
 
 def _ways(stamp: Array, speed: Array, said: Array) -> Array:
-    """(n, k) basis of what a constant lag, other gains, load and a top speed make of a servo."""
+    """(n, k) what a constant lag, other gains, load and a top speed make of a servo."""
     acts = np.gradient(speed, stamp)
     ways = [np.ones_like(said), speed, acts, np.gradient(acts, stamp), np.abs(speed) * speed, said]
-    design, _ = scaled(np.column_stack([*ways, np.sin(said), np.sign(speed)]))
-    left, size, _ = np.linalg.svd(design, full_matrices=False)
-    return np.asarray(left[:, size > 1e-9 * size[0]])
+    return np.column_stack([*ways, np.sin(said), np.sign(speed)])
 
 
 def _likeliest(late: _Lags) -> Sliding:

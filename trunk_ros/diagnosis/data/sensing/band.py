@@ -1,0 +1,57 @@
+"""What waves of nearly one frequency share with signals, from sums over stretches of time: none of them is as
+long as the recording.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+
+STRETCHES = 256
+ORDERS = 12  # of a wave's course within one: of waves within 16 turns of the middle the rest is rounding
+
+
+@dataclass(frozen=True)
+class Band:
+    """Sums over the stretches of signals times exp(i w t) times powers of the time since a stretch's middle,
+    w that of the band's ``middle`` Hz.
+    """
+
+    middle: float
+    half: float
+    """Half the length of a stretch [s]."""
+    centres: Array
+    """(stretches,) s."""
+    sums: Array
+    """(stretches, ORDERS, signals), complex."""
+
+    @staticmethod
+    def of(stamp: Array, signals: Array, middle: float) -> Band:
+        """Of signals (n, signals) at rising stamps (n,)."""
+        half = max(float(stamp[-1] - stamp[0]) / (2 * STRETCHES), 1e-9)
+        cell = np.minimum((stamp - stamp[0]) / (2 * half), STRETCHES - 1).astype(int)
+        starts = np.flatnonzero(np.diff(cell, prepend=-1))
+        centres = stamp[0] + (2 * cell[starts] + 1) * half
+        sums = np.empty((len(starts), ORDERS, signals.shape[1]), dtype=complex)
+        order = np.arange(ORDERS)
+        shares = np.array([1.0 / factorial(k) for k in order])
+        for k, (first, end) in enumerate(zip(starts, [*starts[1:], len(stamp)], strict=True)):
+            time = stamp[first:end, None]
+            powers = ((time - centres[k]) / half) ** order * shares
+            turn = 2.0 * np.pi * middle * time
+            sums[k].real = (np.cos(turn) * powers).T @ signals[first:end]
+            sums[k].imag = (np.sin(turn) * powers).T @ signals[first:end]
+        return Band(middle, half, centres, sums)
+
+    def at(self, frequency: float) -> Array:
+        """(2, signals): sums of each signal times cosine and times sine of a frequency [Hz] near the
+        middle.
+        """
+        off = 2j * np.pi * (frequency - self.middle)
+        along = np.exp(off * self.centres)[:, None] * (off * self.half) ** np.arange(ORDERS)
+        found = np.tensordot(along, self.sums, 2)
+        return np.array([found.real, found.imag])
