@@ -121,8 +121,9 @@ def price(fit: Fit, term: Term) -> float:
     value = FURTHER * float(np.mean([chance(context, c) for c in columns]))
     if kind.everywhere:
         usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
-        alike = not any(term.moments(c) for c in columns)
-        each = value * max(len(free) - 1, 0) - alike * name * len(needs)
+        each = value * max(len(free) - 1, 0) - name * len(needs)
+        if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
+            usual, each = sum(needs.values()), value * max(len(free) - len(needs), 0)
         return name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}

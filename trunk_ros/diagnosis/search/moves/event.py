@@ -71,14 +71,17 @@ def _promise(now: Fit, name: str, mass: Parameter) -> float:
 
 def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]:
     """With a mass at the tip for the time in which that gains most, judged with the options that follow, or
-    always where it was for a time.
+    always where it was for a time. Either way beside what else looks like it: the effect itself that begins
+    on joint after joint.
     """
     bare, carried = _without(now.hypothesis, name, mass)
     if any(when in carried for when in _when(name, mass)):
         always = bare.copy()
         always[name].shared[mass.name] = carried.get(mass.name) or mass.typical
         yield refit_to_win(now, always)
+        yield _one_by_one(refit(now.context, bare), name)
         return
+    yield _one_by_one(now, name)
     screen = Screen(now.context, bare)
     there, window = _seen(screen, name, mass)
     if window is None or not may_win(now, there, screen, float(_gained(mass, window.rd, window.dd))):
@@ -87,6 +90,15 @@ def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
     trial = dated(refit(now.context, there), name)
     yield descend_with(trial, (OPTION,), desk) if trial.total < score(now) else trial
+
+
+def _one_by_one(now: Fit, name: str) -> Fit:
+    """With an effect on each joint in the time in which it gains most there, where that pays."""
+    best = now
+    for column in now.hypothesis[name].columns:
+        if column in now.context.columns:
+            best = min([best, *_for_a_while(best, name, column)], key=score)
+    return best
 
 
 def _when(name: str, mass: Parameter) -> list[str]:
