@@ -162,13 +162,26 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     with time imitates much, none is made where what is left is known to be incomplete.
     """
     kind, context = effect(term.effect), fit.context
-    left = {c: (1 / OVER_TIME - 1) * max(fit.rest(c) - STRONG * context.count(c), 0.0) for c in needs}
+    left = {c: for_a_time(context, c, fit.cost.get(c, 0.0)) for c in needs}
     own = sum(n * len(term.moments(c)) + left[c] for c, n in needs.items() if term.moments(c))
     shared = sum(m.name in term.shared for m in kind.moments())
     if not shared:
         return own
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
     return own + usual * shared + sum(left.values())
+
+
+def for_a_time(context: Context, column: int, left: float) -> float:
+    """What is charged on a column for what does not always act, beside squared residuals so far ``left``."""
+    return (1 / OVER_TIME - 1) * max(left - (1.0 + STRONG) * context.count(column), 0.0)
+
+
+def may_be_for_a_time(context: Context, left: dict[int, float], gain: float) -> bool:
+    """Whether what does not always act may pay where so much is ``left`` of columns' squared residuals, if it
+    has a ``gain`` there.
+    """
+    stays = max(1.0 - gain / max(sum(left.values()), gain), 0.0)
+    return sum(for_a_time(context, c, stays * before) for c, before in left.items()) < gain
 
 
 def _slice(fit: Fit, column: int, values: int) -> float:

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.followed import directions
-from trunk_ros.diagnosis.search.score import need
+from trunk_ros.diagnosis.search.score import may_be_for_a_time, need
 from trunk_ros.diagnosis.search.size import different, gains, leading, merit, scaled, too_large
 from trunk_ros.diagnosis.search.windows import Gain, Sums, Window, best_window, edges_of
 from trunk_ros.effects import Effect, effect
@@ -103,14 +103,15 @@ class Screen:
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
         """A candidate with the time in which it gains most; None where it acts all the time."""
         kind, context = effect(candidate.effect), self.context
-        columns = [c for c in columns if context.timed(c)]
         if not kind.begins or len(context.views) > 1:
             return None
         there = extended(context, self.hypothesis, candidate)
-        columns = [c for c in columns if c in there[candidate.effect].own]
+        columns = [c for c in columns if c in there[candidate.effect].own and context.timed(c)]
         window = self.window(there, columns, partial(gains, kind, candidate), kind.grows)
         found = window and scaled(kind, candidate, window.rd, window.dd)
         if not window or not found or found.gain - window.price <= candidate.gain:
+            return None
+        if not may_be_for_a_time(context, {c: self.left(c) for c in columns}, found.gain / PROMISED):
             return None
         own = {c: {**start, **window.moments} for c, start in candidate.own.items()}
         return replace(found, start={**found.start, **window.moments}, own=own, free=True)
