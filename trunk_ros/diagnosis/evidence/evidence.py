@@ -42,8 +42,7 @@ class Evidence:
     strength: float
     """Root mean square of the effect over the sensor noise, over its joints."""
     rivals: dict[str, float] = field(default_factory=dict)
-    """Loss if another effect stood in its place, refitted to the same data: squared residuals, and what it
-    costs more."""
+    """Loss if another effect stood in its place, refitted to the same data (``rivals.loss``)."""
     fitted: dict[str, Hypothesis] = field(default_factory=dict)
     """The hypothesis with each rival in its place."""
     equivalents: list[str] = field(default_factory=list)

@@ -35,20 +35,21 @@ def rivals_of(state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Hypoth
 
 
 def _in_its_place(bare: Fit, old: Term, kind: type[Effect]) -> list[Hypothesis]:
-    """An effect on all joints in the place of another one: of its like with the values that this has, but for
-    one that includes it and with those values is the same.
+    """An effect on all joints in the place of another one: as a linear look finds it, and of its like also
+    with the values that this has, but for one that includes it and with those values is the same.
     """
-    if alike(kind, effect(old.effect)) and old.effect not in kind.replaces:
-        return inherited(bare.context, bare.hypothesis, old, kind)
     candidate = Screen(bare.context, bare.hypothesis).everywhere(kind)
-    return [] if candidate is None else [extended(bare.context, bare.hypothesis, candidate)]
+    found = [] if candidate is None else [extended(bare.context, bare.hypothesis, candidate)]
+    if alike(kind, effect(old.effect)) and old.effect not in kind.replaces:
+        found += inherited(bare.context, bare.hypothesis, old, kind)
+    return found
 
 
 def loss(state: Fit, rival: Fit) -> float:
-    """By how much a rival's score is worse: what says the same with one value for all joints may leave more
-    than one of each.
+    """By how much a rival leaves more, or has a worse score where that is less: what says the same with one
+    value for all joints may leave more than one of each.
     """
-    return float(priced(rival) - priced(state))
+    return float(min(rival.total - state.total, priced(rival) - priced(state)))
 
 
 def _local_rivals(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 from trunk_ros.diagnosis.context import Context
@@ -78,7 +79,9 @@ def alike(kind: type[Effect], other: type[Effect]) -> bool:
 
 
 def _inherited(best: Fit, bare: Hypothesis, name: str, kind: type[Effect]) -> Iterator[Fit]:
-    for there in inherited(best.context, bare, best.hypothesis[name], kind):
+    old = best.hypothesis[name]
+    ways = [old, replace(old, given=frozenset())] if old.given else [old]
+    for there in [there for way in ways for there in inherited(best.context, bare, way, kind)]:
         trial = refit(best.context, there)
         yield trial
         yield with_what_it_stood_for(best, trial)
