@@ -106,7 +106,7 @@ def friction(
     gearbox angles, likewise.
     """
     adjusted(core, order, now, old, new)
-    if core.rounding is None and not order.path:
+    if core.rounding is None and not order.path and np.ndim(core.middle) == 0:
         return SharpPlay().run(x, core.width, state, now.ratio)
     u = through(_at_the_joint(x, now.ratio), order.path, now, old, new)
     if not (isinstance(core.middle, float) and core.middle == 0.0):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded
@@ -14,6 +15,7 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
 from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import confused, registry
 from trunk_ros.model import load_model
@@ -23,13 +25,16 @@ LATE = {"sensor_delay": {"delay": 0.02}}
 COUPLED = {"joint_coupling": {"gain": on(5, 0.1), "source": ["", "", "", "", "joint_2"]}}
 
 
-def judged(effects: dict[str, dict[str, Any]]) -> Evidence:
-    """Evidence for the late sensor in a recording of these effects, found as they are."""
+def judged(effects: dict[str, dict[str, Any]], name: str = "sensor_delay", exact: bool = True) -> Evidence:
+    """Evidence for an effect in a recording of these, found as they are; ``exact``: formulas may be off by
+    nothing.
+    """
     nominal = load_model("trunk")
     stage = WireStage([wire_span(recorded(effects, 20.0), nominal)], nominal)
     truth = hypothesis_of(effects, "wire", len(stage.joints))
-    context = first_look(stage).seen_with(truth).weighed(truth)
-    return one_evidence(refit(context, truth), "sensor_delay")
+    context = first_look(stage) if exact else begun(first_look(stage)).context
+    context = context.seen_with(truth).weighed(truth)
+    return one_evidence(refit(context, truth), name)
 
 
 def test_a_lag_of_all_joints_is_a_late_sensor_where_none_pulls_at_another() -> None:
@@ -41,6 +46,17 @@ def test_a_joint_that_lags_pulls_late_where_a_sensor_that_is_late_does_not() -> 
     assert found.equivalents == []
     assert found.rivals["viscous_lag"] > 1000.0
     assert found.confidence == pytest.approx(0.95)
+
+
+@pytest.mark.parametrize(("off", "same"), [(0.02, True), (0.3, False)])
+def test_dead_bands_that_are_all_wider_by_nearly_one_factor_may_be_the_tension(
+    off: float, same: bool
+) -> None:
+    factor = 1.0 + 3.0 * (1.0 + off * np.array([1.0, -1.0, 1.0, -1.0, 1.0]))
+    wide = (factor - 1.0) * load_model("trunk").arm.dead_band
+    assert (
+        "tension_error" in judged({"backlash": {"half_width": wide}}, "backlash", exact=False).equivalents
+    ) == same
 
 
 def stretch(whole: Recording, begin: float, end: float) -> Recording:

@@ -86,3 +86,16 @@ def test_a_small_dead_band_follows_the_stiffness(kind: type[Sagging], bend: str,
         slope = float(np.subtract(*ends)[0, 0]) / (2.0 * step) / 0.03
         assert float(core.width[0, 0] / small[0, 0]) == pytest.approx(slope, rel=1e-3)
         assert abs(float(np.asarray(core.middle)[0, 0])) < 1e-9
+
+
+@pytest.mark.parametrize("rubbing", [0.0, 0.5, 2.0])
+def test_a_wire_that_creeps_before_the_friction_gives_way_under_it_while_the_joint_is_held(
+    rubbing: float,
+) -> None:
+    creep = {"gain": np.zeros(5), "rubbing": np.full(5, rubbing), "time_constant": 1.0, "form": "upstream"}
+    stamp = np.arange(0.0, 20.0, 1e-3)
+    there_and_back = np.interp(stamp, [0.0, 0.02, 19.0, 19.1], [0.0, 0.1, 0.1, 0.099])
+    gearbox = there_and_back[:, None] / ARM.ratio
+    shown, _ = Chain(Model(ARM, {"viscoelastic_creep": creep}), "wire").run(gearbox, stamp)
+    needed = 0.1 - there_and_back[shown[:, 0] > shown[18900, 0] - 1e-9][-1]
+    assert needed == pytest.approx(ARM.dead_band[0] * (1.0 + 1.0 / (1.0 + rubbing)), rel=0.1)

@@ -38,6 +38,15 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "picked up": {
         "load_elasticity": {"compliance": np.full(5, 0.03), "payload": 0.1, "payload_from": 9.0},
     },
+    "two give way": {
+        "load_elasticity": {"compliance": on(2, 0.03) + on(5, 0.2), "from": np.full(5, 15.0)},
+    },
+    "slack": {
+        "wire_slack": {
+            "compliance": np.array([0.05, 0.05, 0.05, 0.05, 0.3]),
+            "threshold": np.array([0.04, 0.03, 0.02, 0.01, 2e-3]),
+        },
+    },
     "upstream": {"load_elasticity": {"compliance": np.full(5, 0.05), "upstream": 1.0}},
     "payload": {"load_elasticity": {"compliance": np.full(5, 0.03), "payload": 0.08}},
     "gaussian": {

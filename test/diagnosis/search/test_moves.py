@@ -93,6 +93,13 @@ def test_member_lets_a_joint_join_what_acts_on_all() -> None:
     ]
 
 
+def test_member_begins_anew_where_a_value_was_led_to_where_it_changes_nothing() -> None:
+    slack = {c: {"compliance": 0.05, "threshold": 0.04 - 0.01 * c} for c in range(4)}
+    slack[4] = {"compliance": 0.3, "threshold": 900.0}
+    best = improved("member", "slack", Term("wire_slack", "sharp", own=slack))
+    assert best.hypothesis["wire_slack"].own[4]["threshold"] == pytest.approx(2e-3, rel=0.2)
+
+
 def test_option_finds_the_payload() -> None:
     best = improved("option", "payload", sag(range(5)))
     assert best.hypothesis["load_elasticity"].shared["payload"] == pytest.approx(0.08, rel=0.05)
@@ -157,6 +164,23 @@ def test_event_takes_a_payload_up() -> None:
     found = best.hypothesis["load_elasticity"].shared
     assert found["payload"] == pytest.approx(0.1, rel=0.1)
     assert found["payload_from"] == pytest.approx(9.0, abs=0.05)
+
+
+def test_event_tells_what_gives_way_on_two_joints_from_a_payload() -> None:
+    soft = Term("load_elasticity", own={c: {"compliance": 0.02} for c in (1, 4)})
+    best = improved("event", "two give way", soft).hypothesis["load_elasticity"]
+    assert not best.shared
+    assert [best.own[c]["from"] for c in (1, 4)] == pytest.approx([15.0, 15.0], abs=0.1)
+
+
+def test_swap_all_keeps_the_moments_of_what_it_exchanges() -> None:
+    payload = {"payload": 0.1, "payload_from": 9.0}
+    slack = Term(
+        "wire_slack", "sharp", payload, {c: {"compliance": 0.03, "threshold": 50.0} for c in range(5)}
+    )
+    best = improved("swap_all", "picked up", slack).hypothesis
+    assert list(best) == ["load_elasticity"]
+    assert best["load_elasticity"].shared["payload_from"] == pytest.approx(9.0, abs=0.05)
 
 
 def test_swap_many_moves_a_neighbour_off_all_joints_at_once() -> None:

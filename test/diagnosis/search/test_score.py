@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.search.score import (
     SLICE,
     UNSHOWN,
     beats,
+    may_be_for_a_time,
     naming,
     need,
     price,
@@ -96,3 +97,13 @@ def test_a_drag_that_never_slides_is_told_from_nothing(share: float, slides: boo
     values = {"gain": 0.1, "drag": 0.1, "reach": share * float(np.ptp(source))}
     drag = Term("joint_coupling", "drag", own={2: values}, words={2: {"source": seen.joints[1]}})
     assert (score(costed(seen, Hypothesis(joint_coupling=drag))) < UNSHOWN) == slides
+
+
+def test_what_lasts_for_a_time_is_no_candidate_where_it_would_leave_a_strong_residual() -> None:
+    """Else such candidates, which nobody may claim, keep those from being fitted that act all the time."""
+    now = fitted("two")
+    left = {2: now.cost[2]}
+    assert not may_be_for_a_time(now.context, left, 0.5 * now.cost[2])
+    assert may_be_for_a_time(now.context, left, now.cost[2])
+    quiet = {2: 1.5 * now.context.count(2)}
+    assert may_be_for_a_time(now.context, quiet, 0.2 * quiet[2])

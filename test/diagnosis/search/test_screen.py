@@ -5,12 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import on
 from test.diagnosis.search.looks import fitted
+from trunk_ros.chain import Chain
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.candidates import local_kinds
-from trunk_ros.diagnosis.search.fit import Residuals, refit
+from trunk_ros.diagnosis.search.candidates import extended, local_kinds
+from trunk_ros.diagnosis.search.fit import Residuals, refit, refit_column
+from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.trial import may_win
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects import effect
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
 
 DELAY = Term("sensor_delay", shared={"delay": 0.01}, own={c: {} for c in range(5)})
 
@@ -65,3 +74,22 @@ def test_looks_that_were_kept_are_not_taken_again() -> None:
     assert screen.ranked(kinds, 2, len(kinds), kept=kept) == found
     assert now.context.work.done == done
     assert "backlash" in {candidate.effect for candidate in found}
+
+
+def test_a_zero_within_the_play_is_seen_on_a_joint_that_stands_at_first() -> None:
+    model, stamp = load_model("trunk"), np.arange(0.0, 30.0, 0.01)
+    turns = np.where(stamp > 18.0, 0.2 * np.sin(2.0 * (stamp - 18.0)), 0.0)[:, None] * np.ones(5)
+    there = Model(model.arm, {"zero_offset": {"offset": on(3, -4e-4)}})
+    theta, _ = Chain(there, "wire").run(turns, stamp)
+    theta = theta + np.random.default_rng(1).normal(size=theta.shape) * 1e-4
+    theta[stamp < 18.0, 2] += 4e-4  # it stands in the middle of its play
+    joints = model.arm.joints
+    series = {
+        "gearbox_states": JointSeries(stamp, joints, turns),
+        "joint_states": JointSeries(stamp, joints, theta),
+    }
+    recording = Recording("stands", 0, float(stamp[-1]), series)
+    first = begun(first_look(WireStage([wire_span(recording, model)], model)))
+    (look, *_) = Screen(first.context, first.hypothesis).forms(effect("zero_offset"), 2)
+    fitted = refit_column(first, extended(first.context, first.hypothesis, look), 2)
+    assert look.gain > 0.9 * (first.cost[2] - fitted.cost[2]) > 1000.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from trunk_ros.diagnosis.evidence.evidence import Evidence, by_its_own_angles, doubt
+from trunk_ros.diagnosis.evidence.evidence import Evidence, doubt
+from trunk_ros.diagnosis.evidence.rivals import by_its_own_angles
 from trunk_ros.diagnosis.experiment.discrimination import Duel, Other
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import REFITTED

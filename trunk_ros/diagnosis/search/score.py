@@ -122,8 +122,9 @@ def price(fit: Fit, term: Term) -> float:
     value = FURTHER * float(np.mean([chance(context, c) for c in columns]))
     if kind.everywhere:
         usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
-        alike = not any(term.moments(c) for c in columns)
-        each = value * max(len(free) - 1, 0) - alike * name * len(needs)
+        each = value * max(len(free) - 1, 0) - name * len(needs)
+        if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
+            usual, each = sum(needs.values()), value * max(len(free) - len(needs), 0)
         return name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
@@ -163,7 +164,7 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     incomplete.
     """
     kind, context = effect(term.effect), fit.context
-    left = {c: (1 / OVER_TIME - 1) * max(fit.rest(c) - STRONG * context.count(c), 0.0) for c in needs}
+    left = {c: for_a_time(context, c, fit.cost.get(c, 0.0)) for c in needs}
     names = {name for c in needs for name in term.moments(c)}
     times = [[(term.own[c][name], n) for c, n in needs.items() if name in term.own[c]] for name in names]
     own = sum(map(_apart, times)) + sum(left[c] for c in needs if term.moments(c))
@@ -184,6 +185,19 @@ def _apart(times: list[tuple[float, float]]) -> float:
             total, least = total + least, np.inf
         last, least = at, min(least, price)
     return total + least
+
+
+def for_a_time(context: Context, column: int, left: float) -> float:
+    """What is charged on a column for what does not always act, beside squared residuals so far ``left``."""
+    return (1 / OVER_TIME - 1) * max(left - (1.0 + STRONG) * context.count(column), 0.0)
+
+
+def may_be_for_a_time(context: Context, left: dict[int, float], gain: float) -> bool:
+    """Whether what does not always act may pay where so much is ``left`` of columns' squared residuals, if it
+    has a ``gain`` there.
+    """
+    stays = max(1.0 - gain / max(sum(left.values()), gain), 0.0)
+    return sum(for_a_time(context, c, stays * before) for c, before in left.items()) < gain
 
 
 def _slice(fit: Fit, column: int, values: int) -> float:

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.followed import directions
-from trunk_ros.diagnosis.search.score import FURTHER, chance, need
+from trunk_ros.diagnosis.search.score import FURTHER, chance, may_be_for_a_time, need
 from trunk_ros.diagnosis.search.size import different, leading, merit, reach, scaled, too_large
 from trunk_ros.diagnosis.search.starts import Starts
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_course, best_window
@@ -106,13 +106,15 @@ class Screen:
         """
         kind, context = effect(candidate.effect), self.context
         columns = [c for c in columns if context.timed(c)]
-        if not kind.begins:
+        if not kind.begins or len(context.views) > 1:
             return None
         there = extended(context, self.hypothesis, candidate)
         changes = {c: self.change(there, c) for c in columns if c in there[candidate.effect].own}
         window = self.window(changes, reach(kind, candidate), kind.grows)
         found = window and scaled(kind, candidate, window.rd, window.dd)
         if not window or not found or found.gain - window.price <= candidate.gain:
+            return None
+        if not may_be_for_a_time(context, {c: self.left(c) for c in changes}, found.gain / PROMISED):
             return None
         own = {c: {**start, **window.moments} for c, start in candidate.own.items()}
         return replace(found, start={**found.start, **window.moments}, own=own, free=True)
@@ -121,10 +123,10 @@ class Screen:
         self, changes: dict[int, Array], within: Reach, grows: bool = False, once: bool = False
     ) -> Window | None:
         """The time in which changes (rows,) of the predictions of some columns gain most; None for all the
-        time alike, and for several recordings. ``grows``: it may do so little by little; ``once``: in one
+        time alike. ``grows``: it may do so little by little; ``once``: in one
         window only.
         """
-        if not changes or len(self.context.views) > 1:
+        if not changes:
             return None
         span = self.context.views[0].span
         seen = [

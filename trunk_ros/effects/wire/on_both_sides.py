@@ -13,7 +13,7 @@ from trunk_ros.parameter import Parameter
 
 UPSTREAM = Parameter(
     "upstream", "1", (0.0, 1.0), "share of the stretch that lies between gearbox and friction", typical=0.5,
-    shared=True, optional=True,
+    shared=True, optional=True, scan=(0.2, 0.5),
 )  # fmt: skip
 
 

@@ -5,13 +5,19 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.filters import kept, lag_step, lowpass
+from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
 
 class ViscoelasticCreep(Effect):
-    """theta = p - gain lowpass(p), one or two time constants."""
+    """theta = p - gain lowpass(p), one or two time constants; upstream: the wire creeps before the friction,
+    under the friction as well, theta = play(u - lowpass(q gain theta + rubbing z)) with the stretch z that
+    bears the friction, where the play is q = rubbing/(rubbing + gain) of what it would be: the spring by
+    whose pull the wire creeps takes its part of the friction.
+    """
 
     id = "viscoelastic_creep"
     stage, place, regime = "wire", 300, "hold"
@@ -20,10 +26,11 @@ class ViscoelasticCreep(Effect):
     )
     remembers = True
     source = (
-        "Standard linear solid (Zener), one or two Maxwell branches: Palli et al. (2012), Mechatronics 22(6)."
+        "Standard linear solid (Zener), one or two Maxwell branches: Palli et al. (2012), Mechatronics "
+        "22(6). upstream: it in series with dry friction."
     )
-    forms = ("one_mode", "two_modes")
-    refined = ("two_modes",)
+    forms = ("one_mode", "two_modes", "upstream")
+    refined = ("two_modes", "upstream")
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
         Parameter(
@@ -51,11 +58,30 @@ class ViscoelasticCreep(Effect):
             shared=True,
             scan=(1.0,),
         ),
+        Parameter(
+            "rubbing", "1", (0.0, 5.0), "creep of the wire over its stretch, under the friction", typical=0.2
+        ),
     )
     confused_with = (
         ("thermal_drift", "hold at zero and far from it: creep follows the deflection"),
         ("viscous_lag", "hold still after a move: a lag is over in a fraction of a second"),
     )
+
+    @property
+    def acts_at(self) -> int:
+        return self.CORE if self.form == "upstream" else self.place
+
+    def adjust(self, core: Core, now: Now) -> None:
+        gain, rubbing = self["gain"], self["rubbing"]
+        lets = np.where(gain == 0.0, 1.0, rubbing / np.maximum(rubbing + np.abs(gain), ROUNDED))
+        core.width = core.width * lets
+        u = now.gearbox * now.ratio + core.middle
+        crept = lets * gain * u[0]
+        memory = np.array([u[0], crept, crept]) if core.old.get(self.id) is None else core.old[self.id].copy()
+        out, width = np.empty_like(u), np.ascontiguousarray(np.broadcast_to(core.width, u.shape))
+        creep_before(u, width, lets * gain, rubbing, self["time_constant"], now.dt, memory, out)
+        core.new[self.id] = memory
+        core.middle = core.middle - out
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         gains, constants = self._modes()
@@ -75,7 +101,7 @@ class ViscoelasticCreep(Effect):
 
     def _modes(self) -> tuple[Array, Array]:
         """Gains and time constants, (modes, columns) each."""
-        if self.form == "one_mode":
+        if self.form != "two_modes":
             return self["gain"][None], self["time_constant"][None]
         gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
         return gains, np.stack([self["time_constant"], self["time_constant_2"]])
@@ -87,7 +113,31 @@ class ViscoelasticCreep(Effect):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return cls.parameters if form == "two_modes" else cls.parameters[:2]
+        return {"two_modes": cls.parameters[:4], "upstream": (*cls.parameters[:2], cls.parameters[4])}.get(
+            form, cls.parameters[:2]
+        )
+
+
+@compiled
+def creep_before(
+    u: Array, width: Array, gain: Array, rubbing: Array, constant: Array, dt: Array, memory: Array, out: Array
+) -> None:
+    """By how much the wire before a play has crept, (n, columns) rad, as it moves by ``u`` (n, columns) rad;
+    ``memory`` (3, columns) is the joint's angle, what bears on the wire and what that has made it creep.
+    """
+    steps, columns = u.shape
+    for j in range(columns):
+        theta, bears, crept = memory[0, j], memory[1, j], memory[2, j]
+        for k in range(steps):
+            ramp, decay = lag_step(dt[k], constant[j])
+            ahead = u[k, j] - decay * crept - (1.0 - decay) * bears
+            w = max(width[k, j], 0.0)
+            theta = min(max(theta, ahead - w), ahead + w)
+            new = gain[j] * theta + rubbing[j] * (ahead - theta)
+            crept = ramp * new + (1.0 - ramp - decay) * bears + decay * crept
+            bears = new
+            out[k, j] = crept
+        memory[0, j], memory[1, j], memory[2, j] = theta, bears, crept
 
 
 @compiled

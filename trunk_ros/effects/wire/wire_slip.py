@@ -29,6 +29,7 @@ class WireSlip(Effect):
     )
     confused_with = (
         ("thermal_drift", "record longer: a drift goes on"),
+        ("zero_offset", "look at the start, while the joint moves: before a slip its zero was right"),
         ("unknown_jumps", "record longer: a slipped wire does not come back"),
     )
 

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
@@ -28,3 +30,12 @@ class ZeroOffset(Effect):
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return y - self["offset"], None
+
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
+        """As much as is to be explained: a joint that stands as it began shows only what is beyond its play,
+        so that a look at any other size is no look at this one.
+        """
+        size = 0.0 if rest is None else float(np.sqrt(np.mean(rest**2)))
+        return (size,) if size > 0.0 else super().grid(parameter, now, column, rest)

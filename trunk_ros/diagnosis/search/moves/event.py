@@ -28,7 +28,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     if len(best.context.views) > 1:
         return
     for name, term in best.hypothesis.items():
-        for mass in (m for m in effect(name).carried() if effect(name).begins and not _when(term, m)):
+        for mass in effect(name).carried() if effect(name).begins else ():
             trials, promise = partial(_taken_up, best, desk, name, mass), partial(_promise, best, name, mass)
             yield Group((name, mass.name), best.context.columns, trials, promise)
         taken_up = any(m.name in term.shared for m in effect(name).moments())
@@ -52,14 +52,23 @@ def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
 
 def _promise(now: Fit, name: str, mass: Parameter) -> float:
     """What a mass for a time may gain, and all that may be saved."""
+    if _when(now.hypothesis[name], mass):
+        return np.inf
     _, window = _seen(Screen(now.context, _without(now.hypothesis, name, mass)), name, mass)
     gain = 0.0 if window is None else window.gain(_reach(mass))
     return score(now) - now.total + gain / PROMISED
 
 
 def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]:
-    """With a mass at the tip for the time in which that gains most, judged with the options that follow."""
-    screen = Screen(now.context, _without(now.hypothesis, name, mass))
+    """With a mass at the tip for the time in which that gains most, judged with the options that follow, and
+    what else looks like it: the effect itself that begins on joint after joint.
+    """
+    bare = _without(now.hypothesis, name, mass)
+    if _when(now.hypothesis[name], mass):
+        yield _one_by_one(refit(now.context, bare), name)
+        return
+    yield _one_by_one(now, name)
+    screen = Screen(now.context, bare)
     there, window = _seen(screen, name, mass)
     if window is None:
         return
@@ -70,6 +79,15 @@ def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]
     trial = dated(refit(now.context, there), name)
     sizes = only(SPELL, (name, None, f"{mass.name}_"))
     yield descend_with(trial, (sizes, OPTION), desk) if trial.total < score(now) else trial
+
+
+def _one_by_one(now: Fit, name: str) -> Fit:
+    """With an effect on each joint in the time in which it gains most there, where that pays."""
+    best = now
+    for column in now.hypothesis[name].columns:
+        if column in now.context.columns:
+            best = min([best, *_for_a_while(best, name, column)], key=score)
+    return best
 
 
 def _when(term: Term, mass: Parameter) -> list[str]:

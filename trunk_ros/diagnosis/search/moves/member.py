@@ -1,4 +1,6 @@
-"""Which joints an effect is on that acts on all; one without values of a joint's own is left by none."""
+"""Which joints an effect is on that acts on all, and from where their own values are fitted; one without
+such values is left by none.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from functools import partial
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import taken
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
-from trunk_ros.diagnosis.search.fit import Fit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit_column
 from trunk_ros.diagnosis.search.state import structure_of
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
@@ -27,9 +29,27 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def left(now: Fit, name: str, column: int) -> Iterator[Fit]:
-    """Without an effect on one of its joints."""
-    if len(now.hypothesis[name].columns) > 1:
-        yield refit_column(now, now.hypothesis.without(name, column), column)
+    """Without an effect on one of its joints; where more than noise is left there, also with it begun anew: a
+    value that was led to where it changes nothing does not find back.
+    """
+    if len(now.hypothesis[name].columns) == 1:
+        return
+    yield refit_column(now, now.hypothesis.without(name, column), column)
+    if now.beyond_noise(column) > 0.0:
+        begun = [costed_on(now, there, column) for there in _anew(now, name, column)]
+        if begun:
+            yield refit_column(now, min(begun, key=lambda fit: fit.total).hypothesis, column)
+
+
+def _anew(now: Fit, name: str, column: int) -> Iterator[Hypothesis]:
+    """With the first of a joint's own values at each of its starts."""
+    form = now.hypothesis[name].form
+    lead = effect(name).own_parameters(form)[0].name
+    for start in effect(name)({}, {}, form).starts(now.context.shown(column), 0):
+        if lead in now.hypothesis[name].own[column]:
+            there = now.hypothesis.copy()
+            there[name].own[column][lead] = start[lead]
+            yield there
 
 
 def joined(now: Fit, name: str, column: int) -> Iterator[Fit]:

@@ -66,10 +66,10 @@ def _freed(now: Fit, name: str) -> Hypothesis:
     return out
 
 
-def _with(now: Fit, name: str, parameter: Parameter) -> Hypothesis:
-    """With the usual value of an option."""
+def _with(now: Fit, name: str, parameter: Parameter, start: float | None = None) -> Hypothesis:
+    """With an option at a value, or at its usual one."""
     out = now.hypothesis.copy()
-    out[name].shared[parameter.name] = parameter.typical
+    out[name].shared[parameter.name] = parameter.typical if start is None else start
     return out
 
 
@@ -96,7 +96,8 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     if trial[name].shared.pop(parameter.name, None) is not None:
         yield refit_to_win(now, trial)
         return
-    yield refit_to_win(now, _with(now, name, parameter))
+    for start in parameter.scan or (parameter.typical,):
+        yield refit_to_win(now, _with(now, name, parameter, start))
     if not parameter.carried:
         return
     bare, free, shared = now.hypothesis.without(name), not now.hypothesis[name].given, trial[name].shared

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds, replaced, taken, usable
@@ -77,24 +79,30 @@ def alike(kind: type[Effect], other: type[Effect]) -> bool:
 
 
 def _inherited(best: Fit, bare: Hypothesis, name: str, kind: type[Effect]) -> Iterator[Fit]:
-    """An effect with the values that one of its like has, and each start of what it has besides."""
-    old, context, begun = best.hypothesis[name], best.context, []
-    for form in kind.forms:
-        starts = {c: kind({}, {}, form).starts(context.shown(c), 0) for c in old.columns}
-        for k in range(max(map(len, starts.values()))):
-            term = Term(kind.id, form, given=old.given)
-            for p in kind.own_parameters(form):
-                if p.shared and p.name in old.shared:
-                    term.shared[p.name] = old.shared[p.name]
-                for c in old.columns if not p.shared else ():
-                    term.own.setdefault(c, {})[p.name] = old.own[c].get(
-                        p.name, starts[c][k % len(starts[c])][p.name]
-                    )
-            begun.append(costed(context, Hypothesis({**bare.copy(), kind.id: term})))
-    for start in sorted(begun, key=lambda fit: fit.total)[:REFITTED]:
-        trial = refit(context, start.hypothesis)
+    old = best.hypothesis[name]
+    ways = [old, replace(old, given=frozenset())] if old.given else [old]
+    for there in [there for way in ways for there in inherited(best.context, bare, way, kind)]:
+        trial = refit(best.context, there)
         yield trial
         yield with_what_it_stood_for(best, trial)
+
+
+def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect]) -> list[Hypothesis]:
+    """An effect with the values and moments that one of its like has, and the best starts of what it has
+    besides.
+    """
+    begun = []
+    for form in kind.forms:
+        starts = {c: kind({}, {}, form).starts(context.shown(c), 0) for c in old.columns}
+        used = kind.used(form)
+        shared = {p.name: old.shared[p.name] for p in used if p.shared and p.name in old.shared}
+        names = [p.name for p in used if not p.shared]
+        for k in range(max(map(len, starts.values()))):
+            values = {c: {**starts[c][k % len(starts[c])], **old.own[c]} for c in old.columns}
+            own = {c: {n: found[n] for n in names if n in found} for c, found in values.items()}
+            term = Term(kind.id, form, dict(shared), own, given=old.given)
+            begun.append(costed(context, Hypothesis({**bare.copy(), kind.id: term})))
+    return [fit.hypothesis for fit in sorted(begun, key=lambda fit: fit.total)[:REFITTED]]
 
 
 def with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
