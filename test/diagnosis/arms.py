@@ -36,9 +36,10 @@ def recorded(
     seed: int = 0,
     noise: float = NOISE,
     name: str = "made",
-    size: float = 1.0,
+    size: float | np.ndarray = 1.0,
 ) -> Recording:
-    """Setpoints, gearbox and joints of the nominal arm with some effects; ``size`` scales the motion."""
+    """Setpoints, gearbox and joints of the nominal arm with some effects; ``size`` scales the motion, of each
+    joint or of all."""
     nominal = load_model("trunk")
     model = Model(nominal.arm, effects or {})
     joints, stamp = nominal.arm.joints, np.arange(int(seconds * RATE)) / RATE

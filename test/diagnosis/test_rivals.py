@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded
@@ -23,13 +24,13 @@ LATE = {"sensor_delay": {"delay": 0.02}}
 COUPLED = {"joint_coupling": {"gain": on(5, 0.1), "source": ["", "", "", "", "joint_2"]}}
 
 
-def judged(effects: dict[str, dict[str, Any]]) -> Evidence:
-    """Evidence for the late sensor in a recording of these effects, found as they are."""
+def judged(effects: dict[str, dict[str, Any]], name: str = "sensor_delay", **how: Any) -> Evidence:
+    """Evidence for one effect in a recording of these effects, found as they are."""
     nominal = load_model("trunk")
-    stage = WireStage([wire_span(recorded(effects, 20.0), nominal)], nominal)
+    stage = WireStage([wire_span(recorded(effects, 20.0, **how), nominal)], nominal)
     truth = hypothesis_of(effects, "wire", len(stage.joints))
     context = first_look(stage).seen_with(truth).weighed(truth)
-    return one_evidence(refit(context, truth), "sensor_delay")
+    return one_evidence(refit(context, truth), name)
 
 
 def test_a_lag_of_all_joints_is_a_late_sensor_where_none_pulls_at_another() -> None:
@@ -41,6 +42,15 @@ def test_a_joint_that_lags_pulls_late_where_a_sensor_that_is_late_does_not() -> 
     assert found.equivalents == []
     assert found.rivals["viscous_lag"] > 1000.0
     assert found.confidence == pytest.approx(0.95)
+
+
+@pytest.mark.parametrize(("slow", "told"), [(0.02, False), (1.0, True)])
+def test_a_lag_of_one_joint_may_be_a_late_sensor_where_the_others_hardly_move(
+    slow: float, told: bool
+) -> None:
+    lag = {"viscous_lag": {"time_constant": on(2, 0.002)}}
+    found = judged(lag, "viscous_lag", seed=1, size=np.where(on(2, 1.0), 1.0, slow))
+    assert ("sensor_delay" not in found.equivalents) == told
 
 
 def stretch(whole: Recording, begin: float, end: float) -> Recording:

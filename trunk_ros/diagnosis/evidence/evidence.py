@@ -4,21 +4,19 @@ well.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from trunk_ros.diagnosis.cores import each
+from trunk_ros.diagnosis.evidence.rivals import rivals, without
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, REFITTED, ROUGH
-from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
-from trunk_ros.diagnosis.search.credible import hidden
-from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit, refit_column
+from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, ROUGH
+from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.diagnosis.work import Work
-from trunk_ros.effects import Effect, confused, effect
+from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import BLIND, ROUNDED
@@ -186,7 +184,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     limit = doubt(state, gain)
     out = Evidence(gain, needed(state, gain), strength(state, name))
     if effect(name).named:
-        fits = _rivals(state, name, bare)
+        fits = rivals(state, name, bare, limit)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         for rival in [rival for rival, loss in out.rivals.items() if loss < limit]:
@@ -194,8 +192,8 @@ def one_evidence(state: Fit, name: str) -> Evidence:
             if own is not None:
                 out.rivals[rival], out.fitted[rival] = float(own.total - state.total), own.hypothesis
         near = [rival for rival, loss in out.rivals.items() if loss < limit]
-        before = {rival: len(_without(bare.hypothesis, rival, columns)) for rival in near}
-        told = [rival for rival in near if len(_without(out.fitted[rival], rival, columns)) < before[rival]]
+        before = {rival: len(without(bare.hypothesis, rival, columns)) for rival in near}
+        told = [rival for rival in near if len(without(out.fitted[rival], rival, columns)) < before[rival]]
         out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:EQUIVALENTS]
     out.confidence = likely(limit or 1.0, sum(gain.values()), list(out.rivals.values()))
     return out
@@ -220,57 +218,6 @@ def strength(state: Fit, name: str) -> float:
             / context.noise[c].std ** 2
         )
     return float(np.sqrt(np.mean(power))) if power else 0.0
-
-
-def _rivals(state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Hypothesis]]:
-    """Loss of each promising effect in the place of one, on the same joints, and the hypothesis with it: also
-    of what the motion cannot show, as it cannot rule it out either.
-    """
-    context = state.context.doubting()
-    bare = replace(bare, context=context)
-    columns = [c for c in state.hypothesis[name].columns if c in context.columns]
-    kinds = [k for k in usable(context) if k.id != name]
-    losses = _local_rivals(state, bare, columns, [k for k in kinds if not k.everywhere], confused(name))
-    if effect(name).everywhere or len(columns) == len(context.columns):
-        for kind in (k for k in kinds if k.everywhere and k.id not in state.hypothesis):
-            candidate = Screen(context, bare.hypothesis).everywhere(kind)
-            if candidate is not None:
-                trial = refit(context, extended(context, bare.hypothesis, candidate))
-                losses[kind.id] = float(trial.total - state.total), trial.hypothesis
-    return losses
-
-
-def _local_rivals(
-    state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]], like: Collection[str]
-) -> dict[str, tuple[float, Hypothesis]]:
-    """The same of effects that a joint has by itself, of all ``like`` it among them; where a joint has one
-    already, that is refitted.
-    """
-    context, screen = bare.context, Screen(bare.context, bare.hypothesis, columns)
-    new = {k.id: _without(bare.hypothesis, k.id, columns) for k in kinds}
-    kinds = [
-        k for k in kinds if new[k.id] and all(is_open(context, bare.hypothesis, k, c) for c in new[k.id])
-    ]
-    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, REFITTED, like) for c in columns}
-    losses: dict[str, tuple[float, Hypothesis]] = {}
-    for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
-        loss, fitted = 0.0, bare.hypothesis.copy()
-        for c in columns:
-            found = [x for x in ranked[c] if x.effect == name]
-            trials = found or screen.forms(effect(name), c)[:1] if c in new[name] else []
-            fits = [refit_column(bare, extended(context, bare.hypothesis, x), c) for x in trials]
-            fits = [f for f in fits if c not in hidden(context, f.hypothesis[name])]
-            best = min(fits, key=lambda f: f.cost[c], default=bare)
-            loss += best.cost[c] - state.cost[c]
-            fitted.take(c, best.hypothesis)
-        losses[name] = float(loss), fitted
-    return losses
-
-
-def _without(hypothesis: Hypothesis, name: str, columns: list[int]) -> list[int]:
-    """Those of the columns that do not have an effect."""
-    has = hypothesis[name].columns if name in hypothesis else []
-    return [c for c in columns if c not in has]
 
 
 def likely(limit: float, gain: float, losses: list[float]) -> float:
