@@ -53,6 +53,15 @@ def test_a_lag_of_one_joint_may_be_a_late_sensor_where_the_others_hardly_move(
     assert ("sensor_delay" not in found.equivalents) == told
 
 
+@pytest.mark.parametrize(("size", "told"), [(0.4, True), (2.0, False)])
+def test_a_joint_that_sags_may_be_one_of_another_ratio_that_is_coupled_unless_it_goes_far(
+    size: float, told: bool
+) -> None:
+    both = np.array([size, size, 0.0, 0.0, 0.0])
+    found = judged({"load_elasticity": {"compliance": on(2, 0.02)}}, "load_elasticity", seed=1, size=both)
+    assert (["joint_coupling", "ratio_error"] in found.equivalents) == told
+
+
 def stretch(whole: Recording, begin: float, end: float) -> Recording:
     """What was recorded from ``begin`` to ``end`` [s]."""
     return replace(whole, series={key: each.between(begin, end) for key, each in whole.series.items()})

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trunk_ros.diagnosis.cores import each
-from trunk_ros.diagnosis.evidence.rivals import rivals, without
+from trunk_ros.diagnosis.evidence.rivals import Looks, rivals, without
+from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
@@ -45,7 +46,7 @@ class Evidence:
     """Loss if another effect stood in its place, refitted to the same data."""
     fitted: dict[str, Hypothesis] = field(default_factory=dict)
     """The hypothesis with each rival in its place."""
-    equivalents: list[str] = field(default_factory=list)
+    equivalents: list[str | list[str]] = field(default_factory=list)
     confidence: float = 0.0
 
     @property
@@ -183,8 +184,11 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
     limit = doubt(state, gain)
     out = Evidence(gain, needed(state, gain), strength(state, name))
+    losses: list[float] = []
     if effect(name).named:
-        fits = rivals(state, name, bare, limit)
+        doubted = replace(bare, context=context.doubting())
+        looks = Looks.of(doubted, [c for c in columns if c in context.columns])
+        fits = rivals(state, name, doubted, looks, limit)
         out.rivals = {rival: loss for rival, (loss, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         for rival in [rival for rival, loss in out.rivals.items() if loss < limit]:
@@ -194,8 +198,13 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         near = [rival for rival, loss in out.rivals.items() if loss < limit]
         before = {rival: len(without(bare.hypothesis, rival, columns)) for rival in near}
         told = [rival for rival in near if len(without(out.fitted[rival], rival, columns)) < before[rival]]
-        out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:EQUIVALENTS]
-    out.confidence = likely(limit or 1.0, sum(gain.values()), list(out.rivals.values()))
+        alone = sorted(told, key=lambda rival: (out.rivals[rival], rival))
+        losses += out.rivals.values()
+        both = pairs(state, name, doubted, looks, out.asked, {name, *near, *state.hypothesis})
+        said = sorted(both, key=lambda pair: (both[pair], pair))
+        out.equivalents = [*alone, *(list(pair) for pair in said)][:EQUIVALENTS]
+        losses += [loss + out.asked for loss in both.values()]  # a second effect has its price
+    out.confidence = likely(limit or 1.0, sum(gain.values()), losses)
     return out
 
 

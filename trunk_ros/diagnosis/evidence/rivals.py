@@ -3,27 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import REFITTED
-from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
+from trunk_ros.diagnosis.search.candidates import Candidate, extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.effects import Effect, confused, effect
 
+Found = dict[str, tuple[float, Hypothesis]]
+"""Loss of each rival, and the hypothesis with it."""
 
-def rivals(state: Fit, name: str, bare: Fit, limit: float) -> dict[str, tuple[float, Hypothesis]]:
+
+@dataclass(frozen=True)
+class Looks:
+    """A linear look at some columns without an effect, and by column what it promised of each other one."""
+
+    screen: Screen
+    kept: dict[int, Kept]
+
+    @classmethod
+    def of(cls, bare: Fit, columns: list[int]) -> Looks:
+        """Nothing looked at so far."""
+        return cls(Screen(bare.context, bare.hypothesis, columns), {c: {} for c in columns})
+
+    def promising(self, column: int, but: Collection[str]) -> list[Candidate]:
+        """The best start of each effect that a column may have, but of some; of what another joint causes,
+        one from each.
+        """
+        best = [max(some, key=lambda x: x.gain) for some in self.kept[column].values() if some]
+        found = []
+        for one in [one for one in best if one.effect not in but]:
+            starts = (
+                self.screen.starts(effect(one.effect), one.form, column) if effect(one.effect).texts else []
+            )
+            found += [replace(one, start=start) for start in starts] or [one]
+        return found
+
+
+def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Found:
     """Loss of each promising effect in the place of one, and the hypothesis with it: on the same joints, and
     on all joints where others show too little of it to rule it out. Also of what the motion cannot show, as
     it cannot rule it out either. ``limit``: a loss that tells.
     """
-    context = state.context.doubting()
-    bare = replace(bare, context=context)
+    context = bare.context
     columns = [c for c in state.hypothesis[name].columns if c in context.columns]
     kinds = [k for k in usable(context) if k.id != name]
-    losses = _local_rivals(state, bare, columns, [k for k in kinds if not k.everywhere], confused(name))
+    losses = _local_rivals(
+        state, bare, looks, columns, [k for k in kinds if not k.everywhere], confused(name)
+    )
     whole = effect(name).everywhere or len(columns) == len(context.columns)
     for kind in (k for k in kinds if k.everywhere and k.id not in state.hypothesis):
         if not (whole or kind.id in confused(name)):
@@ -39,17 +69,18 @@ def rivals(state: Fit, name: str, bare: Fit, limit: float) -> dict[str, tuple[fl
 
 
 def _local_rivals(
-    state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]], like: Collection[str]
-) -> dict[str, tuple[float, Hypothesis]]:
+    state: Fit, bare: Fit, looks: Looks, columns: list[int], kinds: list[type[Effect]], like: Collection[str]
+) -> Found:
     """The same of effects that a joint has by itself, of all ``like`` it among them; where a joint has one
     already, that is refitted.
     """
-    context, screen = bare.context, Screen(bare.context, bare.hypothesis, columns)
+    context, screen = bare.context, looks.screen
     new = {k.id: without(bare.hypothesis, k.id, columns) for k in kinds}
     kinds = [
         k for k in kinds if new[k.id] and all(is_open(context, bare.hypothesis, k, c) for c in new[k.id])
     ]
-    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, REFITTED, like) for c in columns}
+    open_ = {c: [k for k in kinds if c in new[k.id]] for c in columns}
+    ranked = {c: screen.ranked(open_[c], c, REFITTED, like, looks.kept[c]) for c in columns}
     losses: dict[str, tuple[float, Hypothesis]] = {}
     for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
         loss, fitted = 0.0, bare.hypothesis.copy()

@@ -1,77 +1,80 @@
-"""Two effects together in the place of one that was found: what neither does alone, both may."""
+"""Two effects together in the place of one that was found: what neither does alone, both may do."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from itertools import combinations, product
 
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.evidence.rivals import Looks
 from trunk_ros.diagnosis.levels import REFITTED
-from trunk_ros.diagnosis.search.candidates import Candidate, extended, is_open, local_kinds
+from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
-from trunk_ros.diagnosis.search.screen import PROMISED, Screen
-from trunk_ros.effects import Effect
+from trunk_ros.diagnosis.search.screen import PROMISED
+from trunk_ros.diagnosis.search.size import scaled
+from trunk_ros.effects import effect
+from trunk_ros.guards import BLIND
 
 Pair = tuple[str, str]
+Starts = tuple[Candidate, Candidate]
+Changes = dict[str, list[tuple[Candidate, Array]]]
+"""By effect, its starts, and the unit noise that each changes beside what values that are there follow."""
 
 
 def pairs(
-    state: Fit, name: str, bare: Fit, limit: float, alone: Collection[str]
-) -> dict[Pair, tuple[float, Hypothesis]]:
-    """Pairs of effects that lose less than ``limit`` in the place of one on its joints, by their names, with
-    the loss and the hypothesis with them; not of those that are as good ``alone``.
+    state: Fit, name: str, bare: Fit, looks: Looks, limit: float, but: Collection[str]
+) -> dict[Pair, float]:
+    """Loss of each pair of effects that loses less than ``limit`` in the place of one, on all its joints; not
+    of such as are rivals alone (``but``).
     """
     columns = [c for c in state.hypothesis[name].columns if c in state.context.columns]
-    looks = {c: _Look.on(bare, c, {*alone, name}) for c in columns}
-    shared = set.intersection(*({*look.kinds} for look in looks.values())) if looks else set()
-    promise = {}
-    for pair in combinations(sorted(shared), 2):
-        gains = {c: look.best(*pair) for c, look in looks.items()}
-        left = sum(looks[c].left - gain for c, (gain, _) in gains.items())
-        if left < sum(state.cost[c] for c in columns) + limit / PROMISED:
-            promise[pair] = left, {c: found for c, (_, found) in gains.items()}
-    out = {}
-    for pair in sorted(promise, key=lambda one: promise[one][0])[:REFITTED]:
-        loss, fitted = 0.0, bare.hypothesis.copy()
-        for c, found in promise[pair][1].items():
-            there = bare.hypothesis
-            for candidate in found:
-                there = extended(bare.context, there, candidate)
-            done = refit_column(bare, there, c)
-            if any(c in hidden(bare.context, done.hypothesis[one]) for one in pair):
-                loss = np.inf
-            loss += done.cost[c] - state.cost[c]
-            fitted.take(c, done.hypothesis)
-        if loss < limit:
-            out[pair] = float(loss), fitted
+    seen = {c: _changes(looks, c, but) for c in columns}
+    names = set.intersection(*(set(each) for each in seen.values())) if seen else set()
+    goal = sum(state.cost[c] for c in columns) + limit
+    promising: list[tuple[float, Pair, dict[int, Starts]]] = []
+    for pair in combinations(sorted(names), 2):
+        best = {c: _best(looks, c, each, pair) for c, each in seen.items()}
+        left = sum(looks.screen.left(c) - gain / PROMISED for c, (gain, _) in best.items())
+        if left < goal and all(starts for _, starts in best.values()):
+            promising.append((left, pair, {c: starts for c, (_, starts) in best.items() if starts}))
+    tried = [_fitted(state, bare, *one[1:]) for one in sorted(promising, key=lambda one: one[:2])[:REFITTED]]
+    return {pair: loss for pair, loss in tried if loss < limit}
+
+
+def _changes(looks: Looks, column: int, but: Collection[str]) -> Changes:
+    screen, q = looks.screen, looks.screen.basis[column]
+    some = [one for one in looks.promising(column, but) if effect(one.effect).scalable]
+    there = [extended(screen.context, screen.hypothesis, one) for one in some]
+    out: Changes = {}
+    for one, change in zip(some, screen.changes(there, column), strict=True):
+        out.setdefault(one.effect, []).append((one, change - q @ (q.T @ change)))
     return out
 
 
-class _Look:
-    """What each start of each effect changes on a column, and what is left of it."""
+def _best(looks: Looks, column: int, seen: Changes, pair: Pair) -> tuple[float, Starts | None]:
+    """What a pair gains at most on a column by a linear look, and the starts with which it does."""
+    rest, best, chosen = looks.screen.rest[column], 0.0, None
+    for (first, a), (second, b) in product(seen[pair[0]], seen[pair[1]]):
+        normal = np.array([[a @ a, a @ b], [a @ b, b @ b]])
+        if np.linalg.det(normal) <= BLIND * normal[0, 0] * normal[1, 1]:
+            continue
+        along = np.array([a @ rest, b @ rest])
+        share = np.linalg.solve(normal, along)
+        each = zip((first, second), share, np.diag(normal), strict=True)
+        starts = [scaled(effect(x.effect), x, float(k * size), float(size)) for x, k, size in each]
+        if float(share @ along) > best and starts[0] and starts[1]:
+            best, chosen = float(share @ along), (starts[0], starts[1])
+    return best, chosen
 
-    def __init__(self, left: float, rest: Array, kinds: dict[str, list[tuple[Candidate, Array]]]):
-        """``kinds``: starts by effect, each with the unit-noise change (rows,)."""
-        self.left, self.rest, self.kinds = left, rest, kinds
 
-    @classmethod
-    def on(cls, bare: Fit, column: int, without: Collection[str]) -> _Look:
-        """``without``: effects that are not looked at."""
-        context, hypothesis = bare.context, bare.hypothesis
-        screen, q = Screen(context, hypothesis, [column]), None
-        q = screen.basis[column]
-        kinds = {}
-        for kind in local_kinds(context):
-            if kind.id not in without and kind.id not in hypothesis and is_open(context, hypothesis, kind, column):
-                found = list(_starts(screen, kind, column))
-                there = screen.changes([extended(context, hypothesis, one) for one in found], column)
-                kinds[kind.id] = [(one, d - q @ (q.T @ d)) for one, d in zip(found, there, strict=True)]
-        return cls(screen.left(column), screen.rest[column], {k: v for k, v in kinds.items() if v})
-
-    def best(self, first: str, second: str) -> tuple[float, tuple[Candidate, Candidate]]:
-        """What two effects gain together at most, by a linear look, and their starts."""
-        ...
+def _fitted(state: Fit, bare: Fit, pair: Pair, starts: dict[int, Starts]) -> tuple[Pair, float]:
+    loss, context = 0.0, bare.context
+    for column, (first, second) in starts.items():
+        there = extended(context, extended(context, bare.hypothesis, first), second)
+        done = refit_column(bare, there, column)
+        shown = not any(column in hidden(context, done.hypothesis[one]) for one in pair)
+        loss += done.cost[column] - state.cost[column] if shown else np.inf
+    return pair, float(loss)

@@ -163,7 +163,7 @@ class Screen:
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""
         best: Candidate | None = None
-        trials = [Candidate(kind.id, form, column, start) for start in self._starts(kind, form, column)]
+        trials = [Candidate(kind.id, form, column, start) for start in self.starts(kind, form, column)]
         for trial, (rd, dd) in zip(trials, self.products(trials, column), strict=True):
             better = scaled(kind, trial, rd, dd)
             if better is not None and (best is None or better.gain > best.gain):
@@ -214,7 +214,7 @@ class Screen:
     ) -> Iterator[tuple[Candidate, Products]]:
         """Each choice of the shared values, with every joint's best choice of its own."""
         columns = self.context.columns
-        starts = {c: list(self._starts(kind, form, c)) for c in columns}
+        starts = {c: list(self.starts(kind, form, c)) for c in columns}
         names = [p.name for p in kind.own_parameters(form) if p.shared]
         shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
         for values in different(shared):
@@ -271,7 +271,7 @@ class Screen:
             self._residuals[column, index] = found
         return self._residuals[column, index]
 
-    def _starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
+    def starts(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
         """Where an effect may begin on a column, by the recordings with most to explain."""
         telling = self.context.telling(column)[:BAGS]
         return different([s for index in telling for s in self._starts_in(index, kind, form, column)])
