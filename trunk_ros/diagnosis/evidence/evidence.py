@@ -201,8 +201,10 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         alone = sorted(told, key=lambda rival: (out.rivals[rival], rival))
         losses += out.rivals.values()
         both = pairs(state, name, doubted, looks, out.asked, {name, *near, *state.hypothesis})
-        said = sorted(both, key=lambda pair: (both[pair], pair))
-        out.equivalents = [*alone, *(list(pair) for pair in said)][:EQUIVALENTS]
+        said: list[str | list[str]] = [
+            list(pair) for pair in sorted(both, key=lambda pair: (both[pair], pair))
+        ]
+        out.equivalents = [*alone, *said][:EQUIVALENTS]
         losses += [loss + out.asked for loss in both.values()]  # a second effect has its price
     out.confidence = likely(limit or 1.0, sum(gain.values()), losses)
     return out
