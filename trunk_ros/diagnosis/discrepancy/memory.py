@@ -37,7 +37,7 @@ def without_banks(hypothesis: Hypothesis, column: int) -> Hypothesis:
 def sources(context: Context, column: int) -> list[Source]:
     """What may be in the banks of a column."""
     found = _possible(context, column)
-    return [s for kind, word in found if (s := _source(context, column, kind, word)) is not None]
+    return [s for kind, word in found if (s := source_of(context, column, kind, word)) is not None]
 
 
 def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]:
@@ -65,7 +65,7 @@ def _along(context: Context, bare: Hypothesis, column: int, source: Source) -> S
     dragged = any(effect(term.effect).named and column in term.words for term in bare.on(column))
     if not (dragged and source.kind.by_posture):
         return source
-    return _source(context, column, source.kind, PATH_OF + context.joints[column], bare)
+    return source_of(context, column, source.kind, PATH_OF + context.joints[column], bare)
 
 
 def _signals(context: Context, column: int, kind: type[Bank], word: str, bare: Hypothesis) -> list[Array]:
@@ -79,7 +79,7 @@ def _signals(context: Context, column: int, kind: type[Bank], word: str, bare: H
     return [stage.path(context, i, before, column) for i in range(len(context.views))]
 
 
-def _source(
+def source_of(
     context: Context, column: int, kind: type[Bank], word: str, bare: Hypothesis | None = None
 ) -> Source | None:
     """A source with its design; ``bare``: the names, where it follows what they do."""
@@ -124,7 +124,7 @@ def drawn(context: Context, bare: Hypothesis, column: int, found: Sequence[Sourc
 
 def redrawn_banks(context: Context, bare: Hypothesis, column: int, like: Hypothesis) -> Hypothesis:
     """The hypothesis with the banks of another one, weighed anew."""
-    used = [_source(context, column, kind, word, bare) for kind, word in _used(like, column)]
+    used = [source_of(context, column, kind, word, bare) for kind, word in _used(like, column)]
     found = [source for source in used if source is not None]
     rest = context.whitened(bare, column)
     if not found or not len(rest):

@@ -59,7 +59,10 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
         if not (whole or kind.id in confused(name)):
             continue
         screen = Screen(context, bare.hypothesis)
-        candidate = screen.everywhere(kind)
+        found = screen.all_everywhere(kind)
+        # what lasts just as long as one joint moves is a claim more
+        kept = found if whole else [c for c in found if not any(m.name in c.start for m in kind.moments())]
+        candidate = max(kept, key=lambda c: c.gain, default=None)
         if candidate is not None:
             there = extended(context, bare.hypothesis, candidate)
             if whole or screen.may_come_to(there, candidate.gain) < state.total + limit:
