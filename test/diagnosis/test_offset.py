@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded, reshaped
+from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.offset import Offset
 from trunk_ros.model import Model, load_model
@@ -113,3 +114,11 @@ def test_what_would_come_before_earlier_samples_is_left_out() -> None:
     back = Offset(1.5, 0.1, since=2.0).off(series)
     assert back.stamp.tolist() == [0.0, 1.0, 1.5, 2.5]
     assert back.position[:, 0].tolist() == [0.0, 1.0, 3.0, 4.0]
+
+
+def test_what_is_left_of_an_early_clock_is_found_with_the_physics() -> None:
+    loose = recorded({"backlash": {"half_width": on(3, 2e-3)}}, seed=3)
+    found = diagnose(_off(loose, "joint_states", -4e-3))
+    assert found.verdict == "explained"
+    assert len(found.findings) == 1
+    assert "backlash" in found.findings[0].candidates
