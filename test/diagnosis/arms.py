@@ -36,11 +36,11 @@ def recorded(
     seed: int = 0,
     noise: float = NOISE,
     name: str = "made",
-    size: float = 1.0,
+    size: float | np.ndarray = 1.0,
     rate: float = RATE,
 ) -> Recording:
     """Setpoints, gearbox and joints of the nominal arm with some effects, at a ``rate`` [Hz]; ``size`` scales
-    the motion.
+    the motion, of each joint or of all.
     """
     nominal = load_model("trunk")
     model = Model(nominal.arm, effects or {})

@@ -25,12 +25,14 @@ LATE = {"sensor_delay": {"delay": 0.02}}
 COUPLED = {"joint_coupling": {"gain": on(5, 0.1), "source": ["", "", "", "", "joint_2"]}}
 
 
-def judged(effects: dict[str, dict[str, Any]], name: str = "sensor_delay", exact: bool = True) -> Evidence:
+def judged(
+    effects: dict[str, dict[str, Any]], name: str = "sensor_delay", exact: bool = True, **how: Any
+) -> Evidence:
     """Evidence for an effect in a recording of these, found as they are; ``exact``: formulas may be off by
     nothing.
     """
     nominal = load_model("trunk")
-    stage = WireStage([wire_span(recorded(effects, 20.0), nominal)], nominal)
+    stage = WireStage([wire_span(recorded(effects, 20.0, **how), nominal)], nominal)
     truth = hypothesis_of(effects, "wire", len(stage.joints))
     context = first_look(stage) if exact else begun(first_look(stage)).context
     context = context.seen_with(truth).weighed(truth)
@@ -57,6 +59,24 @@ def test_dead_bands_that_are_all_wider_by_nearly_one_factor_may_be_the_tension(
     assert (
         "tension_error" in judged({"backlash": {"half_width": wide}}, "backlash", exact=False).equivalents
     ) == same
+
+
+@pytest.mark.parametrize(("slow", "told"), [(0.02, False), (1.0, True)])
+def test_a_lag_of_one_joint_may_be_a_late_sensor_where_the_others_hardly_move(
+    slow: float, told: bool
+) -> None:
+    lag = {"viscous_lag": {"time_constant": on(2, 0.002)}}
+    found = judged(lag, "viscous_lag", seed=1, size=np.where(on(2, 1.0), 1.0, slow))
+    assert ("sensor_delay" not in found.equivalents) == told
+
+
+@pytest.mark.parametrize(("size", "told"), [(0.4, True), (2.0, False)])
+def test_a_joint_that_sags_may_be_one_of_another_ratio_that_is_coupled_unless_it_goes_far(
+    size: float, told: bool
+) -> None:
+    both = np.array([size, size, 0.0, 0.0, 0.0])
+    found = judged({"load_elasticity": {"compliance": on(2, 0.02)}}, "load_elasticity", seed=1, size=both)
+    assert (["joint_coupling", "ratio_error"] in found.equivalents) == told
 
 
 def stretch(whole: Recording, begin: float, end: float) -> Recording:

@@ -247,7 +247,8 @@ def _free(term: Term, columns: list[int], judged: Iterable[int]) -> Iterator[Fre
         if parameter.name in term.given or parameter.measured:
             continue
         if parameter.shared:
-            if parameter.name in term.shared and set(term.own).intersection(judged) <= set(columns):
+            seen = set(term.own).intersection(judged)
+            if parameter.name in term.shared and seen and seen <= set(columns):
                 yield Free(term.effect, parameter, None)
         else:
             for column in columns:

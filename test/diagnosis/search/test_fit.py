@@ -45,3 +45,13 @@ def test_a_fit_does_not_change_what_it_began_with() -> None:
     wide = Hypothesis(backlash=Term("backlash", own={2: {"half_width": 6e-3}}))
     fit(context("backlash"), wide, [2])
     assert wide["backlash"].own[2]["half_width"] == 6e-3
+
+
+def test_a_shared_value_of_joints_that_are_not_judged_is_not_fitted_with_others() -> None:
+    creep = Term(
+        "viscoelastic_creep", own={3: {"gain": 0.01}, 4: {"gain": 0.02}}, shared={"time_constant": 5.0}
+    )
+    crept = Hypothesis(viscoelastic_creep=creep)
+    assert crept.free([2], [2]) == []
+    assert [f.column for f in crept.free([3], [2, 3])] == [3, None]
+    assert [f.column for f in crept.free([3], [3, 4])] == [3]

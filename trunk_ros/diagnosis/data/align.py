@@ -69,10 +69,11 @@ class Span:
     """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
     arrives: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     """Rows of the grid that stand for how the drives came to the stop of the row after."""
-    unsure: float = 0.0
-    """Standard deviation [s/s] of the pace of the target's clock, where that was found to be another one."""
-    pace: float = 0.0
-    """By how much the target's clock is taken to run faster [s/s] than it was found to."""
+    unsure: tuple[float, float] = (0.0, 0.0)
+    """Standard deviations of how fast the target's clock runs [s/s] and how far ahead it is [s], where that
+    was found to be otherwise than its stamps had it."""
+    pace: tuple[float, float] = (0.0, 0.0)
+    """By how much it is taken to run faster [s/s] and to be further ahead [s] than it was found to."""
 
     @property
     def stamp(self) -> Array:
@@ -125,11 +126,16 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
-    skews = [seen.std for seen in recording.observed if seen.kind == "skew" and seen.corrected]
-    span = replace(span, unsure=1e-6 * max((std for std in skews if std is not None), default=0.0))
+    span = replace(span, unsure=(1e-6 * _unsure(recording, "skew"), _unsure(recording, "early")))
     if not stops_to_measure(span.stamp):
         return span
     return with_the_unseen(span, stops_to_measure(gearbox.stamp))
+
+
+def _unsure(recording: Recording, kind: str) -> float:
+    """Standard deviation of what was corrected, in its unit; 0 where nothing was."""
+    stds = [seen.std for seen in recording.observed if seen.kind == kind and seen.corrected]
+    return max((std for std in stds if std is not None), default=0.0)
 
 
 def with_the_unseen(span: Span, stops: bool) -> Span:

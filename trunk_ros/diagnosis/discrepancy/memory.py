@@ -36,7 +36,7 @@ def without_banks(hypothesis: Hypothesis, column: int) -> Hypothesis:
 
 def sources(context: Context, column: int) -> Iterator[Source]:
     """What may be in the banks of a column; each is made when it is asked for."""
-    return filter(None, (_source(context, column, *each) for each in _possible(context, column)))
+    return filter(None, (source_of(context, column, *each) for each in _possible(context, column)))
 
 
 def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]:
@@ -64,7 +64,7 @@ def _along(context: Context, bare: Hypothesis, column: int, source: Source) -> S
     dragged = any(effect(term.effect).named and column in term.words for term in bare.on(column))
     if not (dragged and source.kind.by_posture):
         return source
-    return _source(context, column, source.kind, PATH_OF + context.joints[column], bare)
+    return source_of(context, column, source.kind, PATH_OF + context.joints[column], bare)
 
 
 def _signals(context: Context, column: int, kind: type[Bank], word: str, bare: Hypothesis) -> list[Array]:
@@ -78,7 +78,7 @@ def _signals(context: Context, column: int, kind: type[Bank], word: str, bare: H
     return [stage.path(context, i, before, column) for i in range(len(context.views))]
 
 
-def _source(
+def source_of(
     context: Context, column: int, kind: type[Bank], word: str, bare: Hypothesis | None = None
 ) -> Source | None:
     """A source with its design; ``bare``: the names, where it follows what they do."""
@@ -126,7 +126,7 @@ def drawn(context: Context, bare: Hypothesis, column: int, found: Sequence[Sourc
 
 def redrawn_banks(context: Context, bare: Hypothesis, column: int, like: Hypothesis) -> Hypothesis:
     """The hypothesis with the banks of another one, weighed anew."""
-    used = [_source(context, column, kind, word, bare) for kind, word in _used(like, column)]
+    used = [source_of(context, column, kind, word, bare) for kind, word in _used(like, column)]
     found = [source for source in used if source is not None]
     rest = context.whitened(bare, column)
     if not found or not len(rest):

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trunk_ros.diagnosis.cores import each
-from trunk_ros.diagnosis.evidence.rivals import by_its_own_angles, lacking, loss, rivals_of
+from trunk_ros.diagnosis.evidence.rivals import Looks, by_its_own_angles, loss, rivals, without
+from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
@@ -45,7 +46,7 @@ class Evidence:
     """Loss if another effect stood in its place, refitted to the same data (``rivals.loss``)."""
     fitted: dict[str, Hypothesis] = field(default_factory=dict)
     """The hypothesis with each rival in its place."""
-    equivalents: list[str] = field(default_factory=list)
+    equivalents: list[str | list[str]] = field(default_factory=list)
     confidence: float = 0.0
 
     @property
@@ -183,8 +184,11 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     gain = {c: bare.cost[c] - state.cost[c] for c in columns if c in bare.cost}
     limit = doubt(state, gain)
     out = Evidence(gain, needed(state, gain), strength(state, name))
+    losses: list[float] = []
     if effect(name).named:
-        fits = rivals_of(state, name, bare)
+        doubted = replace(bare, context=context.doubting())
+        looks = Looks.of(doubted, [c for c in columns if c in context.columns])
+        fits = rivals(state, name, doubted, looks, limit)
         out.rivals = {rival: lost for rival, (lost, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         for rival in [rival for rival, lost in out.rivals.items() if lost < limit]:
@@ -192,10 +196,17 @@ def one_evidence(state: Fit, name: str) -> Evidence:
             if own is not None:
                 out.rivals[rival], out.fitted[rival] = loss(state, own), own.hypothesis
         near = [rival for rival, lost in out.rivals.items() if lost < limit]
-        before = {rival: len(lacking(bare.hypothesis, rival, columns)) for rival in near}
-        told = [rival for rival in near if len(lacking(out.fitted[rival], rival, columns)) < before[rival]]
-        out.equivalents = sorted(told, key=lambda rival: (out.rivals[rival], rival))[:EQUIVALENTS]
-    out.confidence = likely(limit or 1.0, sum(gain.values()), list(out.rivals.values()))
+        before = {rival: len(without(bare.hypothesis, rival, columns)) for rival in near}
+        told = [rival for rival in near if len(without(out.fitted[rival], rival, columns)) < before[rival]]
+        alone = sorted(told, key=lambda rival: (out.rivals[rival], rival))
+        losses += out.rivals.values()
+        both = pairs(state, name, doubted, looks, out.asked, {name, *near, *state.hypothesis})
+        said: list[str | list[str]] = [
+            list(pair) for pair in sorted(both, key=lambda pair: (both[pair], pair))
+        ]
+        out.equivalents = [*alone, *said][:EQUIVALENTS]
+        losses += [lost + out.asked for lost in both.values()]  # a second effect has its price
+    out.confidence = likely(limit or 1.0, sum(gain.values()), losses)
     return out
 
 

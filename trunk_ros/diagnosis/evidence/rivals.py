@@ -1,48 +1,88 @@
-"""What else may explain what an effect does: others in its place on the same joints, refitted."""
+"""Other effects in the place of one that was found, fitted to the same data."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED
-from trunk_ros.diagnosis.search.candidates import extended, is_open, usable
+from trunk_ros.diagnosis.search.candidates import Candidate, extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.swap_all import alike, inherited
 from trunk_ros.diagnosis.search.score import priced
-from trunk_ros.diagnosis.search.screen import Screen
+from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.effects import Effect, confused, effect
 
+Found = dict[str, tuple[float, Hypothesis]]
+"""Loss of each rival, and the hypothesis with it."""
 
-def rivals_of(state: Fit, name: str, bare: Fit) -> dict[str, tuple[float, Hypothesis]]:
-    """Loss of each promising effect in the place of one, on the same joints, and the hypothesis with it: also
-    of what the motion cannot show, as it cannot rule it out either.
+
+@dataclass(frozen=True)
+class Looks:
+    """A linear look at some columns without an effect, and by column what it promised of each other one."""
+
+    screen: Screen
+    kept: dict[int, Kept]
+
+    @classmethod
+    def of(cls, bare: Fit, columns: list[int]) -> Looks:
+        """Nothing looked at so far."""
+        return cls(Screen(bare.context, bare.hypothesis, columns), {c: {} for c in columns})
+
+    def promising(self, column: int, but: Collection[str]) -> list[Candidate]:
+        """The best start of each effect that a column may have, but of some; of what another joint causes,
+        one from each.
+        """
+        best = [max(some, key=lambda x: x.gain) for some in self.kept[column].values() if some]
+        found = []
+        for one in [one for one in best if one.effect not in but]:
+            starts = (
+                self.screen.starts.on(effect(one.effect), one.form, column)
+                if effect(one.effect).texts
+                else []
+            )
+            found += [replace(one, start=start) for start in starts] or [one]
+        return found
+
+
+def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Found:
+    """Loss of each promising effect in the place of one, and the hypothesis with it: on the same joints, and
+    on all joints where others show too little of it to rule it out. Also of what the motion cannot show, as
+    it cannot rule it out either. ``limit``: a loss that tells.
     """
-    context = state.context.doubting()
-    bare = replace(bare, context=context)
+    context = bare.context
     columns = [c for c in state.hypothesis[name].columns if c in context.columns]
     kinds = [k for k in usable(context) if k.id != name]
-    losses = _local_rivals(state, bare, columns, [k for k in kinds if not k.everywhere], confused(name))
-    if effect(name).everywhere or len(columns) == len(context.columns):
-        for kind in (k for k in kinds if k.everywhere and k.id not in state.hypothesis):
-            trials = [refit(context, there) for there in _in_its_place(bare, state.hypothesis[name], kind)]
-            if trials:
-                trial = min(trials, key=lambda fit: fit.total)
+    losses = _local_rivals(
+        state, bare, looks, columns, [k for k in kinds if not k.everywhere], confused(name)
+    )
+    whole = effect(name).everywhere or len(columns) == len(context.columns)
+    for kind in (k for k in kinds if k.everywhere and k.id not in state.hypothesis):
+        if not (whole or kind.id in confused(name)):
+            continue
+        screen = Screen(context, bare.hypothesis)
+        found = screen.all_everywhere(kind)
+        # what lasts just as long as one joint moves is a claim more
+        kept = found if whole else [c for c in found if not any(m.name in c.start for m in kind.moments())]
+        candidate = max(kept, key=lambda c: c.gain, default=None)
+        if candidate is not None:
+            there = extended(context, bare.hypothesis, candidate)
+            if whole or screen.may_come_to(there, candidate.gain) < state.total + limit:
+                tried = [there, *_as_it_is(bare, state.hypothesis[name], kind)]
+                trial = min((refit(context, one) for one in tried), key=lambda fit: fit.total)
                 losses[kind.id] = loss(state, trial), trial.hypothesis
     return losses
 
 
-def _in_its_place(bare: Fit, old: Term, kind: type[Effect]) -> list[Hypothesis]:
-    """An effect on all joints in the place of another one: as a linear look finds it, and of its like also
-    with the values that this has, but for one that includes it and with those values is the same.
+def _as_it_is(bare: Fit, old: Term, kind: type[Effect]) -> list[Hypothesis]:
+    """An effect of its like in the place of another one with the values that this has, but for one that
+    includes it and with those values is the same.
     """
-    candidate = Screen(bare.context, bare.hypothesis).everywhere(kind)
-    found = [] if candidate is None else [extended(bare.context, bare.hypothesis, candidate)]
-    if alike(kind, effect(old.effect)) and old.effect not in kind.replaces:
-        found += inherited(bare.context, bare.hypothesis, old, kind)
-    return found
+    if not alike(kind, effect(old.effect)) or old.effect in kind.replaces:
+        return []
+    return inherited(bare.context, bare.hypothesis, old, kind)
 
 
 def loss(state: Fit, rival: Fit) -> float:
@@ -53,17 +93,18 @@ def loss(state: Fit, rival: Fit) -> float:
 
 
 def _local_rivals(
-    state: Fit, bare: Fit, columns: list[int], kinds: list[type[Effect]], like: Collection[str]
-) -> dict[str, tuple[float, Hypothesis]]:
+    state: Fit, bare: Fit, looks: Looks, columns: list[int], kinds: list[type[Effect]], like: Collection[str]
+) -> Found:
     """The same of effects that a joint has by itself, of all ``like`` it among them; where a joint has one
     already, that is refitted.
     """
-    context, screen = bare.context, Screen(bare.context, bare.hypothesis, columns)
-    new = {k.id: lacking(bare.hypothesis, k.id, columns) for k in kinds}
+    context, screen = bare.context, looks.screen
+    new = {k.id: without(bare.hypothesis, k.id, columns) for k in kinds}
     kinds = [
         k for k in kinds if new[k.id] and all(is_open(context, bare.hypothesis, k, c) for c in new[k.id])
     ]
-    ranked = {c: screen.ranked([k for k in kinds if c in new[k.id]], c, REFITTED, like) for c in columns}
+    open_ = {c: [k for k in kinds if c in new[k.id]] for c in columns}
+    ranked = {c: screen.ranked(open_[c], c, REFITTED, like, looks.kept[c]) for c in columns}
     losses: dict[str, tuple[float, Hypothesis]] = {}
     for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
         cost, fitted = dict(state.cost), bare.hypothesis.copy()
@@ -79,7 +120,7 @@ def _local_rivals(
     return losses
 
 
-def lacking(hypothesis: Hypothesis, name: str, columns: list[int]) -> list[int]:
+def without(hypothesis: Hypothesis, name: str, columns: list[int]) -> list[int]:
     """Those of the columns that do not have an effect."""
     has = hypothesis[name].columns if name in hypothesis else []
     return [c for c in columns if c not in has]

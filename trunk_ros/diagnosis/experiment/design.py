@@ -49,11 +49,12 @@ def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
     """
     work = Work(WORK)
     state = replace(state, context=replace(state.context, work=work))
-    pairs = [(name, k) for k in range(LIKELIEST) for name, e in found.items() if k < len(e.equivalents)]
+    alone = {name: [one for one in e.equivalents if isinstance(one, str)] for name, e in found.items()}
+    pairs = [(name, k) for k in range(LIKELIEST) for name, others in alone.items() if k < len(others)]
     sides: list[list[Duel]] = []
     for name, k in pairs:
         if not (sides and work.over):
-            duels = sides_of(state, name, found[name].equivalents[k], found[name])
+            duels = sides_of(state, name, alone[name][k], found[name])
             sides += [some] if (some := [d for d in duels if d.columns]) else []
     return Design(replace(state.context, work=Work(WORK)), sides).run() if sides else None
 

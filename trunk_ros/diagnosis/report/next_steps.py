@@ -87,14 +87,10 @@ def _record(result: Answer) -> Iterator[Step]:
     for file, separated in pairs.items():
         motion = result.trajectories.get(file)
         long = f", {ceil(motion.duration)} s" if motion else ""
-        told = listed([" from ".join(_words(name) for name in pair) for pair in separated if pair])
+        told = listed([" from ".join(spoken(name) for name in pair) for pair in separated if pair])
         yield Step(
             f"Record this motion: {file}{long}.", f"It tells {told}; see “Decisive motion”." if told else ""
         )
-
-
-def _words(name: str | list[str]) -> str:
-    return spoken(name) if isinstance(name, str) else " with ".join(map(spoken, name))
 
 
 def _topics(result: Answer) -> Iterator[Step]:

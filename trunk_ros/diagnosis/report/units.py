@@ -97,6 +97,6 @@ def listed(words: list[str], last: str = "and") -> str:
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}" if words else ""
 
 
-def spoken(effect: str) -> str:
-    """An effect's ID as words."""
-    return effect.replace("_", " ")
+def spoken(effect: str | list[str]) -> str:
+    """An effect's ID as words, or those of several that act together."""
+    return effect.replace("_", " ") if isinstance(effect, str) else " with ".join(map(spoken, effect))

@@ -38,7 +38,7 @@ class Screen:
         self.base = {c: context.predictions(hypothesis, c) for c in columns}
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
         self.basis, self._shared = directions(context, hypothesis, columns)
-        self._starts = Starts(context, hypothesis, self.base)
+        self.starts = Starts(context, hypothesis, self.base)
 
     def left(self, column: int) -> float:
         """Squared residual of a column once the values that are there have followed, linearly."""
@@ -175,7 +175,7 @@ class Screen:
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column."""
         best: Candidate | None = None
-        trials = [Candidate(kind.id, form, column, start) for start in self._starts.on(kind, form, column)]
+        trials = [Candidate(kind.id, form, column, start) for start in self.starts.on(kind, form, column)]
         for trial, (rd, dd) in zip(trials, self.products(trials, column), strict=True):
             better = scaled(kind, trial, rd, dd)
             if better is not None and (best is None or better.gain > best.gain):
@@ -226,7 +226,7 @@ class Screen:
     ) -> Iterator[tuple[Candidate, Products]]:
         """Each choice of the shared values, with every joint's best choice of its own."""
         columns = self.context.columns
-        starts = {c: list(self._starts.on(kind, form, c)) for c in columns}
+        starts = {c: list(self.starts.on(kind, form, c)) for c in columns}
         names = [p.name for p in kind.own_parameters(form) if p.shared]
         shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
         for values in different(shared):

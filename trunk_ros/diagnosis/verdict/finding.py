@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,7 +26,7 @@ class Finding:
     joints: list[str]
     regime: str
     confidence: float
-    equivalents: list[str]
+    equivalents: Sequence[str | list[str]]
     parameters: dict[str, dict[str, dict[str, Any]]]
     depends_on: list[str]
     statement: str

@@ -97,11 +97,14 @@ def _touched(context: Context, kind: type[Effect], term: Term) -> list[int]:
 
 
 def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
-    """1 where the effect's size is well above its spread on its surest joint, less where it is not."""
-    lead = kind.own_parameters(term.form)[0]
-    null = lead.null if lead.scale == "linear" else 0.0  # where none is endless, a value is no surer for that
+    """1 where the effect's size, or that of one of a bank's shapes, is well above its spread on its surest
+    joint, less where it is not.
+    """
+    own = kind.own_parameters(term.form)
     sizes = [
-        abs(values[lead.name] - null) / max(std.get((term.effect, lead.name, c), 0.0), TINY)
+        abs(values[lead.name] - (lead.null if lead.scale == "linear" else 0.0))  # endless is no surer
+        / max(std.get((term.effect, lead.name, c), 0.0), TINY)
+        for lead in (own if issubclass(kind, Bank) else own[:1])
         for c, values in term.own.items()
         if lead.name in values and lead.name not in term.given
     ]

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.arm import Arm
+from trunk_ros.diagnosis.data.sensing.offset import Offset, early, in_stamps, step
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen
 from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, without_tones
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
@@ -24,7 +26,16 @@ def clocks_put_right(recording: Recording, model: Model) -> Recording:
     """Readings and setpoints with the times at which they were taken and acted, and all setpoints there were;
     of coarse readings it is said how coarse they are. Units and names of joints have to be right.
     """
-    for look in (read_when, _at_one_pace, _all_setpoints, _acted_when, without_tones, how_coarse):
+    for look in (
+        read_when,
+        _not_set,
+        _at_one_pace,
+        _not_early,
+        _all_setpoints,
+        _acted_when,
+        without_tones,
+        how_coarse,
+    ):
         recording = look(recording, model)
     return recording
 
@@ -32,7 +43,7 @@ def clocks_put_right(recording: Recording, model: Model) -> Recording:
 def _at_one_pace(recording: Recording, model: Model) -> Recording:
     """Joint stamps of the gearbox's clock."""
     both = pair(recording, model, "gearbox_states", "joint_states")
-    found = None if both is None else _whole_skew(*both, model)
+    found = None if both is None else _whole_skew(*both, _arm(both[1], model))
     if both is None or found is None:
         return recording
     runs = "fast" if found.rate > 0.0 else "slow"
@@ -46,8 +57,61 @@ def _at_one_pace(recording: Recording, model: Model) -> Recording:
     return seen(recording, observed, joint_states=without_skew(recording.series["joint_states"], found))
 
 
-def _whole_skew(gearbox: JointSeries, shown: JointSeries, model: Model) -> Skew | None:
-    arm, whole = model.for_joints(shown.joints).loaded_arm().only(shown.joints), None
+def _not_set(recording: Recording, model: Model) -> Recording:
+    """Stamps as they had gone on if nobody had set a clock in mid-run."""
+    for _ in range(TURNS):
+        both = pair(recording, model, "gearbox_states", "joint_states")
+        found = None if both is None else step(*both, _arm(both[1], model))
+        if both is None or found is None:
+            break
+        topic, jump = (DRIVEN, SHOWN)[found[0]], found[1]
+        said = (
+            f"the clock of {topic} was set by {1e3 * jump.size:+.2f} ± {1e3 * jump.std:.2f} ms at "
+            f"{jump.since:.2f} s: its stamps were corrected from then on. It would have looked like a "
+            "sensor_delay or viscous_lag that begins or ends. Let chrony slew clocks while the arm runs"
+        )
+        looks = ("sensor_delay", "viscous_lag", "unknown")
+        observed = Observed("clock_step", topic, both[1].joints, jump.size, jump.std, "s", True, looks, said)
+        recording = seen(recording, observed, **_set_back(recording, jump))
+    return recording
+
+
+def _set_back(recording: Recording, jump: Offset) -> dict[str, JointSeries]:
+    """All topics of the clock that was set: those whose stamps jump with it."""
+    near = np.array([jump.since, jump.since]) if jump.since is not None else np.empty(0)
+    told = {key: in_stamps(series.stamp, jump, near) for key, series in recording.series.items()}
+    return {key: one.off(recording.series[key]) for key, one in told.items() if one is not None}
+
+
+def _not_early(recording: Recording, model: Model) -> Recording:
+    """Joint readings that do not come before the motion that they show."""
+    both, whole, std = pair(recording, model, "gearbox_states", "joint_states"), 0.0, 0.0
+    if both is None:
+        return recording
+    for _ in range(TURNS):
+        found = early(both[0], Offset(whole, std).off(both[1]), _arm(both[1], model))
+        if found is None:
+            break
+        whole, std = whole + found.size, found.std
+    if whole == 0.0:
+        return recording
+    said = (
+        f"{SHOWN} shows motion {-1e3 * whole:.2f} ± {1e3 * std:.2f} ms before {DRIVEN} does, on all joints, "
+        f"as no physics can: its clock is early, or {DRIVEN} is late. Its stamps were corrected by that. It "
+        "would have looked like unknown over speed. Synchronise the clocks, or stamp readings where they are "
+        "taken"
+    )
+    looks = ("unknown",)
+    observed = Observed("early", SHOWN, both[1].joints, -whole, std, "s", True, looks, said)
+    return seen(recording, observed, joint_states=Offset(whole, std).off(recording.series["joint_states"]))
+
+
+def _arm(shown: JointSeries, model: Model) -> Arm:
+    return model.for_joints(shown.joints).loaded_arm().only(shown.joints)
+
+
+def _whole_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
+    whole = None
     for _ in range(TURNS):  # what is left of a large one shows when most of it is gone
         found = skew(gearbox, shown if whole is None else without_skew(shown, whole), arm)
         if found is None:

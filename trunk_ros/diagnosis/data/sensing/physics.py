@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.guards import BLIND, TINY
+from trunk_ros.guards import BLIND, ROUNDED, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.resample import resample
@@ -19,6 +19,8 @@ PLAY = 1e-3  # rad, where the model has none
 SLOWLY = 0.05  # rad/s, at which friction may have fallen
 MOVES = 0.02  # rad
 FEWEST = 500  # samples: of fewer nothing is told of clocks
+FRICTION = 3  # features that come first where friction does not wear
+BLOCK = 50  # samples may depend on each other
 
 
 @dataclass(frozen=True)
@@ -64,15 +66,17 @@ def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
 
 
 def basis(motion: Motion, joint: int, wear: bool) -> Array:
-    """(n, features): posture, load, friction (``wear``: that grows), coupling, creep, drift and inertia."""
+    """(n, features): friction (always, by load, at low speed, and ``wear``: that grows), posture, load,
+    coupling, creep, drift and inertia.
+    """
     own, speed, load = motion.asked[:, joint], motion.speed[:, joint], motion.load[:, joint]
     way, t = _way(own, max(float(motion.arm.dead_band[joint]), PLAY)), motion.time
     rubs = [way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY), *([way * t] if wear else [])]
     bends = [load, load * np.abs(load), load * t, own**2, own**3, own * t]
     moves = [np.gradient(speed, motion.stamp), speed**2]
-    creeps = [_lowpass(motion.stamp, own, late) for late in CREEPS]
+    creeps = [lowpassed(motion.stamp, own, late) for late in CREEPS]
     headings = np.sin(motion.asked.cumsum(axis=1))
-    return np.column_stack([np.ones_like(t), t, t**2, *rubs, *bends, *moves, *creeps, headings, motion.asked])
+    return np.column_stack([*rubs, np.ones_like(t), t, t**2, *bends, *moves, *creeps, headings, motion.asked])
 
 
 def apart(features: Array) -> Array:
@@ -91,6 +95,19 @@ def scaled(features: Array) -> tuple[Array, Array]:
     return features / size, size
 
 
+def fitted(features: Array, off: Array) -> tuple[Array, Array]:
+    """Shares (features,) of features (n, features) in ``off`` (n,), and their std from blocks of samples, so
+    that what is smooth counts once.
+    """
+    features, size = scaled(features)
+    inverse = np.linalg.pinv(features.T @ features, rcond=BLIND, hermitian=True)
+    values = inverse @ (features.T @ off)
+    left = features * (off - features @ values)[:, None]
+    blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)
+    spread = np.sqrt(np.diag(inverse @ (blocks.T @ blocks) @ inverse))
+    return values / size, np.maximum(spread / size, ROUNDED)
+
+
 @compiled
 def _way(own: Array, wide: float) -> Array:
     """(n,) from -1 to 1: where in a play of this half-width a joint is that follows (n,) rad."""
@@ -102,7 +119,8 @@ def _way(own: Array, wide: float) -> Array:
 
 
 @compiled
-def _lowpass(stamp: Array, own: Array, late: float) -> Array:
+def lowpassed(stamp: Array, own: Array, late: float) -> Array:
+    """(n,) rad of (n,) rad behind a lag of first order [s]."""
     out, last = np.empty_like(own), own[0]
     for k in range(len(own)):
         last += (1.0 - np.exp(-(stamp[k] - stamp[max(k - 1, 0)]) / late)) * (own[k] - last)

@@ -12,16 +12,14 @@ from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, basis, motion_of, scaled
+from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, basis, fitted, motion_of
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, NEARLY, ROWS, SURE
-from trunk_ros.guards import BLIND, ROUNDED
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
 LARGEST = 5e-3  # s/s: no clock is worse
 ALIKE, ALIKER = 0.25, 0.1  # of the skew: so far off a joint may surely be from what all say
 IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
-BLOCK = 50  # samples may depend on each other
 WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
 
 
@@ -136,7 +134,7 @@ def _from_joint_to_joint(motion: Motion) -> Skew | None:
 
 def _lag(motion: Motion, joint: int) -> tuple[float, float]:
     """s that a joint is late, and the std."""
-    values, spread = _fitted(
+    values, spread = fitted(
         np.column_stack([-motion.speed[:, joint], basis(motion, joint, False)]), motion.off[:, joint]
     )
     return float(values[0]), float(spread[0])
@@ -155,16 +153,5 @@ def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
     x = (motion.stamp - motion.stamp[0]) / length - 1.0
     ways = np.column_stack([x, x**2 - 1 / 3, x**3 - 0.6 * x]) * length
     features = np.column_stack([ways * late[:, None], late, basis(motion, joint, wear)])
-    values, spread = _fitted(features, motion.off[:, joint])
+    values, spread = fitted(features, motion.off[:, joint])
     return values[:3], spread[:3]
-
-
-def _fitted(features: Array, off: Array) -> tuple[Array, Array]:
-    """Shares (features,) of features (n, features) in ``off`` (n,), and their std from blocks of samples."""
-    features, size = scaled(features)
-    inverse = np.linalg.pinv(features.T @ features, rcond=BLIND, hermitian=True)
-    values = inverse @ (features.T @ off)
-    left = features * (off - features @ values)[:, None]
-    blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)
-    spread = np.sqrt(np.diag(inverse @ (blocks.T @ blocks) @ inverse))
-    return values / size, np.maximum(spread / size, ROUNDED)

@@ -1,6 +1,7 @@
 """The changes that a search tries, cheap ones first; one file each."""
 
 from trunk_ros.diagnosis.search.moves.add import ADD
+from trunk_ros.diagnosis.search.moves.bend import BEND
 from trunk_ros.diagnosis.search.moves.curve import CURVE, EARLY_CURVE
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
@@ -18,6 +19,7 @@ from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 MOVES = (
     ONSET,
     FORM,
+    BEND,
     MEMBER,
     OPTION,
     SOURCE,

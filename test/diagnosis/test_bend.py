@@ -1,0 +1,52 @@
+"""Claims about joints that follow another one along a curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import on, recorded, reshaped
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis import Finding, diagnose
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import Recording
+
+RATIO = {"ratio_error": {"relative": on(4, 0.01)}}
+
+
+def _along(curve: Callable[[Array], Array], effects: dict[str, dict[str, Any]]) -> Recording:
+    """An arm whose fourth joint follows the third along a curve [rad]."""
+    made = recorded(effects, 60.0, size=1.6)
+    third = made.series["gearbox_states"].position[:, 2] * load_model("trunk").arm.ratio[2]
+    position = made.series["joint_states"].position.copy()
+    position[:, 3] += curve(third)
+    return reshaped(made, "joint_states", position=position)
+
+
+def _found(recording: Recording) -> dict[str, Finding]:
+    return {finding.effect: finding for finding in diagnose(recording).findings}
+
+
+@pytest.mark.parametrize(
+    ("curve", "effects"),
+    [
+        (lambda q: 0.03 * np.sin(2.0 * q), RATIO),
+        (lambda q: 0.02 * q**2, {}),
+        (lambda q: 0.01 * np.exp(-(((q - 0.1) / 0.15) ** 2)), {}),
+    ],
+)
+def test_a_curve_of_another_joint_has_its_name_and_nothing_else_stands_in_for_it(
+    curve: Callable[[Array], Array], effects: dict[str, dict[str, Any]]
+) -> None:
+    found = _found(_along(curve, effects))
+    assert set(found) == {"coupling_curve", *effects}
+    named = found["coupling_curve"]
+    assert (named.joints, named.depends_on) == (["joint_4"], ["joint_3"])
+    assert named.confidence == pytest.approx(0.95)
+
+
+def test_a_straight_coupling_is_not_bent() -> None:
+    assert set(_found(_along(lambda q: 0.02 * q, {}))) == {"joint_coupling"}

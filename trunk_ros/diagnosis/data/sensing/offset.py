@@ -1,0 +1,194 @@
+"""Clocks that are off by a constant: from the beginning on, or from a moment in mid-run on, as a time server
+sets them.
+
+Physics makes a joint late, never early, and leaves the stamps of its readings as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.sensing.physics import (
+    FEWEST,
+    FRICTION,
+    Motion,
+    basis,
+    fitted,
+    lowpassed,
+    motion_of,
+    scaled,
+)
+from trunk_ros.diagnosis.levels import CERTAIN, MOST, NEARLY, ROUGH, ROWS, SEVERAL, SURE
+from trunk_ros.diagnosis.levels import FEWEST as AROUND
+from trunk_ros.guards import BLIND, TINY
+from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.resample import SLOW
+
+ALIKE = 0.1  # of an offset: so far off a joint may surely be from what all say
+QUICK = 0.6  # s: a wire that creeps back so soon leads for a while
+
+
+@dataclass(frozen=True)
+class Offset:
+    """By how much stamps run ahead, s with std; ``since``: s from which on, None from the beginning on."""
+
+    size: float
+    std: float
+    since: float | None = None
+
+    def off(self, series: JointSeries) -> JointSeries:
+        """The series with stamps without it; samples that then come before earlier ones are left out."""
+        late = series.stamp >= (-np.inf if self.since is None else self.since)
+        stamp = series.stamp - self.size * late
+        rising = np.concatenate([[True], np.diff(np.maximum.accumulate(stamp)) > 0.0])
+        return replace(series.rows(rising), stamp=stamp[rising])
+
+
+def early(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Offset | None:
+    """By how much the joints' stamps run behind (a negative size): they show motion before the gearbox makes
+    it, all moving joints by the same time, but for some that physics makes late. Series with the same joints.
+    """
+    motion = _motion(gearbox, shown, arm)
+    if motion is None:
+        return None
+    lags = [_lag(motion, joint) for joint in motion.moving]
+    found = _together(lags, max(min(SEVERAL, len(motion.joints)), MOST * len(lags)), True)
+    return found if found is not None and found.size < 0.0 else None
+
+
+def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offset] | None:
+    """Which of the two topics, 0 or 1, has a clock that was set in mid-run, and by how much: the lag of all
+    joints jumps at one moment, and so do the stamps of that topic, by as much. Readings that get older from a
+    moment on come as evenly as before.
+    """
+    motion = _motion(gearbox, shown, arm)
+    if motion is None:
+        return None
+    gain = _gains(motion)
+    gain[:FEWEST] = gain[len(gain) - FEWEST :] = 0.0  # of fewer samples nothing is told
+    if not gain.any():
+        return None
+    near, at = motion.stamp[gain > NEARLY * gain.max()], float(motion.stamp[np.argmax(gain)])
+    found = _together([_step_of(motion, joint, at) for joint in motion.moving], 1)
+    if found is None:
+        return None
+    for k, (series, way) in enumerate(((gearbox, -1.0), (shown, 1.0))):
+        told = in_stamps(series.stamp, Offset(way * found.size, found.std), near)
+        if told is not None:
+            return k, told
+    return None
+
+
+def _motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
+    """Of some rows, where there is enough of it."""
+    shown = shown.rows((shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1]))
+    if len(shown.stamp) < FEWEST or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
+        return None
+    shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
+    motion = motion_of(gearbox, shown, arm)
+    return motion if motion.moving else None
+
+
+def _lag(motion: Motion, joint: int) -> tuple[float, float]:
+    """s that a joint is late, and the std; infinite where it seems early and physics may be why: a dead band
+    that fades with speed, which holds the joint back at rest by as much as it no longer does in motion, or a
+    wire that creeps back quickly.
+    """
+    speed, load = motion.speed[:, joint], float(np.mean(np.abs(motion.load[:, joint])))
+    features, off = np.column_stack([-speed, basis(motion, joint, False)]), motion.off[:, joint]
+    values, spread = fitted(features, off)
+    late, std = float(values[0]), float(spread[0])
+    if late > 0.0:
+        return late, std
+    band = -float(values[1 : 1 + FRICTION] @ [1.0, load, 1.0])
+    fades = -late * float(np.sqrt(np.mean(speed**2))) < band - float(motion.arm.dead_band[joint])
+    creep = lowpassed(motion.stamp, motion.asked[:, joint], QUICK)
+    beside, unsure = (each[0] for each in fitted(np.column_stack([features, creep]), off))
+    creeps = abs(beside - late) > SURE * np.hypot(std, unsure) + ALIKE * abs(late)
+    return late, np.inf if fades or creeps else std
+
+
+def _together(told: list[tuple[float, float]], fewest: float, later: bool = False) -> Offset | None:
+    """What the moving joints say, s and std of each, where they agree and at least ``fewest`` of them are
+    sure; ``later``: but for the latest.
+    """
+    size, std = np.array(told).T
+    while len(size) >= fewest:
+        weight = std**-2.0
+        if not weight.any():
+            return None
+        mean = float(weight @ size / weight.sum())
+        able, off = SURE * std < abs(mean), np.abs(size - mean)
+        if np.all((off < np.maximum(SURE * std, ALIKE * abs(mean)))[able]):
+            differ = np.sqrt(np.mean((off / std)[able] ** 2)) if able.any() else 1.0
+            spread = float(weight.sum() ** -0.5 * max(differ, 1.0))
+            sure = able.sum() >= fewest and CERTAIN * spread < abs(mean)
+            return Offset(mean, spread) if sure else None
+        if not later:
+            return None
+        size, std = np.delete(size, np.argmax(size)), np.delete(std, np.argmax(size))
+    return None
+
+
+def _lags(motion: Motion, joint: int) -> Array:
+    """(n, features): what physics and clocks do that are not set."""
+    late = -motion.speed[:, joint]
+    return np.column_stack([late, late * motion.time, basis(motion, joint, True)])
+
+
+def _step_of(motion: Motion, joint: int, since: float) -> tuple[float, float]:
+    """s by which a joint is later from a moment on, and the std."""
+    late = -motion.speed[:, joint] * (motion.stamp >= since)
+    values, spread = fitted(np.column_stack([late, _lags(motion, joint)]), motion.off[:, joint])
+    return float(values[0]), float(spread[0])
+
+
+def _gains(motion: Motion) -> Array:
+    """(n,) what one jump of the lag of all joints at each sample explains, in units of what is left."""
+    along, square = np.zeros(len(motion.stamp)), np.zeros(len(motion.stamp))
+    for joint in motion.moving:
+        late, off = -motion.speed[:, joint], motion.off[:, joint]
+        u, size, _ = np.linalg.svd(scaled(_lags(motion, joint))[0], full_matrices=False)
+        u = u[:, size**2 > BLIND * size[0] ** 2]
+        rest = off - u @ (u.T @ off)
+        power = max(float(rest @ rest), TINY)
+        along += _from_here(late * rest) / power
+        square += (_from_here(late**2) - np.sum(_from_here(u * late[:, None]) ** 2, axis=1)) / power
+    seen = square > BLIND * square.max()
+    return np.where(seen, along**2 / np.where(seen, square, 1.0), 0.0)
+
+
+def _from_here(each: Array) -> Array:
+    """Sums over axis 0 from each row to the last."""
+    return np.asarray(np.cumsum(each[::-1], axis=0)[::-1])
+
+
+def in_stamps(stamp: Array, found: Offset, near: Array) -> Offset | None:
+    """The offset as the stamps (n,) have it, where they jump by it, beside samples that were lost, between
+    the first and the last of the times near (k,).
+    """
+    if len(stamp) < FEWEST:
+        return None
+    between = np.diff(stamp)
+    period = float(np.median(between))
+    even = stamp - period * np.arange(len(stamp))
+    jitter = float(np.median(np.abs(np.diff(between)))) / 6**0.5
+    at = np.arange(AROUND, len(stamp) - AROUND)
+    at = at[(stamp[at] >= near[0] - period) & (stamp[at] <= near[-1] + period)]
+    if not len(at):
+        return None
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(even, AROUND), axis=1)
+    jump = middle[at] - middle[at - AROUND]
+    known = max(jitter / AROUND**0.5, ROUGH * period)
+    beside = SURE * np.hypot(found.std, known) + ALIKE * abs(found.size)
+    if abs(found.size - period * np.rint(found.size / period)) > beside:  # no samples that are lost do that
+        jump -= period * np.maximum(np.rint((jump - found.size) / period), 0.0)
+    there = (np.abs(jump - found.size) < beside) & (np.abs(jump) > beside)
+    if not there.any():
+        return None
+    k = at[there][np.argmax(np.abs(between[at[there] - 1] - period))]
+    return Offset(float(jump[at == k][0]), known, float(stamp[k]))
