@@ -68,6 +68,12 @@ def confused(name: str) -> dict[str, str]:
     return pairs
 
 
+def imitated(kind: str) -> tuple[str, ...]:
+    """The effects that something which clocks or sensors do looks like; those without a name last."""
+    those = [effect for effect in registry().values() if kind in effect.imitated_by]
+    return tuple(effect.id for effect in sorted(those, key=lambda effect: not effect.named))
+
+
 def _modules() -> Iterator[ModuleType]:
     for _, name, _ in pkgutil.walk_packages(__path__, __name__ + "."):
         yield importlib.import_module(name)
@@ -103,4 +109,4 @@ def _load(path: Path) -> ModuleType:
     return module
 
 
-__all__ = ["Effect", "confused", "effect", "registry"]
+__all__ = ["Effect", "confused", "effect", "imitated", "registry"]

@@ -90,6 +90,8 @@ class Effect(ABC):
     """Effects that this one includes: never both at once."""
     confused_with: ClassVar[tuple[tuple[str, str], ...]] = ()
     """(effect, motion that separates the two)."""
+    imitated_by: ClassVar[tuple[str, ...]] = ()
+    """Kinds of what clocks and sensors do (``quality.observed``) that look like it."""
 
     CORE: ClassVar[int] = 100
 

@@ -33,6 +33,7 @@ class ServoBandwidth(Effect):
     everywhere = begins = True
     changes = "kp"
     compensable = False
+    imitated_by = ("thinned", "wandering_latency")
     confused_with = (
         ("servo_delay", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),
     )

@@ -25,6 +25,7 @@ class Backlash(Effect):
             scan=(3e-4, 3e-3),
         ),
     )
+    imitated_by = ("steps",)
     confused_with = (
         ("tension_error", "compare joints: a tension error scales the nominal backlash of all"),
         ("presliding_hysteresis", "reverse with small amplitudes: backlash lets nothing through"),

@@ -35,6 +35,7 @@ class FrictionWear(Effect):
             typical=0.1, null=0.1, measured=True,
         ),
     )  # fmt: skip
+    imitated_by = ("skew",)
     confused_with = (("backlash", "compare the start and the end of a long recording"),)
 
     def adjust(self, core: Core, now: Now) -> None:

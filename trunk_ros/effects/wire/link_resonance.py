@@ -76,6 +76,7 @@ class LinkResonance(Effect):
     )
     forms = ("absolute", "relative", "beam", "links", "held")
     shaking = ("links",)
+    imitated_by = ("repeats",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),
         ("sensor_delay", "stop abruptly: a delay does not ring"),

@@ -31,6 +31,7 @@ class SensorDelay(Effect):
     compensable = False
     delays_readings = True
     everywhere = begins = True
+    imitated_by = ("skew", "clock_step", "repeats")
     confused_with = (("viscous_lag", "stop abruptly: a delay keeps the shape, a lag rounds it"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

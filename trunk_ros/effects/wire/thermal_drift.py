@@ -34,6 +34,7 @@ class ThermalDrift(Effect):
         ),
         Parameter("rate", "rad/s", (-0.01, 0.01), "speed of a straight drift", typical=1e-5),
     )
+    imitated_by = ("skew",)
     confused_with = (
         ("viscoelastic_creep", "hold at zero, then far from it: a drift does not care"),
         ("wire_slip", "record longer: a slip is over at once"),

@@ -54,6 +54,7 @@ class TransmissionRipple(Effect):
     )
     forms = ("sine", "two_harmonics")
     refined = ("two_harmonics",)
+    imitated_by = ("steps",)
     confused_with = (("ratio_error", "move over a wide range: a ripple turns back, a ratio error grows"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

@@ -26,6 +26,7 @@ class ViscousLag(Effect):
     parameters = (
         Parameter("time_constant", "s", (0.0, LONGEST), "lag behind a steady motion", typical=0.01),
     )
+    imitated_by = ("clock_step",)
     confused_with = (("sensor_delay", "stop abruptly: a delay keeps the shape, a lag rounds it"),)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

@@ -20,6 +20,7 @@ class ZeroOffset(Effect):
     parameters = (
         Parameter("offset", "rad", (-10.0, 10.0), "joint reading where the gearbox shows zero", typical=1e-3),
     )
+    imitated_by = ("whole_turns", "steps")
     confused_with = (
         ("thermal_drift", "look at the start: a drift begins at zero"),
         ("backlash", "turn the joint: a dead band changes its sign"),

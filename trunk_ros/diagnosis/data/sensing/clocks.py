@@ -8,14 +8,13 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.diagnosis.data.sensing.offset import Offset, early, in_stamps, step
-from trunk_ros.diagnosis.data.sensing.pairs import pair, seen
+from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
 from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, without_tones
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import sliding, waited
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.model import Model
-from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import TOPICS
 
@@ -49,11 +48,10 @@ def _at_one_pace(recording: Recording, model: Model) -> Recording:
     runs = "fast" if found.rate > 0.0 else "slow"
     said = (
         f"the clock of {SHOWN} runs {1e6 * abs(found.rate):.0f} ± {1e6 * found.std:.1f} ppm {runs} beside "
-        f"that of {DRIVEN}: its stamps were corrected from the beginning on. It would have looked like "
-        "friction_wear, thermal_drift or a sensor_delay that changes. Synchronise the clocks (chrony, PTP)"
+        f"that of {DRIVEN}: its stamps were corrected from the beginning on"
     )
-    looks, value = ("friction_wear", "thermal_drift", "sensor_delay"), 1e6 * found.rate
-    observed = Observed("skew", SHOWN, both[1].joints, value, 1e6 * found.std, "ppm", True, looks, said)
+    where, advice = (SHOWN, both[1].joints), "Synchronise the clocks (chrony, PTP)"
+    observed = told("skew", where, 1e6 * found.rate, 1e6 * found.std, "ppm", said, advice)
     return seen(recording, observed, joint_states=without_skew(recording.series["joint_states"], found))
 
 
@@ -67,11 +65,10 @@ def _not_set(recording: Recording, model: Model) -> Recording:
         topic, jump = (DRIVEN, SHOWN)[found[0]], found[1]
         said = (
             f"the clock of {topic} was set by {1e3 * jump.size:+.2f} ± {1e3 * jump.std:.2f} ms at "
-            f"{jump.since:.2f} s: its stamps were corrected from then on. It would have looked like a "
-            "sensor_delay or viscous_lag that begins or ends. Let chrony slew clocks while the arm runs"
+            f"{jump.since:.2f} s: its stamps were corrected from then on"
         )
-        looks = ("sensor_delay", "viscous_lag", "unknown")
-        observed = Observed("clock_step", topic, both[1].joints, jump.size, jump.std, "s", True, looks, said)
+        where, advice = (topic, both[1].joints), "Let chrony slew clocks while the arm runs"
+        observed = told("clock_step", where, jump.size, jump.std, "s", said, advice)
         recording = seen(recording, observed, **_set_back(recording, jump))
     return recording
 
@@ -97,12 +94,10 @@ def _not_early(recording: Recording, model: Model) -> Recording:
         return recording
     said = (
         f"{SHOWN} shows motion {-1e3 * whole:.2f} ± {1e3 * std:.2f} ms before {DRIVEN} does, on all joints, "
-        f"as no physics can: its clock is early, or {DRIVEN} is late. Its stamps were corrected by that. It "
-        "would have looked like unknown over speed. Synchronise the clocks, or stamp readings where they are "
-        "taken"
+        f"as no physics can: its clock is early, or {DRIVEN} is late. Its stamps were corrected by that"
     )
-    looks = ("unknown",)
-    observed = Observed("early", SHOWN, both[1].joints, -whole, std, "s", True, looks, said)
+    advice = "Synchronise the clocks, or stamp readings where they are taken"
+    observed = told("early", (SHOWN, both[1].joints), -whole, std, "s", said, advice)
     return seen(recording, observed, joint_states=Offset(whole, std).off(recording.series["joint_states"]))
 
 
@@ -136,11 +131,10 @@ def _all_setpoints(recording: Recording, model: Model) -> Recording:
     )
     said = (
         f"{ASKED} holds one of {found.times} setpoints that the servo got ({rate:.0f} Hz of "
-        f"{found.times * rate:.0f} Hz): those between were filled in{led}. It would have looked like "
-        "servo_bandwidth, servo_delay or unknown over speed. Record all setpoints"
+        f"{found.times * rate:.0f} Hz): those between were filled in{led}"
     )
-    looks = ("servo_bandwidth", "servo_delay", "unknown")
-    observed = Observed("thinned", ASKED, setpoints.joints, found.times, None, "1", True, looks, said)
+    where = ASKED, setpoints.joints
+    observed = told("thinned", where, found.times, None, "1", said, "Record all setpoints")
     return seen(recording, observed, setpoints=found.setpoints)
 
 
@@ -163,11 +157,8 @@ def _acted_when(recording: Recording, model: Model) -> Recording:
     said = (
         f"{ASKED} acts after a latency that wanders from 0 to {1e3 * found.longest:.1f} ms, once every "
         f"{abs(found.takes):.2f} s: the servo's own loop slides past that of the setpoints. The wandering "
-        "was taken out; its mean shows as servo_delay. It would have looked like unknown over speed. Drive "
-        "both from one clock"
+        "was taken out; its mean shows as a delay of the servo"
     )
-    looks = ("unknown", "servo_delay", "servo_bandwidth")
-    observed = Observed(
-        "wandering_latency", ASKED, both[0].joints, found.longest, None, "s", True, looks, said
-    )
+    where = ASKED, both[0].joints
+    observed = told("wandering_latency", where, found.longest, None, "s", said, "Drive both from one clock")
     return seen(recording, observed, setpoints=waited(both[0], found))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.effects import imitated
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.observed import Observed
@@ -28,3 +29,16 @@ def pair(
 def seen(recording: Recording, observed: Observed, **series: JointSeries) -> Recording:
     """The recording with what was observed, and the topics that were put right."""
     return replace(recording, series={**recording.series, **series}, observed=(*recording.observed, observed))
+
+
+def told(
+    kind: str, where: tuple[str, tuple[str, ...]], value: float, std: float | None, unit: str, said: str,
+    advice: str = "", corrected: bool = True,
+) -> Observed:  # fmt: skip
+    """What was observed on a topic and some of its joints (``where``), with what it looks like."""
+    looks = imitated(kind)
+    *others, last = looks
+    names = f"{', '.join(others)} or {last}" if others else last
+    would = "It would have looked like" if corrected else "It may look like"
+    statement = ". ".join(filter(None, (said, f"{would} {names}", advice)))
+    return Observed(kind, *where, value, std, unit, corrected, looks, statement)

@@ -8,11 +8,10 @@ import numpy as np
 
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.diagnosis.data.sensing.hum import hums
-from trunk_ros.diagnosis.data.sensing.pairs import pair, seen
+from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.wraps import series_unwrapped, whole_turns
 from trunk_ros.model import Model
-from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
 
@@ -37,12 +36,9 @@ def _unwrapped(recording: Recording, key: str) -> Recording:
     times, joints = sum(found.values()), tuple(found)
     said = (
         f"{topic} of {', '.join(joints)} jumps by a whole turn {times} times, as a sensor does at the end of "
-        "its range: turns were counted on. It would have looked like wire_slip or unknown jumps"
+        "its range: turns were counted on"
     )
-    looks = ("wire_slip", "unknown")
-    return seen(
-        recording, Observed("wrap", topic, joints, times, None, "1", True, looks, said), **{key: whole}
-    )
+    return seen(recording, told("wrap", (topic, joints), times, None, "1", said), **{key: whole})
 
 
 def _of_one_turn(recording: Recording, model: Model) -> Recording:
@@ -63,8 +59,7 @@ def _of_one_turn(recording: Recording, model: Model) -> Recording:
     if not turned:
         return recording
     said = f"{SHOWN} of {', '.join(turned)} is whole turns off the gearbox: they were taken off"
-    many, looks = float(len(turned)), ("zero_offset",)
-    observed = Observed("whole_turns", SHOWN, tuple(turned), many, None, "1", True, looks, said)
+    observed = told("whole_turns", (SHOWN, tuple(turned)), float(len(turned)), None, "1", said)
     return seen(recording, observed, joint_states=replace(shown, position=position))
 
 
@@ -79,12 +74,10 @@ def read_when(recording: Recording, model: Model) -> Recording:
     period = float(np.median(np.diff(new.stamp)))
     said = (
         f"{SHOWN} repeats each reading until the next one comes, every {1e3 * period:.1f} ms: repeats are "
-        "left out, and each reading has the time of its first message, less what it waited for that. The "
-        "repeats would have looked like link_resonance or unknown over speed; how old a reading is when it "
-        "comes shows as sensor_delay"
+        "left out, and each reading has the time of its first message, less what it waited for that. How "
+        "old a reading is when it comes shows as a delay of the sensor"
     )
-    looks = ("sensor_delay", "link_resonance", "unknown")
-    observed = Observed("repeats", SHOWN, new.joints, period, None, "s", True, looks, said)
+    observed = told("repeats", (SHOWN, new.joints), period, None, "s", said)
     return seen(recording, observed, joint_states=new)
 
 
@@ -101,10 +94,10 @@ def without_tones(recording: Recording, model: Model) -> Recording:
         said = (
             f"{SHOWN} has a tone of {hum.frequency:.4g} Hz, {1e3 * hum.size:.3g} mrad on each joint, as "
             "hum of the mains is, which shows as a slow wave where it is faster than half the rate: it was "
-            "taken out. It would have looked like unknown over time. Shield and ground the sensors' cables"
+            "taken out"
         )
-        looks, std = ("unknown",), hum.std
-        observed = Observed("hum", SHOWN, shown.joints, hum.size, std, "rad", True, looks, said)
+        where, advice = (SHOWN, shown.joints), "Shield and ground the sensors' cables"
+        observed = told("hum", where, hum.size, hum.std, "rad", said, advice)
         recording = seen(recording, observed, joint_states=replace(series, position=position))
     return recording
 
@@ -121,8 +114,7 @@ def how_coarse(recording: Recording, model: Model) -> Recording:
     step = max(found.values())
     said = (
         f"{SHOWN} of {', '.join(found)} comes in steps of {1e3 * step:.2f} mrad ({2 * np.pi / step:.0f} a "
-        "turn) on a joint that mostly rests: a rest anywhere within a step reads the same. It may look like "
-        "transmission_ripple, backlash or zero_offset; what is smaller than a step cannot be told"
+        "turn) on a joint that mostly rests: a rest anywhere within a step reads the same"
     )
-    looks = ("transmission_ripple", "backlash", "zero_offset")
-    return seen(recording, Observed("steps", SHOWN, tuple(found), step, None, "rad", False, looks, said))
+    where, advice = (SHOWN, tuple(found)), "What is smaller than a step cannot be told"
+    return seen(recording, told("steps", where, step, None, "rad", said, advice, corrected=False))
