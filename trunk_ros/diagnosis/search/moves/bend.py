@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit_column
 from trunk_ros.diagnosis.search.moves.source import without_source
-from trunk_ros.diagnosis.search.score import need, priced
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, chance, priced
 from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.effects import confused, effect
 from trunk_ros.effects.bank import Bank
@@ -78,7 +78,7 @@ def _bent(best: Fit, bare: Hypothesis, column: int, kind: type[Bank], word: str)
     line = source.design @ np.column_stack([np.ones(kind.weights), np.arange(kind.weights)])
     weights, straight = (np.linalg.lstsq(design, rest, rcond=None)[0] for design in (source.design, line))
     bends = float(np.sum((rest - line @ straight) ** 2) - np.sum((rest - source.design @ weights) ** 2))
-    if bends * best.context.count(column) < need(best.context, column) * len(rest):
+    if bends * best.context.count(column) < SIGNIFICANT * chance(best.context, column) * len(rest):
         return None
     out = in_banks(bare, column, [source], [np.asarray(weights, dtype=np.float64)])
     out[kind.id].given = frozenset(name for name in out[kind.id].given if not name.startswith("weight"))
