@@ -128,8 +128,8 @@ def test_what_is_gone_on_one_joint_is_said_beside_what_is_new_on_another() -> No
 def test_a_payload_is_found_also_where_one_joint_stands(monkeypatch: pytest.MonkeyPatch) -> None:
     moves = arms.setpoints_of
 
-    def four(seconds: float, joints: int, seed: int = 0) -> np.ndarray:
-        return np.asarray(moves(seconds, joints, seed) * (np.arange(joints) < joints - 1))
+    def four(seconds: float, joints: int, *how: Any) -> np.ndarray:
+        return np.asarray(moves(seconds, joints, *how) * (np.arange(joints) < joints - 1))
 
     monkeypatch.setattr(arms, "setpoints_of", four)
     soft = {"compliance": np.full(5, 0.05), "form": "weight"}

@@ -32,10 +32,11 @@ class Looks:
         return cls(Screen(bare.context, bare.hypothesis, columns), {c: {} for c in columns})
 
     def promising(self, column: int, but: Collection[str]) -> list[Candidate]:
-        """The best start of each effect that a column may have, but of some; of what another joint causes,
-        one from each.
+        """The best start of each effect that a column may have all the time, but of some; of what another
+        joint causes, one from each.
         """
-        best = [max(some, key=lambda x: x.gain) for some in self.kept[column].values() if some]
+        kept = [[one for one in some if not one.lasts] for some in self.kept[column].values()]
+        best = [max(some, key=lambda x: x.gain) for some in kept if some]
         found = []
         for one in [one for one in best if one.effect not in but]:
             starts = (
@@ -65,7 +66,7 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
         screen = Screen(context, bare.hypothesis)
         found = screen.all_everywhere(kind)
         # what lasts just as long as one joint moves is a claim more
-        kept = found if whole else [c for c in found if not any(m.name in c.start for m in kind.moments())]
+        kept = found if whole else [c for c in found if not c.lasts]
         candidate = max(kept, key=lambda c: c.gain, default=None)
         if candidate is not None:
             there = extended(context, bare.hypothesis, candidate)

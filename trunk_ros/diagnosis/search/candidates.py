@@ -35,6 +35,11 @@ class Candidate:
     free: bool = False
     """Fit also what the arm's description states."""
 
+    @property
+    def lasts(self) -> bool:
+        """Whether it begins, ends or changes its size in mid-run."""
+        return any(m.name in self.start for m in effect(self.effect).moments())
+
 
 def usable(context: Context) -> list[type[Effect]]:
     """The named effects of the stage that this arm can have and this recording can show."""
