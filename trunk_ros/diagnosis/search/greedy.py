@@ -21,7 +21,8 @@ from trunk_ros.effects import effect
 
 def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
     """The hypothesis that no single change improves by what is needed; what would not be claimed is left out
-    even where the work that was granted is done, as far as what is granted on top goes.
+    even where the work that was granted is done, as far as what is granted on top goes. What is claimed is
+    judged in the noise that it leaves itself: what was left out since had told another one.
     """
     first = renewed(begun(context, start))
     best = descend(first, MOVES, desk, steady=True)
@@ -32,6 +33,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
             best = better_of(best, descend(renewed(other), MOVES, again, steady=True))
     work = best.context.work
     closing = work.besides()
+    best = renewed(best)
     claimed = replace(best, context=replace(best.context, claims=True, work=closing))
     done = descend(claimed, (DROP, CURVE) if work.over else (DROP,), desk)
     work.took(closing)
