@@ -12,7 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.lasting import LASTING, NULLS, Payload, share
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import SPELLS, Parameter, spell
 
 Values = dict[str, Any]
 """Of one effect: (joints,) by parameter, a float where it is shared; words as lists; ``form``."""
@@ -60,14 +60,26 @@ def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[st
     values |= {
         text: spread_over(list(given[text]), len(joints)) for text in kind.texts if any(given.get(text, []))
     }
+    _check_moments(kind, values)
     bind(kind.id, values, joints)
     return values
+
+
+def _check_moments(kind: type[Effect], values: Values) -> None:
+    """Raise ModelError for a size, or an end, of what is not said to begin again."""
+    for begins, *others in (spell(number) for number in range(2, SPELLS + 1)):
+        for before in ("", *(f"{p.name}_" for p in kind.carried())):
+            for one in (before + other.name for other in others):
+                if one in values and before + begins.name not in values:
+                    raise ModelError(f"effects.{kind.id}.{one} needs {before}{begins.name}: from when on?")
 
 
 def _held(kind: type[Effect], parameter: Parameter, numbers: Array, joints: int) -> Any:
     """A value as a model has it. Raises ModelError for several of what a form shares."""
     if not parameter.shared:
         return spread_over(numbers, joints)
+    if numbers.size > 1 and parameter.name in NULLS:
+        raise ModelError(f"effects.{kind.id}.{parameter.name} is of all joints at once: give 1 value")
     if numbers.size > 1:
         raise ModelError(
             f"effects.{kind.id}.{parameter.name} has {numbers.size} values: give 1, or form: {kind.apart}"
@@ -115,13 +127,18 @@ def at_end(name: str, values: Values, duration: float, joints: tuple[str, ...]) 
     if not moments:
         return values
     left = {key: value for key, value in values.items() if key not in moments}
-    lead, at = kind.own_parameters(str(values.get("form", kind.forms[0])))[0], np.array([duration])
+    at = np.array([duration])
     acts = share(at, values, max(np.size(values[name]) for name in moments))[0]
+    size = np.where(acts == 0.0, 1.0, acts)
     for p in (p for p in kind.parameters if p.name in left):
-        there = payload_in(p.name, {**values, p.name: 1.0}).at(at)[0, 0] if p.carried else acts
+        there = (acts != 0.0) * (size if p.name in kind.sizes else 1.0)
+        if p.carried:
+            there = payload_in(p.name, {**values, p.name: 1.0}).at(at)[0, 0]
         if np.ndim(left[p.name]) or np.size(there) == 1:
-            size = there if p is lead or p.carried else there != 0
-            left[p.name] = np.asarray(p.null + size * (left[p.name] - p.null))[()]
+            left[p.name] = np.asarray(p.null + there * (left[p.name] - p.null))[()]
+    if not kind.sizes and np.any(size != 1.0):  # only what comes out of it is another one
+        again, _, times = (p.name for p in spell(2))
+        left |= {again: 0.0 * size, times: size}
     return effect_values(kind, left, joints)
 
 

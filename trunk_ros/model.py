@@ -100,7 +100,7 @@ def declared_parameters() -> list[Declaration]:
     for name, kind in registry().items():
         for p in (*kind.parameters, *kind.moments()):
             default: Any = float(p.null) if p.shared else [float(p.null)]
-            both = p.shared and bool(kind.apart)
+            both = p.shared and bool(kind.apart) and p in kind.parameters
             meaning = f"{name}: {p.meaning}" + (f"; one per joint in form {kind.apart}" if both else "")
             declared.append(
                 Declaration(f"effects.{name}.{p.name}", default, p.unit, p.bounds, meaning, free=both)

@@ -99,7 +99,7 @@ def spell(number: int) -> tuple[Parameter, Parameter, Parameter]:
         replace(UNTIL, name=f"from_{number}", meaning=f"when its {often} size begins"),
         replace(UNTIL, name=f"until_{number}", meaning=f"when its {often} size ends"),
         Parameter(
-            f"times_{number}", "", (-MANY, MANY), f"its {often} size over its first", typical=1.0, null=1.0,
+            f"times_{number}", "1", (-MANY, MANY), f"its {often} size over its first", typical=1.0, null=1.0,
             optional=True,
         ),
     )  # fmt: skip

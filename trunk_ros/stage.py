@@ -197,7 +197,10 @@ def _set(e: Effect, core: Core, now: Now) -> None:
         acts = lasting.acting(e, now)
         for name, number in before.items():
             if (changed_to := getattr(core, name)) is not number:
-                setattr(core, name, number + acts * (changed_to - number))
+                there = number + acts * (changed_to - number)
+                if name == "cogging":  # of a wave only the height is more or less
+                    there[1:] = changed_to[1:]
+                setattr(core, name, there)
 
 
 def _seen(values: float | Array, now: Now) -> Array:

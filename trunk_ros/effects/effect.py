@@ -80,6 +80,10 @@ class Effect(ABC):
     """The effect grows in proportion to its first parameter's distance from null, so that a linear look
     finds its size.
     """
+    sizes: ClassVar[tuple[str, ...]] = ()
+    """Values to which, counted from their null, what it does is in proportion: they are others where it has
+    another size for good.
+    """
     view: ClassVar[View | None] = None
     """What its signature is drawn over, where that is not what its regime says."""
     needs: ClassVar[tuple[str, ...]] = ()
@@ -215,8 +219,13 @@ class Effect(ABC):
             return ()
         shared = cls.parameters[0].shared
         own = FROM, UNTIL, *([GROWN] if cls.grows else []), *LATER
-        loads = [replace(m, name=f"{p.name}_{m.name}") for p in cls.carried() for m in (FROM, UNTIL, *LATER)]
-        return (*(replace(m, shared=shared) for m in own), *(replace(m, shared=True) for m in loads))
+        lead = cls.parameters[0]
+        loads = [
+            replace(_of_size(m, p), name=f"{p.name}_{m.name}", shared=True)
+            for p in cls.carried()
+            for m in (FROM, UNTIL, *LATER)
+        ]
+        return (*(replace(_of_size(m, lead), shared=shared) for m in own), *loads)
 
     @classmethod
     def used(cls, form: str) -> tuple[Parameter, ...]:
@@ -247,3 +256,9 @@ class Effect(ABC):
         raise ModelError(
             f"{cls.id} has no parameter {name!r}: it has {', '.join(p.name for p in cls.parameters)}"
         )
+
+
+def _of_size(moment: Parameter, lead: Parameter) -> Parameter:
+    """A moment, or a size of what has none below 0."""
+    least = moment.bounds[0] if lead.bounds[0] < lead.null else 0.0
+    return moment if moment.moment else replace(moment, bounds=(least, moment.bounds[1]))

@@ -71,7 +71,11 @@ def _share(stamp: Array, begin: Array, until: Array, times: Array, grown: Array,
             size = 1.0 if always else min(max((stamp[k] - middle) / rise + 0.5, 0.0), 1.0)
             for i in range(len(begin)):
                 if i and begin[i, j] < NEVER:
-                    begun = min(max((stamp[k] - begin[i, j]) / RISE + 0.5, 0.0), 1.0)
+                    begun = (
+                        min(max((stamp[k] - begin[i, j]) / RISE + 0.5, 0.0), 1.0)
+                        if begin[i, j] > 0.0
+                        else 1.0
+                    )
                     size += begun * (times[i, j] - size)
                 if until[i, j] < NEVER:
                     size *= 1.0 - min(max((stamp[k] - until[i, j]) / RISE + 0.5, 0.0), 1.0)

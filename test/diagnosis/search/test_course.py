@@ -42,5 +42,10 @@ def test_a_window_adds_to_what_is_there() -> None:
 
 def test_each_moment_may_be_left_out() -> None:
     changed = Course.of({"from_2": 10.0, "times_2": 3.0})
-    assert set(changed.simpler()) == {Course((3.0,)), Course((1.0,))}
+    assert set(changed.simpler()) == {Course((3.0,)), Course((1.0,)), Course((0.0, 3.0), (10.0,))}
     assert all(len(c.moments) < 3 for c in Course.of({"from": 5.0, "until": 9.0, "from_2": 12.0}).simpler())
+
+
+def test_the_least_sizes_may_be_none() -> None:
+    fewer = list(Course((0.0, 1.0, 0.04, 0.5), (1.0, 2.0, 3.0)).without_the_least())
+    assert fewer == [Course((0.0, 1.0, 0.0, 0.5), (1.0, 2.0, 3.0)), Course((0.0, 1.0, 0.0), (1.0, 2.0))]

@@ -29,7 +29,7 @@ class Course:
             if k and prefix + again in values:
                 sizes.append(values.get(prefix + times, 1.0))
                 moments.append(values[prefix + again])
-            if values.get(prefix + until, NEVER) < NEVER:
+            if values.get(prefix + until, NEVER) < _next(values, prefix, k):
                 sizes.append(0.0)
                 moments.append(values[prefix + until])
         return Course(tuple(sizes), tuple(moments))
@@ -79,6 +79,11 @@ class Course:
         sizes = [one if s == one or abs(s - one) < abs(s) else 0.0 for s in self.sizes]
         return Course(tuple(sizes), self.moments).plain()
 
+    def without_the_least(self) -> Iterator[Course]:
+        """With the least size at none, the two least ones, and so on but for the largest."""
+        for most in sorted({*map(abs, self.sizes)} - {0.0})[:-1]:
+            yield Course(tuple(s if abs(s) > most else 0.0 for s in self.sizes), self.moments).plain()
+
     def plain(self) -> Course:
         """Without moments at which nothing changes."""
         keep = [k for k in range(len(self.moments)) if self.sizes[k] != self.sizes[k + 1]]
@@ -87,10 +92,22 @@ class Course:
         )
 
     def simpler(self) -> Iterator[Course]:
-        """Without one of its moments: the size before it goes on, or that after it was there before."""
+        """With one of its sizes at none or at the largest one, whichever is nearer; without one of its
+        moments: the size before it goes on, or that after it was there before.
+        """
+        one = max(self.sizes, key=abs)
+        for k, size in enumerate(self.sizes):
+            nearer = one if abs(size - one) < abs(size) else 0.0
+            if size != nearer:
+                yield Course((*self.sizes[:k], nearer, *self.sizes[k + 1 :]), self.moments).plain()
         for k in range(len(self.moments)):
             moments = self.moments[:k] + self.moments[k + 1 :]
             for lost in (k, k + 1):
                 simpler = Course(self.sizes[:lost] + self.sizes[lost + 1 :], moments).plain()
                 if simpler.first:
                     yield simpler
+
+
+def _next(values: Mapping[str, float], prefix: str, spell_: int) -> float:
+    """When the spell after one begins: what should end later does not."""
+    return min((values.get(prefix + names[0], NEVER) for names in NAMES[spell_ + 1 :]), default=NEVER)

@@ -165,7 +165,7 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     """
     kind, context = effect(term.effect), fit.context
     left = {c: for_a_time(context, c, fit.cost.get(c, 0.0)) for c in needs}
-    names = {name for c in needs for name in term.moments(c)}
+    names = sorted({name for c in needs for name in term.moments(c)})
     times = [[(term.own[c][name], n) for c, n in needs.items() if name in term.own[c]] for name in names]
     own = sum(map(_apart, times)) + sum(left[c] for c in needs if term.moments(c))
     shared = sum(m.moment and m.name in term.shared for m in kind.moments())
@@ -179,11 +179,11 @@ def _apart(times: list[tuple[float, float]]) -> float:
     """Of times [s] on several joints, each with its price: what happens on several at once is one event, of
     which one joint tells the others.
     """
-    total, last, least = 0.0, -np.inf, 0.0
+    total, first, least = 0.0, -np.inf, 0.0
     for at, price in sorted(times):
-        if at - last > TOGETHER:
-            total, least = total + least, np.inf
-        last, least = at, min(least, price)
+        if at - first > TOGETHER:
+            total, first, least = total + least, at, np.inf
+        least = min(least, price)
     return total + least
 
 

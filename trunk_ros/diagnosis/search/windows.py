@@ -142,7 +142,8 @@ def best_course(
         return best
     course = Course.of(best.moments)
     while (more := _one_more(seen, stamp, course, best.size, prices)) is not None:
-        tries = [_sized(seen, one, within, prices) for one in (more, more.rounded()) if one.values()]
+        others = more, more.rounded(), *more.without_the_least()
+        tries = [_sized(seen, one, within, prices) for one in dict.fromkeys(others) if one.values()]
         found = max(filter(None, tries), key=lambda f: f[1].worth, default=None)
         if found is None or found[1].worth <= best.worth:
             break

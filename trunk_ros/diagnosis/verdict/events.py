@@ -16,7 +16,9 @@ BEGINS, ENDS, GROWS = FROM.name, UNTIL.name, GROWN.name
 WORDS = {BEGINS: "begins at", ENDS: "ends at", GROWS: "has its full size at"}
 CARRIED = {BEGINS: "is taken up at", ENDS: "is put down at"}
 AGAIN = {BEGINS: "comes back at", ENDS: "ends at"}
+ALIKE = 0.1  # of the first size: by so much it changes on several joints alike
 CHANGED = {BEGINS: "is {:.3g} times as large from", ENDS: "ends at"}
+RESTORED = {BEGINS: "is as large as at first from", ENDS: "ends at"}
 CARRIED_AGAIN = {BEGINS: "is carried from", ENDS: "is put down at"}
 TIMES = spell(2)[2].name.rstrip("2")
 
@@ -62,9 +64,9 @@ def _of(finding: Finding) -> list[Event]:
         for number in range(1, SPELLS + 1):
             by_joint = {owner: _times(finding, owner, what, number) for owner in finding.parameters}
             by_joint = {owner: times for owner, times in by_joint.items() if times}
-            out += [
-                _event(finding, what, number, joints, by_joint[joints[0]]) for joints in _together(by_joint)
-            ]
+            for joints in _together(by_joint):
+                goes_on = number > 1 and ENDS not in _times(finding, joints[0], what, number - 1)
+                out.append(_event(finding, what, number, joints, by_joint[joints[0]], goes_on))
     return out
 
 
@@ -76,9 +78,12 @@ def _times(finding: Finding, owner: str, what: str, number: int) -> Times:
     onset = next((p.name for p in kind.parameters if p.moment and p.name in values), None)
     if onset and number == 1 and not what:
         names[BEGINS] = onset
-    return {
+    if what and what.rstrip("_") not in values:
+        return {}
+    found = {
         name: (values[said]["value"], values[said]["std"]) for name, said in names.items() if said in values
     }
+    return found if found.keys() - {TIMES} else {}
 
 
 def _together(by_joint: dict[str, Times]) -> list[list[str]]:
@@ -94,18 +99,19 @@ def _together(by_joint: dict[str, Times]) -> list[list[str]]:
 
 
 def _same(one: Times, other: Times) -> bool:
-    moments = one.keys() - {TIMES}
-    return moments == other.keys() - {TIMES} and all(
+    alike = {TIMES: ALIKE} | dict.fromkeys(WORDS, TOGETHER)
+    return one.keys() == other.keys() and all(
         abs(one[name][0] - other[name][0])
-        <= max(TOGETHER, SURE * (one[name][1] or 0.0), SURE * (other[name][1] or 0.0))
-        for name in moments
+        <= max(alike[name], SURE * (one[name][1] or 0.0), SURE * (other[name][1] or 0.0))
+        for name in one
     )
 
 
-def _event(finding: Finding, what: str, number: int, owners: list[str], times: Times) -> Event:
+def _event(finding: Finding, what: str, number: int, owners: list[str], times: Times, goes_on: bool) -> Event:
+    """``goes_on``: what was there before had not ended."""
     joints = list(finding.joints) if owners == [ARM] else owners
     factor = times.get(TIMES, (1.0, None))[0]
-    words = WORDS if number == 1 else CHANGED if TIMES in times else AGAIN
+    words = WORDS if number == 1 else CHANGED if TIMES in times else RESTORED if goes_on else AGAIN
     if what:
         words = CARRIED if number == 1 else CARRIED_AGAIN
     said = " and ".join(f"{words[name]} {_time(*times[name])}" for name in words if name in times)

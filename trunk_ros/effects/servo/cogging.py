@@ -16,6 +16,7 @@ class Cogging(Effect):
     """setpoint += amplitude sin(cycles_per_rev phi + phase)."""
 
     id = "cogging"
+    sizes = ("amplitude",)
     stage, place, regime = "servo", 100, "posture"
     signature = "The gearbox's error swings periodically over its own angle, moving or not."
     source = (

@@ -13,6 +13,7 @@ class LoadDroop(Effect):
     """setpoint += gain tau - abs(gain) friction s, s from -1 to 1 being the place in the dead band."""
 
     id = "load_droop"
+    sizes = ("gain",)
     stage, place, regime = "servo", 100, "posture"
     signature = "The gearbox stands off its setpoint in proportion to the weight on the joint."
     source = "Proportional loop without integral part: standing error = moment over loop stiffness."

@@ -14,6 +14,7 @@ class ServoBandwidth(Effect):
     """Kp (1 + relative)."""
 
     id = "servo_bandwidth"
+    sizes = ("relative",)
     stage, place, regime = "servo", 100, "high_speed"
     signature = "The gearbox lags the setpoint in proportion to speed, more or less than nominal."
     source = "Position loop with gain Kp: velocity lag v/Kp."

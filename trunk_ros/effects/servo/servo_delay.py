@@ -14,6 +14,7 @@ class ServoDelay(Effect):
     """The loop sees the setpoint of ``delay`` ago."""
 
     id = "servo_delay"
+    sizes = ("delay",)
     stage, place, regime = "servo", 100, "high_speed"
     signature = "The gearbox follows the setpoint's whole curve later than the loop would."
     source = "Transport delay of the field bus."

@@ -9,6 +9,7 @@ class Backlash(Effect):
     """w += half_width."""
 
     id = "backlash"
+    sizes = ("half_width",)
     stage, place, regime = "wire", 100, "reversal"
     begins = True
     signature = (

@@ -12,6 +12,7 @@ class LoadDependentFriction(Effect):
     """w += gain abs(tau), or gain (hypot(tau, knee) - knee) where a pretension hides the sign of the load."""
 
     id = "load_dependent_friction"
+    sizes = ("gain",)
     stage, place, regime = "wire", 100, "reversal"
     begins = True
     view = View("load", along=True)

@@ -39,6 +39,7 @@ class LoadElasticity(OnBothSides):
     """
 
     id = "load_elasticity"
+    sizes = ("compliance",)
     stage, place, regime = "wire", 200, "posture"
     begins = grows = True
     signature = "The joint sags under weight: the residual follows the reach of all that hangs on the joint."

@@ -14,6 +14,7 @@ class RatioError(Effect):
     """u = r (1 + relative) phi."""
 
     id = "ratio_error"
+    sizes = ("relative",)
     stage, place, regime = "wire", 10, "posture"
     begins = of_every_joint = True
     changes = "ratio"

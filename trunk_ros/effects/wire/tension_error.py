@@ -9,6 +9,7 @@ class TensionError(Effect):
     """w_i = factor w_i,nominal for all joints: eq. (7) is linear in T_i."""
 
     id = "tension_error"
+    sizes = ("factor",)
     stage, place, regime = "wire", 100, "reversal"
     begins = True
     signature = (

@@ -67,7 +67,7 @@ def entries(finding: Finding) -> Iterator[dict[str, Any]]:
     base = {
         "stage": finding.stage, "effect": finding.effect, "confidence": finding.confidence,
         "form": str(finding.evidence.get("form") or ""),
-        "equivalents": [name for each in finding.equivalents for name in _names(each)],
+        "equivalents": [one for one in finding.equivalents if isinstance(one, str)],
     }  # fmt: skip
     for joint, values in finding.parameters.items():
         for parameter, said in values.items():
@@ -76,10 +76,6 @@ def entries(finding: Finding) -> Iterator[dict[str, Any]]:
         nothing = {"parameter": None, "value": None, "std": None, "unit": None, "word": None}
         for joint in finding.joints or ["arm"]:
             yield base | {"joint": joint, **nothing}
-
-
-def _names(equivalent: str | list[str]) -> list[str]:
-    return [equivalent] if isinstance(equivalent, str) else list(equivalent)
 
 
 def _number(said: dict[str, Any]) -> dict[str, Any]:

@@ -69,14 +69,16 @@ def _not_set(recording: Recording, model: Model) -> Recording:
         )
         where, advice = (topic, both[1].joints), "Let chrony slew clocks while the arm runs"
         observed = told("clock_step", where, jump.size, jump.std, "s", said, advice)
-        recording = seen(recording, observed, **_set_back(recording, jump))
+        key = ("gearbox_states", "joint_states")[found[0]]
+        recording = seen(recording, observed, **_set_back(recording, jump, key))
     return recording
 
 
-def _set_back(recording: Recording, jump: Offset) -> dict[str, JointSeries]:
-    """All topics of the clock that was set: those whose stamps jump with it."""
+def _set_back(recording: Recording, jump: Offset, key: str) -> dict[str, JointSeries]:
+    """All topics of the clock that was set: that which shows it, and those whose stamps jump with it."""
     near = np.array([jump.since, jump.since]) if jump.since is not None else np.empty(0)
     told = {key: in_stamps(series.stamp, jump, near) for key, series in recording.series.items()}
+    told[key] = told[key] or jump
     return {key: one.off(recording.series[key]) for key, one in told.items() if one is not None}
 
 

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.search.candidates import extended
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, only
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.onset import dated
-from trunk_ros.diagnosis.search.moves.option import OPTION
+from trunk_ros.diagnosis.search.moves.option import OPTION, put_down
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
@@ -99,7 +99,7 @@ def _when(term: Term, mass: Parameter) -> list[str]:
 def _without(hypothesis: Hypothesis, name: str, mass: Parameter) -> Hypothesis:
     """A hypothesis in which an effect carries nothing, and acts all the time."""
     bare = hypothesis.copy()
-    bare[name].shared.pop(mass.name, None)
+    put_down(bare[name], mass.name)
     for own in bare[name].own.values():
         for moment in LASTING:
             own.pop(moment.name, None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import extended, given, shown_forms
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
@@ -30,6 +30,12 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 def options_of(name: str, form: str) -> list[Parameter]:
     """The shared parameters that an effect may do without."""
     return [p for p in effect(name).own_parameters(form) if p.optional and p.shared]
+
+
+def put_down(term: Term, option: str) -> None:
+    """Be without an option, and what was said of when it is there."""
+    for name in [name for name in term.shared if name == option or name.startswith(f"{option}_")]:
+        del term.shared[name]
 
 
 def _promise(now: Fit, name: str) -> float:
@@ -62,7 +68,7 @@ def _freed(now: Fit, name: str) -> Hypothesis:
     out = now.hypothesis.copy()
     out[name].given = frozenset()
     for parameter in options_of(name, out[name].form):
-        out[name].shared.pop(parameter.name, None)
+        put_down(out[name], parameter.name)
     return out
 
 
@@ -93,7 +99,8 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     options that there are.
     """
     trial = now.hypothesis.copy()
-    if trial[name].shared.pop(parameter.name, None) is not None:
+    if parameter.name in trial[name].shared:
+        put_down(trial[name], parameter.name)
         yield refit_to_win(now, trial)
         return
     for start in parameter.scan or (parameter.typical,):

@@ -54,6 +54,11 @@ class Sized(NamedTuple):
         if moments is None:
             return None
         values = self.values(out)
+        sizes = [lead.null + (values[lead.name] - lead.null) * size for size in course.sizes]
+        if lead.carried or lead.name in effect(self.effect).sizes:
+            low, high = lead.bounds
+            if not all(low <= size <= high for size in sizes):
+                return None
         for moment in LASTING:
             values.pop(self.prefix + moment.name, None)
         size = lead.null + (values[lead.name] - lead.null) * course.first
@@ -86,14 +91,12 @@ def sized(now: Fit) -> Iterator[Sized]:
         for mass in kind.carried():
             if term.shared.get(mass.name):
                 yield Sized(name, None, mass, f"{mass.name}_")
-        if GROWN.name in term.shared or not kind.scalable:
-            continue
         if kind.parameters[0].shared:
             if lead.name in term.shared:
                 yield Sized(name, None, lead)
             continue
         for column in (c for c in term.columns if c in now.context.columns):
-            if lead.name in term.own[column] and GROWN.name not in term.own[column]:
+            if lead.name in term.own[column]:
                 yield Sized(name, column, lead)
 
 
@@ -109,6 +112,8 @@ def _seen(now: Fit, one: Sized) -> Window | None:
     always = one.taking(now.hypothesis, Course((1.0,)))
     if always is None or not columns:
         return None
+    if not effect(one.effect).scalable or GROWN.name in one.values(now.hypothesis):
+        return None
     bare, screen = one.without(now.hypothesis), Screen(now.context, now.hypothesis, columns)
 
     def whole(column: int) -> Array:
@@ -120,6 +125,9 @@ def _seen(now: Fit, one: Sized) -> Window | None:
 
 def _changed(now: Fit, one: Sized) -> Iterator[Fit]:
     """With one change less, or one more: of the size that gains most, or to none and to the first size."""
+    if not one.prefix and GROWN.name in one.values(now.hypothesis):
+        yield from _otherwise_grown(now, one)
+        return
     course = one.course(now.hypothesis)
     others = [*course.simpler(), course.rounded()]
     window = _seen(now, one)
@@ -136,6 +144,14 @@ def _changed(now: Fit, one: Sized) -> Iterator[Fit]:
     best = min(trials, key=score, default=now)
     if one.course(best.hypothesis).moments:
         yield dated(best, one.effect, one.column)
+
+
+def _otherwise_grown(now: Fit, one: Sized) -> Iterator[Fit]:
+    """Without the moment at which it begins to grow, or at once."""
+    for moment in (m for m in LASTING if m.name in one.values(now.hypothesis)):
+        there = now.hypothesis.copy()
+        del one.values(there)[moment.name]
+        yield _refitted(now, one, there)
 
 
 def _refitted(now: Fit, one: Sized, there: Hypothesis) -> Fit:
