@@ -160,6 +160,34 @@ def test_two_weights_one_after_the_other_are_two_payloads_and_no_softer_wire() -
     assert said.events[1].times == pytest.approx(0.4, abs=0.02)
 
 
+def test_three_weights_one_after_the_other_are_none_in_between() -> None:
+    said = diagnosed(
+        {
+            "load_elasticity": {
+                "compliance": 0.03 * ALL,
+                "payload": 0.1, "payload_from": 5.0, "payload_until": 12.0,
+                "payload_from_2": 16.0, "payload_until_2": 22.0, "payload_times_2": 0.5,
+                "payload_from_3": 27.0, "payload_times_3": 1.5,
+            }
+        }
+    )  # fmt: skip
+    assert [f.effect for f in said.findings] == ["load_elasticity"]
+    assert [(e.begin, e.until, e.times) for e in said.events] == [
+        (pytest.approx(5.0, abs=0.1), pytest.approx(12.0, abs=0.1), None),
+        (pytest.approx(16.0, abs=0.1), pytest.approx(22.0, abs=0.1), pytest.approx(0.5, abs=0.03)),
+        (pytest.approx(27.0, abs=0.1), None, pytest.approx(1.5, abs=0.05)),
+    ]
+
+
+def test_joints_whose_sizes_change_differently_are_told_apart() -> None:
+    times = {"from_2": 20.0 * ALL, "times_2": np.array([1.0, 3.0, 6.0, 1.0, 1.0])}
+    said = diagnosed({"backlash": {"half_width": on(2, 1e-3) + on(3, 1e-3), **times}})
+    assert [(e.joints, e.times) for e in said.events] == [
+        (["joint_2"], pytest.approx(3.0, rel=0.05)),
+        (["joint_3"], pytest.approx(6.0, rel=0.05)),
+    ]
+
+
 def course_of(rest: Array, d: Array, prices: Prices, within: Reach = (-9.0, 9.0)) -> Window | None:
     stamp = np.linspace(0.0, 30.0, len(rest))
     return best_course([(stamp, rest, d, np.zeros((len(rest), 0)))], stamp, within, prices)

@@ -122,3 +122,17 @@ def test_what_is_left_of_an_early_clock_is_found_with_the_physics() -> None:
     assert found.verdict == "explained"
     assert len(found.findings) == 1
     assert "backlash" in found.findings[0].candidates
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_said_of_a_clock_that_was_set_is_done(model: Model, seed: int) -> None:
+    """Also where stamps are as uneven as the step is large."""
+    made, rng = recorded({}, 40.0), np.random.default_rng(seed)
+    even = made.series["joint_states"].stamp
+    late = np.maximum.accumulate(np.sort(even + 2e-3 * rng.normal(size=len(even))) + 2.2e-3 * (even >= 18.0))
+    made = reshaped(made, "gearbox_states", stamp=even + 1e-9)
+    right, kinds = _right(reshaped(made, "joint_states", stamp=late + 1e-9 * np.arange(len(even))), model)
+    moved = right.series["joint_states"].stamp[-1] - late[-1]
+    said = sum(one.value for one in right.observed if one.kind == "clock_step")
+    assert moved == pytest.approx(-said, abs=5e-4)  # the stamps themselves tell it better than the lag
+    assert kinds.count("clock_step") <= 1

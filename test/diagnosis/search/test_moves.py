@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.search.descent import Desk, Move, renewed
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.moves import MOVES
+from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
@@ -275,3 +276,9 @@ def test_what_joints_had_each_for_itself_they_share_at_its_median_and_back() -> 
     assert (term.shared, term.own) == ({"relative": 0.2}, {0: {}, 1: {}, 2: {}})
     term.reform("apart")
     assert (term.shared, term.own[2]) == ({}, {"relative": 0.2})
+
+
+def test_what_is_put_down_leaves_no_moments() -> None:
+    carries = Term("load_elasticity", shared={"payload": 0.1, "payload_from": 9.0, "other": 1.0})
+    put_down(carries, "payload")
+    assert carries.shared == {"other": 1.0}

@@ -63,22 +63,23 @@ def _not_set(recording: Recording, model: Model) -> Recording:
         if both is None or found is None:
             break
         topic, jump = (DRIVEN, SHOWN)[found[0]], found[1]
+        back = _set_back(recording, jump)
+        if ("gearbox_states", "joint_states")[found[0]] not in back:  # its stamps are too uneven to tell
+            break
         said = (
             f"the clock of {topic} was set by {1e3 * jump.size:+.2f} ± {1e3 * jump.std:.2f} ms at "
             f"{jump.since:.2f} s: its stamps were corrected from then on"
         )
         where, advice = (topic, both[1].joints), "Let chrony slew clocks while the arm runs"
         observed = told("clock_step", where, jump.size, jump.std, "s", said, advice)
-        key = ("gearbox_states", "joint_states")[found[0]]
-        recording = seen(recording, observed, **_set_back(recording, jump, key))
+        recording = seen(recording, observed, **back)
     return recording
 
 
-def _set_back(recording: Recording, jump: Offset, key: str) -> dict[str, JointSeries]:
-    """All topics of the clock that was set: that which shows it, and those whose stamps jump with it."""
+def _set_back(recording: Recording, jump: Offset) -> dict[str, JointSeries]:
+    """All topics of the clock that was set: those whose stamps jump with it."""
     near = np.array([jump.since, jump.since]) if jump.since is not None else np.empty(0)
     told = {key: in_stamps(series.stamp, jump, near) for key, series in recording.series.items()}
-    told[key] = told[key] or jump
     return {key: one.off(recording.series[key]) for key, one in told.items() if one is not None}
 
 
