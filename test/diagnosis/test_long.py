@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import subprocess
 import sys
 import weakref
@@ -127,16 +126,12 @@ def test_banks_are_weighed_on_a_bounded_number_of_rows() -> None:
     assert all(ENOUGH <= n < 2 * ENOUGH for n in rows[2:])
 
 
-@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="another libc has rules of its own")
-def test_arrays_that_come_and_go_take_the_same_pages_again() -> None:
-    """Those that glibc maps are given back to the system with each of them; it counts them in ``hblks``."""
+def test_what_is_freed_is_kept_without_taking_memory_for_it() -> None:
+    """The array that the allocator learns from has pages only where they are written to."""
     code = (
-        "import ctypes; import numpy as np; from trunk_ros.diagnosis.heap import keep_what_is_freed\n"
-        "fields = [(f, ctypes.c_size_t) for f in 'abcxdefghi']\n"
-        "Info = type('Info', (ctypes.Structure,), {'_fields_': fields})\n"
-        "info = ctypes.CDLL(None).mallinfo2; info.restype = Info\n"
-        "def mapped():\n  before = info().x; some = np.empty(2**20); return info().x - before\n"
-        "first = mapped(); keep_what_is_freed(); print(first, mapped())"
+        "import resource; from trunk_ros.diagnosis.heap import LARGEST, keep_what_is_freed\n"
+        "most = lambda: 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "before = most(); keep_what_is_freed(); print((most() - before) / LARGEST)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["1", "0"]
+    assert float(done.stdout) < 0.25

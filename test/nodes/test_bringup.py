@@ -6,6 +6,7 @@ import signal
 import subprocess
 import time
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -126,7 +127,10 @@ def test_a_node_that_is_killed_ends_the_run_with_a_whole_bag(tmp_path, domain, p
     path, joints = tmp_path / "run", peer.listen(JointState, "joint_states")
     with running("bringup", "--output", path, "--seconds", 1000, "--processes", domain=domain) as process:
         wait_for_data(path)
-        peer.until(lambda: len(joints) > RATE / 2)
+        ears = partial(peer.node.get_subscriptions_info_by_topic, "joint_states")
+        peer.until(lambda: "recorder" in {ear.node_name for ear in ears()})
+        joints.clear()
+        peer.until(lambda: len(joints) > RATE)
         os.kill(child(process.pid, "wire_elasticity"), signal.SIGKILL)
         _, error = process.communicate(timeout=120)
     assert process.returncode == 1
