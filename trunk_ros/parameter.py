@@ -107,3 +107,8 @@ def spell(number: int) -> tuple[Parameter, Parameter, Parameter]:
 
 MANY = 10.0
 LATER = tuple(p for number in range(2, SPELLS + 1) for p in spell(number))
+SPELL_NAMES = (
+    (FROM.name, UNTIL.name, ""),
+    *((begin.name, until.name, times.name) for begin, until, times in map(spell, range(2, SPELLS + 1))),
+)
+"""Of each time that an effect comes: names of when it begins and ends, and of its size; the first is 1."""

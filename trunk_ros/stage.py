@@ -106,11 +106,11 @@ def friction(
     gearbox angles, likewise.
     """
     adjusted(core, order, now, old, new)
-    if core.rounding is None and not order.path and np.ndim(core.middle) == 0:
+    aside = np.ndim(core.middle) > 0
+    if core.rounding is None and not order.path and not aside:
         return SharpPlay().run(x, core.width, state, now.ratio)
     u = through(_at_the_joint(x, now.ratio), order.path, now, old, new)
-    if not (isinstance(core.middle, float) and core.middle == 0.0):
-        u = u + core.middle
+    u = u + core.middle if aside else u
     moved: tuple[Array, Any] = (core.rounding or SharpPlay()).run(u, core.width, state)
     return moved
 
@@ -160,7 +160,8 @@ def run_servo(
         rub=none,
         reach=reach(arm, now),
         dead_zone=none,
-        cogging=np.zeros((3, 1, columns)),
+        cogging=none,
+        teeth=np.zeros((2, 1, columns)),
     )
     for e in effects:
         if e.acts_at == Effect.CORE:
@@ -175,15 +176,14 @@ def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, 
     """Step the loops, side by side where that pays and nothing of them changes."""
     numbers = core.kp, core.tau_v, core.v_max, core.delay, core.pull, core.rub
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
-    steady = all(len(one) == 1 for one in (*numbers[:4], core.rub, core.cogging[0]))
+    steady = all(len(one) == 1 for one in (*numbers[:4], core.rub, core.cogging))
+    cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
     if out.shape[1] < SEVERAL or not steady:
-        servo_loop(
-            setpoints, stamps, *numbers, reached, core.dead_zone, core.cogging, skip, state, out
-        )  # fmt: skip
+        servo_loop(setpoints, stamps, *numbers, reached, core.dead_zone, cogging, skip, state, out)
         return
     kp, tau_v, v_max, delay, _, rub = (number[0] for number in numbers)
     pull, zone = (np.zeros_like(out) + over_time for over_time in (core.pull, core.dead_zone))
-    cogging = np.ascontiguousarray(core.cogging[:, 0])
+    cogging = np.ascontiguousarray(cogging[:, 0])
     servo_loops(
         setpoints, stamps, kp, tau_v, v_max, delay, pull, rub, reached, zone, cogging, skip, state, out
     )  # fmt: skip
@@ -197,10 +197,7 @@ def _set(e: Effect, core: Core, now: Now) -> None:
         acts = lasting.acting(e, now)
         for name, number in before.items():
             if (changed_to := getattr(core, name)) is not number:
-                there = number + acts * (changed_to - number)
-                if name == "cogging":  # of a wave only the height is more or less
-                    there[1:] = changed_to[1:]
-                setattr(core, name, there)
+                setattr(core, name, number + acts * (changed_to - number))
 
 
 def _seen(values: float | Array, now: Now) -> Array:

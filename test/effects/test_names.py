@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import ast
-from pathlib import Path
-
 import pytest
 
-import trunk_ros
 from trunk_ros.effects import imitated, registry
 from trunk_ros.model import declared_parameters
 
@@ -87,15 +83,6 @@ def test_the_wire_acts_in_the_order_that_others_rely_on() -> None:
 
 def test_a_late_sensor_is_never_compensated() -> None:
     assert not registry()["sensor_delay"].compensable
-
-
-@pytest.mark.parametrize("room", ["diagnosis", "nodes"])
-def test_no_effect_is_known_by_its_name_outside_of_its_file(room: str) -> None:
-    """Else one that is added in one file would not be told of, drawn, or looked for as the others are."""
-    known = {name for name, kind in registry().items() if kind.named}
-    for path in sorted((Path(trunk_ros.__file__).parent / room).rglob("*.py")):
-        said = {n.value for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Constant)}
-        assert not said & known, f"{path.name} knows {said & known}"
 
 
 def test_what_a_clock_does_looks_like_effects_and_like_what_has_no_name_last() -> None:

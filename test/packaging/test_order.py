@@ -9,8 +9,6 @@ import pytest
 from test.packaging.imports import ROOT, imported, modules
 from trunk_ros.effects import registry
 
-# Flaws of the data are told with the effects that each would have been taken for; these names are words only.
-WORDS_FOR_FLAWS = {f"trunk_ros/diagnosis/data/sensing/{name}.py" for name in ("clocks", "readings")}
 IDS = set(registry())
 WITHOUT_NAMES = [*modules("trunk_ros/diagnosis"), *modules("trunk_ros/nodes")]
 
@@ -56,15 +54,4 @@ def test_ids_are_seen():
 
 @pytest.mark.parametrize("path", WITHOUT_NAMES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_an_effect_is_named_in_its_own_file_only(path):
-    if str(path.relative_to(ROOT)) not in WORDS_FOR_FLAWS:
-        assert list(ids_in(path.read_text())) == []
-
-
-@pytest.mark.parametrize("name", sorted(WORDS_FOR_FLAWS))
-def test_words_for_flaws_are_only_words(name):
-    for line in (ROOT / name).read_text().splitlines():
-        assert not list(ids_in_line(line)) or "looks" in line.split("=")[0], line
-
-
-def ids_in_line(line: str) -> list[str]:
-    return [effect for effect in IDS if f'"{effect}"' in line]
+    assert list(ids_in(path.read_text())) == []

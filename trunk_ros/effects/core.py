@@ -49,7 +49,9 @@ class Core:
     dead_zone: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad of error that the loop does not answer to."""
     cogging: Array = field(default_factory=lambda: NONE)
-    """(3, 1 or n, columns): amplitude rad, cycles per revolution, phase rad."""
+    """(1 or n, columns) rad: how high the servo's own swing is."""
+    teeth: Array = field(default_factory=lambda: NONE)
+    """(2, 1, columns): cycles of that per revolution, and its phase rad."""
     geometry: Geometry = field(default_factory=lambda: AS_DESCRIBED)
     along: Array = field(default_factory=lambda: NO_TURN)
     """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""

@@ -15,7 +15,7 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.parameter import FROM, GROWN, LATER, NEVER, SPELLS, UNTIL
+from trunk_ros.parameter import FROM, GROWN, LATER, NEVER, SPELL_NAMES, UNTIL
 
 RISE = 0.02  # s, so that a fit can move a moment
 LASTING = (FROM, UNTIL, GROWN, *LATER)
@@ -48,17 +48,22 @@ NOTHING = Payload()
 
 def share(stamp: Array, values: Mapping[str, Any], columns: int) -> Array:
     """(n, columns): how much of its size acts at ``stamp`` (n,) s, by moments that are (columns,) or one."""
-    spells = [name for name in range(2, SPELLS + 1) if f"from_{name}" in values]
+    first, *later = SPELL_NAMES
+    said = [first, *(names for names in later if names[0] in values)]
 
     def of(name: str) -> Array:
         return np.broadcast_to(np.asarray(values.get(name, NULLS[name]), dtype=float), (columns,))
 
-    begin = np.array([of(FROM.name), *(of(f"from_{k}") for k in spells)])
-    until = np.array([of(UNTIL.name), *(of(f"until_{k}") for k in spells)])
-    times = np.array([np.ones(columns), *(of(f"times_{k}") for k in spells)])
+    begin, until = (np.array([of(names[which]) for names in said]) for which in (0, 1))
+    times = np.array([np.ones(columns), *(of(times) for *_, times in said[1:])])
     out = np.empty((len(stamp), columns))
     _share(stamp, begin, until, times, of(GROWN.name).copy(), out)
     return out
+
+
+@compiled
+def _ramp(stamp: float, middle: float, rise: float) -> float:
+    return min(max((stamp - middle) / rise + 0.5, 0.0), 1.0)
 
 
 @compiled
@@ -68,17 +73,13 @@ def _share(stamp: Array, begin: Array, until: Array, times: Array, grown: Array,
         middle = begin[0, j] + rise / 2 if grown[j] > begin[0, j] else begin[0, j]
         always = begin[0, j] <= 0.0 and grown[j] <= 0.0
         for k in range(len(stamp)):
-            size = 1.0 if always else min(max((stamp[k] - middle) / rise + 0.5, 0.0), 1.0)
+            size = 1.0 if always else _ramp(stamp[k], middle, rise)
             for i in range(len(begin)):
                 if i and begin[i, j] < NEVER:
-                    begun = (
-                        min(max((stamp[k] - begin[i, j]) / RISE + 0.5, 0.0), 1.0)
-                        if begin[i, j] > 0.0
-                        else 1.0
-                    )
+                    begun = _ramp(stamp[k], begin[i, j], RISE) if begin[i, j] > 0.0 else 1.0
                     size += begun * (times[i, j] - size)
                 if until[i, j] < NEVER:
-                    size *= 1.0 - min(max((stamp[k] - until[i, j]) / RISE + 0.5, 0.0), 1.0)
+                    size *= 1.0 - _ramp(stamp[k], until[i, j], RISE)
             out[k, j] = size
 
 

@@ -55,15 +55,12 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
     """
     context = bare.context
     columns = [c for c in state.hypothesis[name].columns if c in context.columns]
-    kinds = [k for k in usable(context) if k.id != name]
-    losses = _local_rivals(
-        state, bare, looks, columns, [k for k in kinds if not k.everywhere], confused(name)
-    )
+    kinds, like = [k for k in usable(context) if k.id != name], confused(name)
+    losses = _local_rivals(state, bare, looks, columns, [k for k in kinds if not k.everywhere], like)
     whole = effect(name).everywhere or len(columns) == len(context.columns)
-    for kind in (k for k in kinds if k.everywhere and k.id not in state.hypothesis):
-        if not (whole or kind.id in confused(name)):
-            continue
-        screen = Screen(context, bare.hypothesis)
+    others = [k for k in kinds if k.everywhere and k.id not in state.hypothesis and (whole or k.id in like)]
+    screen = Screen(context, bare.hypothesis, None if others else [])
+    for kind in others:
         found = screen.all_everywhere(kind)
         # what lasts just as long as one joint moves is a claim more
         kept = found if whole else [c for c in found if not c.lasts]

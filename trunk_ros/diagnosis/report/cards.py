@@ -11,11 +11,12 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
 from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
-from trunk_ros.diagnosis.report.units import listed, powers, quantity, rounded, spoken, times
+from trunk_ros.diagnosis.report.units import powers, quantity, rounded, spoken, times
 from trunk_ros.diagnosis.report.verdict import place
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect, registry
 
 ALL = "arm"  # owner of shared values

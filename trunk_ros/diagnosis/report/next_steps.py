@@ -9,9 +9,10 @@ from shlex import quote
 from typing import Any
 
 from trunk_ros.diagnosis.report.errors import ratios
-from trunk_ros.diagnosis.report.units import listed, spoken
+from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import registry
 from trunk_ros.recording.topics import COMPARED, TOPICS
 

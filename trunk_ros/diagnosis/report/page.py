@@ -24,10 +24,11 @@ from trunk_ros.diagnosis.report.script import as_data, policy, script, styleshee
 from trunk_ros.diagnosis.report.series import series
 from trunk_ros.diagnosis.report.signals import Signal, signals
 from trunk_ros.diagnosis.report.style import image
-from trunk_ros.diagnosis.report.units import listed, spoken
+from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.report.verdict import gain, headline, verdict_word
 from trunk_ros.diagnosis.report.where import maps, not_compared
 from trunk_ros.diagnosis.verdict.answer import Answer
+from trunk_ros.diagnosis.words import listed
 
 TEMPLATES = Path(__file__).parent
 

@@ -92,11 +92,6 @@ def times(ratio: float | None) -> str:
     return f"{ratio:.1f}" if ratio < 99.95 else f"{ratio:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
-def listed(words: list[str], last: str = "and") -> str:
-    """``a``, ``a and b``, ``a, b and c``."""
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}" if words else ""
-
-
 def spoken(effect: str | list[str]) -> str:
     """An effect's ID as words, or those of several that act together."""
     return effect.replace("_", " ") if isinstance(effect, str) else " with ".join(map(spoken, effect))

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.parameter import FROM, MANY, NEVER, SPELLS, UNTIL, spell
-
-NAMES = ((FROM.name, UNTIL.name, ""), *(tuple(p.name for p in spell(k)) for k in range(2, SPELLS + 1)))
+from trunk_ros.parameter import FROM, MANY, NEVER, SPELL_NAMES, SPELLS
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class Course:
         """As values say, whose names begin with ``prefix``; the effect's own value is for size 1."""
         begins = values.get(prefix + FROM.name, FROM.null)
         sizes, moments = ([1.0], []) if begins <= 0.0 else ([0.0, 1.0], [begins])
-        for k, (again, until, times) in enumerate(NAMES):
+        for k, (again, until, times) in enumerate(SPELL_NAMES):
             if k and prefix + again in values:
                 sizes.append(values.get(prefix + times, 1.0))
                 moments.append(values[prefix + again])
@@ -52,11 +50,11 @@ class Course:
         for at, size in zip((0.0, *self.moments), self.sizes, strict=True):
             if not size:
                 if spells:
-                    out[prefix + NAMES[spells - 1][1]] = at
+                    out[prefix + SPELL_NAMES[spells - 1][1]] = at
                 continue
             if spells == SPELLS or abs(size) > MANY * abs(self.first):
                 return None
-            begins, _, times = NAMES[spells]
+            begins, _, times = SPELL_NAMES[spells]
             if at > 0.0:
                 out[prefix + begins] = at
             if spells and size != self.first:
@@ -75,9 +73,11 @@ class Course:
 
     def rounded(self) -> Course:
         """With each size at what is nearest to it: none, or the largest one."""
+        return Course(tuple(map(self._nearest, self.sizes)), self.moments).plain()
+
+    def _nearest(self, size: float) -> float:
         one = max(self.sizes, key=abs)
-        sizes = [one if s == one or abs(s - one) < abs(s) else 0.0 for s in self.sizes]
-        return Course(tuple(sizes), self.moments).plain()
+        return one if abs(size - one) < abs(size) else 0.0
 
     def without_the_least(self) -> Iterator[Course]:
         """With the least size at none, the two least ones, and so on but for the largest."""
@@ -95,11 +95,10 @@ class Course:
         """With one of its sizes at none or at the largest one, whichever is nearer; without one of its
         moments: the size before it goes on, or that after it was there before.
         """
-        one = max(self.sizes, key=abs)
         for k, size in enumerate(self.sizes):
-            nearer = one if abs(size - one) < abs(size) else 0.0
-            if size != nearer:
-                yield Course((*self.sizes[:k], nearer, *self.sizes[k + 1 :]), self.moments).plain()
+            if size != self._nearest(size):
+                sizes = *self.sizes[:k], self._nearest(size), *self.sizes[k + 1 :]
+                yield Course(sizes, self.moments).plain()
         for k in range(len(self.moments)):
             moments = self.moments[:k] + self.moments[k + 1 :]
             for lost in (k, k + 1):
@@ -110,4 +109,4 @@ class Course:
 
 def _next(values: Mapping[str, float], prefix: str, spell_: int) -> float:
     """When the spell after one begins: what should end later does not."""
-    return min((values.get(prefix + names[0], NEVER) for names in NAMES[spell_ + 1 :]), default=NEVER)
+    return min((values.get(prefix + names[0], NEVER) for names in SPELL_NAMES[spell_ + 1 :]), default=NEVER)

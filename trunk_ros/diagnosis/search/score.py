@@ -159,8 +159,8 @@ def _curve(fit: Fit, term: Term, column: int, need: float) -> float:
 
 
 def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
-    """Of the times at which a term begins and ends: each is a claim of its own, on several joints at once as
-    well; and as what comes and goes with time imitates much, none is made where what is left is known to be
+    """Of the times at which a term begins and ends: each is a claim of its own, or of several joints at once;
+    and as what comes and goes with time imitates much, none is made where what is left is known to be
     incomplete.
     """
     kind, context = effect(term.effect), fit.context

@@ -123,8 +123,7 @@ class Screen:
         self, changes: dict[int, Array], within: Reach, grows: bool = False, once: bool = False
     ) -> Window | None:
         """The time in which changes (rows,) of the predictions of some columns gain most; None for all the
-        time alike. ``grows``: it may do so little by little; ``once``: in one
-        window only.
+        time alike. ``grows``: it may do so little by little; ``once``: in one window only.
         """
         if not changes:
             return None

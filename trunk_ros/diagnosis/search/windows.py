@@ -10,15 +10,14 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.course import Course
+from trunk_ros.effects.lasting import LASTING
 from trunk_ros.guards import ROUNDED
-from trunk_ros.parameter import FROM, GROWN, MANY, UNTIL, spell
+from trunk_ros.parameter import FROM, GROWN, MANY, UNTIL
 
 EDGES = 100  # moments of a recording that are looked at
 INSIDE = 0.03  # of a recording: nothing is said of a beginning nearer to its ends
 
 NEAR = 41  # moments around each of those that gain most
-FROM_2, _, TIMES_2 = spell(2)
-TIMES = TIMES_2.name
 
 Reach = tuple[float, float]
 """Least and greatest multiple of itself that a change may be taken at."""
@@ -108,6 +107,11 @@ class Window:
         return self.rd / max(self.dd, ROUNDED)
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """When it begins and ends [s], as one window; infinite where it does not."""
+        return self.moments.get(FROM.name, -np.inf), self.moments.get(UNTIL.name, np.inf)
+
+    @property
     def worth(self) -> float:
         """What it gains at that size, less its price."""
         return self.rd * self.size - self.price
@@ -160,8 +164,7 @@ def _one_more(seen: list[Seen], stamp: Array, course: Course, size: float, price
     window = best_window(left, stamp, (-np.inf, np.inf), prices)
     if window is None:
         return None
-    begin, until = window.moments.get(FROM.name, -np.inf), window.moments.get(UNTIL.name, np.inf)
-    return course.plus(window.size * course.first / size, begin, until).plain()
+    return course.plus(window.size * course.first / size, *window.ends).plain()
 
 
 def _sized(seen: list[Seen], course: Course, within: Reach, prices: Prices) -> tuple[Course, Window] | None:
@@ -197,7 +200,7 @@ def best_window(
     near = (edges[1] - edges[0]) * np.linspace(-1.0, 1.0, NEAR)
     if found is None:
         return None
-    moments = np.array([at for name, at in found.moments.items() if name != TIMES])
+    moments = np.array([found.moments[m.name] for m in LASTING if m.moment and m.name in found.moments])
     edges = np.unique(np.clip(moments[:, None] + near, edges[0], edges[-1]))
     return _best_at(edges, seen, within, prices, grows, steps) or found
 
@@ -246,7 +249,7 @@ def _changing(sums: list[Sums], edges: Array, within: Reach, price: float) -> tu
     if not np.isfinite(worth[k]):
         return Window({}, 0.0, 0.0, 0.0), -np.inf
     gain, size = float(worth[k]) + price, float(one[k])
-    moments = {FROM_2.name: float(edges[k + 1]), TIMES: float(two[k] / one[k])}
+    moments = Course((1.0, float(two[k] / one[k])), (float(edges[k + 1]),)).values() or {}
     return Window(moments, gain / size, gain / size**2, price), float(worth[k])
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from trunk_ros.diagnosis.levels import SURE, TOGETHER
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
-from trunk_ros.parameter import FROM, GROWN, SPELLS, UNTIL, spell
+from trunk_ros.parameter import FROM, GROWN, SPELL_NAMES, UNTIL
 
 ARM = "arm"
 BEGINS, ENDS, GROWS = FROM.name, UNTIL.name, GROWN.name
@@ -20,7 +20,7 @@ ALIKE = 0.1  # of the first size: by so much it changes on several joints alike
 CHANGED = {BEGINS: "is {:.3g} times as large from", ENDS: "ends at"}
 RESTORED = {BEGINS: "is as large as at first from", ENDS: "ends at"}
 CARRIED_AGAIN = {BEGINS: "is carried from", ENDS: "is put down at"}
-TIMES = spell(2)[2].name.rstrip("2")
+SIZE = "times"
 
 Times = dict[str, tuple[float, float | None]]
 """By moment: when [s], and its standard deviation."""
@@ -44,7 +44,7 @@ class Event:
 
     def to_json(self) -> dict[str, Any]:
         """As in ``diagnosis.json``."""
-        own = {BEGINS: self.begin, ENDS: self.until, GROWS: self.grown, "times": self.times}
+        own = {BEGINS: self.begin, ENDS: self.until, GROWS: self.grown, SIZE: self.times}
         return {
             "effect": self.effect, "joints": self.joints, **own, "std": self.std, "statement": self.statement
         }  # fmt: skip
@@ -61,11 +61,11 @@ def _of(finding: Finding) -> list[Event]:
         return []
     out = []
     for what in ("", *(f"{p.name}_" for p in effect(finding.effect).carried())):
-        for number in range(1, SPELLS + 1):
+        for number in range(len(SPELL_NAMES)):
             by_joint = {owner: _times(finding, owner, what, number) for owner in finding.parameters}
             by_joint = {owner: times for owner, times in by_joint.items() if times}
             for joints in _together(by_joint):
-                goes_on = number > 1 and ENDS not in _times(finding, joints[0], what, number - 1)
+                goes_on = number > 0 and ENDS not in _times(finding, joints[0], what, number - 1)
                 out.append(_event(finding, what, number, joints, by_joint[joints[0]], goes_on))
     return out
 
@@ -73,17 +73,17 @@ def _of(finding: Finding) -> list[Event]:
 def _times(finding: Finding, owner: str, what: str, number: int) -> Times:
     """The moments of a joint or of all, and of later ones how much of the first size is there then."""
     kind, values = effect(finding.effect), finding.parameters[owner]
-    after = "" if number == 1 else f"_{number}"
-    names = {name: f"{what}{name}{after}" for name in WORDS} | {TIMES: f"{what}{TIMES}{number}"}
+    begins, ends, times = (f"{what}{name}" for name in SPELL_NAMES[number])
+    names = {BEGINS: begins, ENDS: ends} | ({SIZE: times} if number else {GROWS: what + GROWS})
     onset = next((p.name for p in kind.parameters if p.moment and p.name in values), None)
-    if onset and number == 1 and not what:
+    if onset and not number and not what:
         names[BEGINS] = onset
     if what and what.rstrip("_") not in values:
         return {}
     found = {
         name: (values[said]["value"], values[said]["std"]) for name, said in names.items() if said in values
     }
-    return found if found.keys() - {TIMES} else {}
+    return found if found.keys() - {SIZE} else {}
 
 
 def _together(by_joint: dict[str, Times]) -> list[list[str]]:
@@ -99,7 +99,7 @@ def _together(by_joint: dict[str, Times]) -> list[list[str]]:
 
 
 def _same(one: Times, other: Times) -> bool:
-    alike = {TIMES: ALIKE} | dict.fromkeys(WORDS, TOGETHER)
+    alike = {SIZE: ALIKE} | dict.fromkeys(WORDS, TOGETHER)
     return one.keys() == other.keys() and all(
         abs(one[name][0] - other[name][0])
         <= max(alike[name], SURE * (one[name][1] or 0.0), SURE * (other[name][1] or 0.0))
@@ -110,10 +110,10 @@ def _same(one: Times, other: Times) -> bool:
 def _event(finding: Finding, what: str, number: int, owners: list[str], times: Times, goes_on: bool) -> Event:
     """``goes_on``: what was there before had not ended."""
     joints = list(finding.joints) if owners == [ARM] else owners
-    factor = times.get(TIMES, (1.0, None))[0]
-    words = WORDS if number == 1 else CHANGED if TIMES in times else RESTORED if goes_on else AGAIN
+    factor = times.get(SIZE, (1.0, None))[0]
+    words = WORDS if not number else CHANGED if SIZE in times else RESTORED if goes_on else AGAIN
     if what:
-        words = CARRIED if number == 1 else CARRIED_AGAIN
+        words = CARRIED_AGAIN if number else CARRIED
     said = " and ".join(f"{words[name]} {_time(*times[name])}" for name in words if name in times)
     subject = f"{', '.join(joints)}: {finding.effect.replace('_', ' ')}"
     if what:
@@ -127,7 +127,7 @@ def _event(finding: Finding, what: str, number: int, owners: list[str], times: T
         begin,
         until,
         grown,
-        factor if number > 1 else None,
+        factor if number else None,
         std,
         f"{subject} {said.format(factor)}.",
     )

@@ -67,5 +67,5 @@ class Cogging(Effect):
         return positive(values, "amplitude", "phase")
 
     def adjust(self, core: Core, now: Now) -> None:
-        each = [np.broadcast_to(self[p.name], now.ratio.shape) for p in self.parameters]
-        core.cogging = np.stack(each)[:, None]
+        high, *teeth = (np.broadcast_to(self[p.name], now.ratio.shape) for p in self.parameters)
+        core.cogging, core.teeth = high[None], np.stack(teeth)[:, None]

@@ -62,15 +62,15 @@ def _not_set(recording: Recording, model: Model) -> Recording:
         found = None if both is None else step(*both, _arm(both[1], model))
         if both is None or found is None:
             break
-        topic, jump = (DRIVEN, SHOWN)[found[0]], found[1]
+        key, jump = ("gearbox_states", "joint_states")[found[0]], found[1]
         back = _set_back(recording, jump)
-        if ("gearbox_states", "joint_states")[found[0]] not in back:  # its stamps are too uneven to tell
+        if key not in back:  # its stamps are too uneven to tell
             break
         said = (
-            f"the clock of {topic} was set by {1e3 * jump.size:+.2f} ± {1e3 * jump.std:.2f} ms at "
+            f"the clock of {TOPICS[key]} was set by {1e3 * jump.size:+.2f} ± {1e3 * jump.std:.2f} ms at "
             f"{jump.since:.2f} s: its stamps were corrected from then on"
         )
-        where, advice = (topic, both[1].joints), "Let chrony slew clocks while the arm runs"
+        where, advice = (TOPICS[key], both[1].joints), "Let chrony slew clocks while the arm runs"
         observed = told("clock_step", where, jump.size, jump.std, "s", said, advice)
         recording = seen(recording, observed, **back)
     return recording
@@ -79,8 +79,8 @@ def _not_set(recording: Recording, model: Model) -> Recording:
 def _set_back(recording: Recording, jump: Offset) -> dict[str, JointSeries]:
     """All topics of the clock that was set: those whose stamps jump with it."""
     near = np.array([jump.since, jump.since]) if jump.since is not None else np.empty(0)
-    told = {key: in_stamps(series.stamp, jump, near) for key, series in recording.series.items()}
-    return {key: one.off(recording.series[key]) for key, one in told.items() if one is not None}
+    jumps = {key: in_stamps(series.stamp, jump, near) for key, series in recording.series.items()}
+    return {key: one.off(recording.series[key]) for key, one in jumps.items() if one is not None}
 
 
 def _not_early(recording: Recording, model: Model) -> Recording:

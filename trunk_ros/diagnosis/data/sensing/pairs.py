@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import imitated
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
@@ -37,8 +38,6 @@ def told(
 ) -> Observed:  # fmt: skip
     """What was observed on a topic and some of its joints (``where``), with what it looks like."""
     looks = imitated(kind)
-    *others, last = looks
-    names = f"{', '.join(others)} or {last}" if others else last
     would = "It would have looked like" if corrected else "It may look like"
-    statement = ". ".join(filter(None, (said, f"{would} {names}", advice)))
+    statement = ". ".join(filter(None, (said, f"{would} {listed(looks, 'or')}", advice)))
     return Observed(kind, *where, value, std, unit, corrected, looks, statement)

@@ -4,8 +4,8 @@ name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Callable, Iterator
+from functools import cache, partial
 
 import numpy as np
 
@@ -23,13 +23,12 @@ from trunk_ros.effects.curve import Curve
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each joint and each other one that it follows."""
+    """Each joint by each effect by which it follows others."""
     for kind in _kinds(best):
-        for name, column, source, bare in _straight(best, kind):
-            bent = _bent(best, bare, column, kind, source)
-            if bent is not None:
-                trials, promise = partial(_trials, best, bent, column), partial(_promise, best, bent, column)
-                yield Group(name, [column], trials, promise)
+        for name, column in _straight(best, kind):
+            bent = cache(partial(_bent, best, name, column, kind))
+            trials, promise = partial(_trials, best, bent, column), partial(_promise, best, bent, column)
+            yield Group(name, [column], trials, promise)
 
 
 def _kinds(best: Fit) -> list[type[Bank]]:
@@ -38,36 +37,37 @@ def _kinds(best: Fit) -> list[type[Bank]]:
     return [k for k in banks() if k.named and k.stage == stage and not (k.remembers or k.own)]
 
 
-def _straight(best: Fit, kind: type[Bank]) -> Iterator[tuple[str, int, str, Hypothesis]]:
-    """Effects by which joints follow others, each with a joint, the one that it follows, and the hypothesis
-    without that.
-    """
+def _straight(best: Fit, kind: type[Bank]) -> Iterator[tuple[str, int]]:
+    """Effects by which joints follow others, each with a joint that does so."""
     context, hypothesis = best.context, best.hypothesis
     for name, term in hypothesis.items():
         like, known = effect(name), context.known
         if not (name in confused(kind.id) or (issubclass(like, Curve) and like.linear)):
             continue
         for column in [c for c in term.columns if c in context.columns]:
-            has = column in hypothesis[kind.id].own if kind.id in hypothesis else False
-            if has or (name in known and column in known[name].own):
-                continue
-            words = list(term.words.get(column, {}).values())
-            for k, word in enumerate(words):
-                if word in context.joints and word != context.joints[column]:
-                    one = len(words) == 1
-                    yield (
-                        name,
-                        column,
-                        word,
-                        (
-                            hypothesis.less([name], column)
-                            if one
-                            else without_source(hypothesis, name, column, k)
-                        ),
-                    )
+            has = kind.id in hypothesis and column in hypothesis[kind.id].own
+            if not (has or (name in known and column in known[name].own)):
+                yield name, column
 
 
-def _bent(best: Fit, bare: Hypothesis, column: int, kind: type[Bank], word: str) -> Hypothesis | None:
+def _bent(best: Fit, name: str, column: int, kind: type[Bank]) -> list[Hypothesis]:
+    """With a curve in the place of each joint that one follows, where there is one."""
+    joints, words = best.context.joints, best.hypothesis.get_words(name, column)
+    found = []
+    for k, word in enumerate(words):
+        if word in joints and word != joints[column]:
+            bare = (
+                best.hypothesis.less([name], column)
+                if len(words) == 1
+                else without_source(best.hypothesis, name, column, k)
+            )
+            found.append(_along_a_curve(best, bare, column, kind, word))
+    return [there for there in found if there is not None]
+
+
+def _along_a_curve(
+    best: Fit, bare: Hypothesis, column: int, kind: type[Bank], word: str
+) -> Hypothesis | None:
     """With a curve that a linear look finds; None where the other joint shows none, or it is as good as its
     chord: what a line leaves may be where it acts.
     """
@@ -85,15 +85,19 @@ def _bent(best: Fit, bare: Hypothesis, column: int, kind: type[Bank], word: str)
     return out
 
 
-def _trials(best: Fit, bent: Hypothesis, column: int) -> Iterator[Fit]:
-    yield refit_column(best, bent, column)
+def _trials(best: Fit, bent: Callable[[], list[Hypothesis]], column: int) -> Iterator[Fit]:
+    for there in bent():
+        yield refit_column(best, there, column)
 
 
-def _promise(best: Fit, bent: Hypothesis, column: int) -> float:
-    """What the curve gains as a linear look has it, less what it costs."""
-    now = costed_on(best, bent, column)
-    gain = best.cost[column] - now.cost[column]
-    return max(gain, 0.0) / PROMISED + priced(best) - priced(now)
+def _promise(best: Fit, bent: Callable[[], list[Hypothesis]], column: int) -> float:
+    """What the best of the curves gains as a linear look has it, less what it costs."""
+    looks = [costed_on(best, there, column) for there in bent()]
+    gains = (best.cost[column] - now.cost[column] for now in looks)
+    worths = (
+        max(g, 0.0) / PROMISED + priced(best) - priced(now) for g, now in zip(gains, looks, strict=True)
+    )
+    return max(worths, default=0.0)
 
 
 BEND = Move("bend", groups, settles=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Callable, Iterator
+from functools import cache, partial
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import LASTING
 from trunk_ros.parameter import Parameter
 
+Seen = Callable[[], tuple[Screen, Hypothesis, Window | None]]
+"""A look that is made once it is asked for."""
+
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect that may begin, on each of its joints, and each payload."""
@@ -29,7 +32,9 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
         return
     for name, term in best.hypothesis.items():
         for mass in effect(name).carried() if effect(name).begins else ():
-            trials, promise = partial(_taken_up, best, desk, name, mass), partial(_promise, best, name, mass)
+            seen = cache(partial(_seen, best, name, mass))
+            trials = partial(_taken_up, best, desk, name, mass, seen)
+            promise = partial(_promise, best, name, mass, seen)
             yield Group((name, mass.name), best.context.columns, trials, promise)
         taken_up = any(m.name in term.shared for m in effect(name).moments())
         own = effect(name).begins and any(term.own.values()) and not taken_up
@@ -50,30 +55,27 @@ def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
             yield dated(trial, name, column)
 
 
-def _promise(now: Fit, name: str, mass: Parameter) -> float:
+def _promise(now: Fit, name: str, mass: Parameter, seen: Seen) -> float:
     """What a mass for a time may gain, and all that may be saved."""
-    if _when(now.hypothesis[name], mass):
+    if _is_timed(now.hypothesis[name], mass):
         return np.inf
-    _, window = _seen(Screen(now.context, _without(now.hypothesis, name, mass)), name, mass)
+    *_, window = seen()
     gain = 0.0 if window is None else window.gain(_reach(mass))
     return score(now) - now.total + gain / PROMISED
 
 
-def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter) -> Iterator[Fit]:
+def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter, seen: Seen) -> Iterator[Fit]:
     """With a mass at the tip for the time in which that gains most, judged with the options that follow, and
     what else looks like it: the effect itself that begins on joint after joint.
     """
-    bare = _without(now.hypothesis, name, mass)
-    if _when(now.hypothesis[name], mass):
-        yield _one_by_one(refit(now.context, bare), name)
+    if _is_timed(now.hypothesis[name], mass):
+        yield _one_by_one(refit(now.context, _without(now.hypothesis, name, mass)), name)
         return
     yield _one_by_one(now, name)
-    screen = Screen(now.context, bare)
-    there, window = _seen(screen, name, mass)
-    if window is None:
+    screen, usual, window = seen()
+    if window is None or not may_win(now, usual, screen, window.gain(_reach(mass))):
         return
-    if not may_win(now, there, screen, window.gain(_reach(mass))):
-        return
+    there = usual.copy()
     there[name].shared[mass.name] = float(np.clip(mass.typical * window.size, *mass.bounds))
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
     trial = dated(refit(now.context, there), name)
@@ -90,10 +92,9 @@ def _one_by_one(now: Fit, name: str) -> Fit:
     return best
 
 
-def _when(term: Term, mass: Parameter) -> list[str]:
-    """Which moments of a mass are said."""
-    moments = (m.name for m in effect(term.effect).moments() if m.name.startswith(mass.name))
-    return [name for name in moments if name in term.shared]
+def _is_timed(term: Term, mass: Parameter) -> bool:
+    """Whether a mass is not always there."""
+    return any(name.startswith(f"{mass.name}_") for name in term.shared)
 
 
 def _without(hypothesis: Hypothesis, name: str, mass: Parameter) -> Hypothesis:
@@ -106,12 +107,15 @@ def _without(hypothesis: Hypothesis, name: str, mass: Parameter) -> Hypothesis:
     return bare
 
 
-def _seen(screen: Screen, name: str, mass: Parameter) -> tuple[Hypothesis, Window | None]:
-    """With the usual mass, and the time in which it gains most by a linear look."""
+def _seen(now: Fit, name: str, mass: Parameter) -> tuple[Screen, Hypothesis, Window | None]:
+    """A look at an effect that carries nothing, the same with the usual mass, and the time in which that
+    gains most.
+    """
+    screen = Screen(now.context, _without(now.hypothesis, name, mass))
     there = screen.hypothesis.copy()
     there[name].shared[mass.name] = mass.typical
     changes = {c: screen.change(there, c) for c in screen.context.columns}
-    return there, screen.window(changes, _reach(mass))
+    return screen, there, screen.window(changes, _reach(mass))
 
 
 def _reach(mass: Parameter) -> Reach:

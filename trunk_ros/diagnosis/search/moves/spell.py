@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Callable, Iterator
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +14,13 @@ from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
+from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.windows import Window
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import LASTING
-from trunk_ros.parameter import FROM, GROWN, UNTIL, Parameter
+from trunk_ros.parameter import GROWN, Parameter
 
 
 class Sized(NamedTuple):
@@ -70,14 +71,15 @@ class Sized(NamedTuple):
         if not self.prefix:
             return hypothesis.without(self.effect, self.column)
         out = hypothesis.copy()
-        del self.values(out)[self.lead.name]
+        put_down(out[self.effect], self.lead.name)
         return out
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect that may begin, on each joint that it has a size of its own on, and each payload."""
     for one in sized(best) if len(best.context.views) == 1 else ():
-        trials, promise = partial(_changed, best, one), partial(_promise, best, one)
+        seen = cache(partial(_seen, best, one))
+        trials, promise = partial(_changed, best, one, seen), partial(_promise, best, seen)
         yield Group((one.effect, one.column, one.prefix), one.columns(best), trials, promise)
 
 
@@ -100,9 +102,9 @@ def sized(now: Fit) -> Iterator[Sized]:
                 yield Sized(name, column, lead)
 
 
-def _promise(now: Fit, one: Sized) -> float:
+def _promise(now: Fit, seen: Callable[[], Window | None]) -> float:
     """What one more change may gain, and all that may be saved."""
-    window = _seen(now, one)
+    window = seen()
     return score(now) - now.total + (window.rd * window.size if window else 0.0) / PROMISED
 
 
@@ -123,17 +125,15 @@ def _seen(now: Fit, one: Sized) -> Window | None:
     return screen.window({c: whole(c) for c in columns}, (-np.inf, np.inf), once=True)
 
 
-def _changed(now: Fit, one: Sized) -> Iterator[Fit]:
+def _changed(now: Fit, one: Sized, seen: Callable[[], Window | None]) -> Iterator[Fit]:
     """With one change less, or one more: of the size that gains most, or to none and to the first size."""
     if not one.prefix and GROWN.name in one.values(now.hypothesis):
         yield from _otherwise_grown(now, one)
         return
     course = one.course(now.hypothesis)
     others = [*course.simpler(), course.rounded()]
-    window = _seen(now, one)
-    if window is not None:
-        begin, until = window.moments.get(FROM.name, -np.inf), window.moments.get(UNTIL.name, np.inf)
-        more = course.plus(window.size, begin, until)
+    if (window := seen()) is not None:
+        more = course.plus(window.size, *window.ends)
         others += [more, more.rounded()]
     trials = []
     for other in dict.fromkeys(others):
