@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import fields, is_dataclass
 from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from test.concealed.calibration import calibration_error, classes, left_out, over_confident, said
 from test.concealed.evidence_others import REMOVABLE, WORSE, beaten, compared, median
 from test.concealed.intervals import NOTHING, ROUNDS, Estimate, bootstrap, wilson
 
 Marks: TypeAlias = dict[str, Any]
 STRENGTHS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, float("inf"))
 ERRORS = (REMOVABLE, 1.0, 4.0, float("inf"))
-CONFIDENCES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.97, 1.01)
 
 
 def rates(cases: list[Marks], effect: str | None = None) -> dict[str, Estimate]:
@@ -54,23 +55,6 @@ def over_strength(cases: list[Marks]) -> list[tuple[float, float, Estimate]]:
         some = [hit for strength, hit in found if low <= strength < high]
         out.append((low, high, wilson(sum(some), len(some))))
     return out
-
-
-def calibration(cases: list[Marks]) -> list[tuple[float, Estimate]]:
-    """Mean confidence in a class of it, and the share of its findings that was right."""
-    said = [(float(c), right) for case in cases for c, right in case["confidence"] if c is not None]
-    out = []
-    for low, high in pairwise(CONFIDENCES):
-        some = [(c, right) for c, right in said if low <= c < high]
-        mean = float(np.mean([c for c, _ in some])) if some else float("nan")
-        out.append((mean, wilson(sum(right for _, right in some), len(some))))
-    return out
-
-
-def _over_confident(cases: list[Marks]) -> Estimate:
-    """Mean confidence said, less the share of findings that was right."""
-    said = [(float(c), right) for case in cases for c, right in case["confidence"] if c is not None]
-    return bootstrap(said, lambda some: float(np.mean([c - right for c, right in some])))
 
 
 def confusion(cases: list[Marks]) -> Counter[tuple[str, str]]:
@@ -157,7 +141,9 @@ def evidence(cases: list[Marks]) -> dict[str, Any]:
         "removed_from": {k: _removed(of[k])["removed, median"] for k in kinds if not k.startswith("clean")},
         "others": compared(done),
         "beaten": beaten(done),
-        "over_confident": _over_confident(done),
+        "over_confident": over_confident(said(done)),
+        "calibration_error": calibration_error(said(done)),
+        "left_out": left_out(done),
         "seconds": median([c["seconds"] for c in done if not c.get("failed")]),
         "false_alarms": {
             "all": _share([bool(c["false"]) for c in clean]),
@@ -171,7 +157,7 @@ def evidence(cases: list[Marks]) -> dict[str, Any]:
             ),
         },
         "strength": over_strength(known),
-        "calibration": calibration(done),
+        "calibration": classes(said(done)),
         "confusion": confusion(known),
     }
 
@@ -180,6 +166,8 @@ def as_json(value: Any) -> Any:
     """The same as plain lists, dicts and numbers; infinite and NaN become null."""
     if isinstance(value, Estimate):
         return value.told()
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: as_json(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, Counter):
         return [{"hidden": a, "said": b, "n": n} for (a, b), n in value.most_common()]
     if isinstance(value, dict):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from test.concealed.calibration import LeftOut
 from test.concealed.evidence import made_worse, shares_removed
 from test.concealed.evidence_others import WAYS, live
 from test.concealed.intervals import Estimate
@@ -36,6 +37,17 @@ def _strength(bands: list[tuple[float, float, Estimate]]) -> str:
 def _calibration(bands: list[tuple[float, Estimate]]) -> str:
     rows = [(f"{said:.2f}", x.text(), x.n) for said, x in bands if x.n]
     return _rows(("stated confidence", "share right", "findings"), rows)
+
+
+def _left_out(plants: list[LeftOut]) -> str:
+    rows = [
+        (one.plant, one.right.n, f"{one.said:.2f}", one.right.text(), one.off.text(), f"{one.error:.2f}",
+         f"{one.brier[0]:.3f}", f"{one.brier[1]:.3f}")
+        for one in plants
+    ]  # fmt: skip
+    title = ("plant", "findings", "said", "right", "said less right", "calibration error", "squared error",
+             "as the others would have it")  # fmt: skip
+    return _rows(title, rows)
 
 
 def _confusion(found: dict[str, Any]) -> str:
@@ -170,7 +182,11 @@ def as_markdown(found: dict[str, Any], cases: list[dict[str, Any]], about: str, 
         "![Recall over strength](figures/proof-strength.png)",
         "### Calibration of the confidence",
         _calibration(found["calibration"]),
-        f"Mean confidence less share right: {found['over_confident'].text()}.",
+        f"Mean confidence less share right: {found['over_confident'].text()}. Calibration error: "
+        f"{found['calibration_error']:.3f}, the mean distance of a class from the share right in it.",
+        "Each plant with the others alone: a map of confidence (slope and offset of its logit) fitted to the "
+        "other plants, and what the squared error of the confidence is with it.",
+        _left_out(found["left_out"]),
         "![Calibration](figures/proof-calibration.png)",
         "### Per effect, strengths pooled",
         _rates("effect", found["effects"]),

@@ -8,6 +8,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from test.concealed.calibration import CONFIDENCES, classes, said
+
 Entry: TypeAlias = dict[str, Any]
 STRENGTHS = (0.0, 1.0, 2.0, 4.0, 8.0, 16.0, np.inf)
 
@@ -63,13 +65,10 @@ def by_strength(cases: list[Entry]) -> list[Entry]:
 
 def calibration(cases: list[Entry]) -> list[Entry]:
     """Of the findings in a class of confidence, the share that was right."""
-    said = [(c, right) for case in cases for c, right in case["confidence"] if c is not None]
-    out = []
-    for low in (0.0, 0.5, 0.7, 0.8, 0.9, 0.97):
-        high = {0.0: 0.5, 0.5: 0.7, 0.7: 0.8, 0.8: 0.9, 0.9: 0.97, 0.97: 1.01}[low]
-        some = [right for c, right in said if low <= c < high]
-        out.append({"from": low, "n": len(some), "right": _ratio(sum(some), len(some))})
-    return out
+    return [
+        {"from": low, "n": share.n, "right": share.value if share.n else None}
+        for low, (_, share) in zip(CONFIDENCES, classes(said(cases)), strict=False)
+    ]
 
 
 def _removal(cases: list[Entry]) -> Entry:
