@@ -127,3 +127,16 @@ def test_nor_has_a_joint_of_which_a_model_does_not_know_it() -> None:
     series = recording.series | {"joint_states": JointSeries(T, shown.joints, true + np.array([0.0, 3.0]))}
     two = simulate(Recording("run", 0, recording.duration, series), known).series["joint_states"].position
     assert np.abs(one - two).max() < 0.01
+
+
+def test_where_the_motors_stand_at_angles_that_the_fit_did_not_see_no_zero_has_moved() -> None:
+    recording, true = recorded()
+    shown = recording.series["joint_states"]
+    series = recording.series | {"joint_states": JointSeries(T, shown.joints, true + np.array([0.0, 0.4]))}
+    moved = Recording("run", 0, recording.duration, series)
+    off = {}
+    for highest in (0.5, -0.1):  # the first angles are 0
+        known = replace(model(), lowest=np.full(2, -0.5), highest=np.full(2, highest))
+        off[highest] = simulate(moved, known).series["joint_states"].position - true
+    assert np.abs(off[0.5][T >= 5.0].mean(axis=0)[1] - 0.4) < 0.02
+    assert np.abs(off[-0.1][T >= 5.0].mean(axis=0)[1]) < 0.1

@@ -19,6 +19,8 @@ from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.errors import ModelError
 
 HELD, SAMPLED = "held", "sampled"
+FITTED_ON = ("error", "reach", "lowest", "highest")
+"""What a model knows of each joint from the recordings that it was fitted on."""
 
 AnyModel = TypeVar("AnyModel", bound="ArmModel")  # what is made of a model is of its kind
 
@@ -29,9 +31,9 @@ class ArmModel:
     words to lists.
 
     ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold
-    their value at its end. ``error`` and ``reach`` (joints,) rad are what it left of samples that its fit
-    did not see, and how far from their mean the motors went there, joint side, rms; empty where that is not
-    known.
+    their value at its end. ``error``, ``reach``, ``lowest`` and ``highest`` (joints,) rad are what it left of
+    samples that its fit did not see, and how far from their mean, rms, and between which angles the motors
+    went there, joint side; empty where that is not known.
     """
 
     arm: Arm
@@ -39,6 +41,8 @@ class ArmModel:
     duration: float = 0.0
     error: Array = field(default_factory=lambda: np.empty(0))
     reach: Array = field(default_factory=lambda: np.empty(0))
+    lowest: Array = field(default_factory=lambda: np.empty(0))
+    highest: Array = field(default_factory=lambda: np.empty(0))
     setpoints: str = HELD
     """What recorded setpoints are: each held until the next, or samples of what the servo got (SAMPLED)."""
 
@@ -93,8 +97,7 @@ class ArmModel:
             return replace(
                 self,
                 arm=_spread(self.arm, joints),
-                error=spread_over(self.error, len(joints)),
-                reach=spread_over(self.reach, len(joints)),
+                **{name: spread_over(getattr(self, name), len(joints)) for name in FITTED_ON},
                 effects={
                     name: {key: spread_over(value, len(joints)) for key, value in values.items()}
                     for name, values in self.effects.items()
@@ -142,8 +145,8 @@ class ArmModel:
         effects = {
             name: {key: cut(value) for key, value in values.items()} for name, values in self.effects.items()
         }
-        error, reach = (known[columns] if len(known) else known for known in (self.error, self.reach))
-        return replace(self, arm=self.loaded_arm().only(joints), effects=effects, error=error, reach=reach)
+        fitted_on = {name: cut(known) if len(known := getattr(self, name)) else known for name in FITTED_ON}
+        return replace(self, arm=self.loaded_arm().only(joints), effects=effects, **fitted_on)
 
     def bound(self, stage: str) -> list[Effect]:
         """The effects of a stage as blocks over all joints, in physical order."""

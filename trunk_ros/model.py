@@ -16,7 +16,7 @@ import numpy as np
 
 from trunk_ros.arm.flat import arm_from, arm_parameters, per_joint
 from trunk_ros.arm.parameters import RENAMED, check_names, checked, declared_arm, shortened
-from trunk_ros.arm_model import HELD, SAMPLED
+from trunk_ros.arm_model import FITTED_ON, HELD, SAMPLED
 from trunk_ros.effect_values import Values, check_rivals, effect_values
 from trunk_ros.effects import effect, registry
 from trunk_ros.errors import ModelError
@@ -36,9 +36,7 @@ class Model(Predictor):
         if self.setpoints != HELD:
             flat["recording.setpoints"] = self.setpoints
         flat |= {
-            f"recording.{name}": known.tolist()
-            for name, known in (("error", self.error), ("reach", self.reach))
-            if len(known)
+            f"recording.{name}": known.tolist() for name in FITTED_ON if len(known := getattr(self, name))
         }
         for name, values in self.in_order():
             for key, value in effect_values(effect(name), values, self.arm.joints).items():
@@ -68,7 +66,7 @@ class Model(Predictor):
             if values:
                 effects[name] = values
         check_rivals(effects)
-        known = {name: per_joint(given, f"recording.{name}", len(arm.joints)) for name in ("error", "reach")}
+        known = {name: per_joint(given, f"recording.{name}", len(arm.joints)) for name in FITTED_ON}
         setpoints = given.get("recording.setpoints", HELD)
         if setpoints not in (HELD, SAMPLED):
             raise ModelError(f"recording.setpoints = {shortened(setpoints)}: choose {HELD} or {SAMPLED}")

@@ -69,12 +69,23 @@ def begun(chain: Chain, driven: Driven) -> tuple[State | None, Array]:
 
 
 def _zero(chain: Chain, driven: Driven, places: Array, size: Array) -> Array:
-    """(joints,) rad by which zeros have moved; none of joints of which no model says what is too far off."""
-    if not len(chain.model.error):
+    """(joints,) rad by which zeros have moved; none of joints of which no model says what is too far off, as
+    where the motors stand at angles that it was not fitted on.
+    """
+    if not len(chain.model.error) or _is_new(chain, driven):
         return np.zeros(len(size))
     off = _off(chain, driven, places) / size
     unsure = _unsure(off)
     return np.where(chain.model.error > 0.0, size * unsure * moved_zero(_mean(off) / unsure)[0], 0.0)
+
+
+def _is_new(chain: Chain, driven: Driven) -> bool:
+    """Whether an arm begins at angles that its model was not fitted on."""
+    model, first = chain.model, driven.phi[driven.rows[0]] * chain.arm.ratio
+    if not len(model.lowest):
+        return False
+    new = (first < model.lowest) | (first > model.highest)
+    return bool((new & (model.error > 0.0)).any())
 
 
 def _unsure(off: Array) -> Array:

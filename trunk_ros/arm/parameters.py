@@ -60,6 +60,7 @@ SERVO = {
 def declared_arm() -> list[Declaration]:
     """The parameters of an arm, effects aside."""
     large, positive = (0.0, 1e15), (1e-15, 1e15)
+    everywhere = (-1e15, 1e15)
     return [
         Declaration(
             "arm.joints", [ANY_JOINTS], "", None, "joint names; '*' for whatever joints a recording has", True
@@ -137,6 +138,8 @@ def declared_arm() -> list[Declaration]:
         _per_joint(
             "recording.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"
         ),
+        _per_joint("recording.lowest", "rad", everywhere, "the lowest angle that they led joints to there"),
+        _per_joint("recording.highest", "rad", everywhere, "the highest"),
     ]
 
 

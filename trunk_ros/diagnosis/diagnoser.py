@@ -112,12 +112,12 @@ class Diagnoser:
             return model
         arm = model.arm
         wires = np.concatenate([s.gearbox * arm.only(self.joints).ratio for s in self.spans])
-        reach = dict(zip(self.joints, np.std(wires, axis=0), strict=True))
-        return replace(
-            model,
-            error=np.array([self.error.get(joint, 0.0) for joint in arm.joints]),
-            reach=np.array([reach.get(joint, 0.0) for joint in arm.joints]),
+        some = (np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0))
+        told = (self.error, *(dict(zip(self.joints, one, strict=True)) for one in some))
+        error, reach, lowest, highest = (
+            np.array([one.get(joint, 0.0) for joint in arm.joints]) for one in told
         )
+        return replace(model, error=error, reach=reach, lowest=lowest, highest=highest)
 
     def _say_what_is_mixed_up(self) -> None:
         """What was left out for it is not explained."""

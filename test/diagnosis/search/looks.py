@@ -52,6 +52,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "gaussian": {
         "stribeck_friction": {"amplitude": on(2, 4e-3), "velocity": on(2, 0.04), "form": "gaussian"}
     },
+    "oiled": {
+        "stribeck_friction": {
+            "amplitude": on(2, 4e-3),
+            "velocity": np.full(5, 0.03),
+            "memory": np.full(5, 0.15),
+            "form": "film",
+        }
+    },
     "coupled": {"joint_coupling": {"gain": on(4, 0.03), "source": ["", "", "", "joint_2", ""]}},
     "rippled": {
         "transmission_ripple": {

@@ -4,13 +4,15 @@ that is.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import best_of, drawn_beside_a_ratio, fitted
-from trunk_ros.diagnosis.hypothesis import Term
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import Desk, Move, renewed
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for
@@ -132,6 +134,18 @@ def test_source_leaves_out_a_joint_that_is_not_followed() -> None:
 def test_swap_puts_the_right_effect_in_the_place_of_a_neighbour() -> None:
     best = improved("swap", "backlash", Term("viscous_lag", "proportional", own={2: {"time_constant": 1e-3}}))
     assert "backlash" in best.hypothesis
+
+
+def test_swap_knows_the_finer_forms_of_what_the_data_hardly_tell_from_what_is_there() -> None:
+    wrong = fitted("oiled", Term("backlash", own={1: {"half_width": 1e-3}}))
+    fades = Term("stribeck_friction", "exponential", own={1: {"amplitude": 1e-3, "velocity": 0.03}})
+    plain = refit(wrong.context, Hypothesis({fades.effect: fades}))
+    others = {c: float(wrong.context.count(c)) for c in wrong.cost}
+    level = replace(wrong, cost=others | {1: plain.cost[1] - 10.0})  # as good as a plain form can be
+    best = best_of(MOVE["swap"], level)
+    assert best is not None
+    assert best.hypothesis["stribeck_friction"].form == "film"
+    assert best.hypothesis["stribeck_friction"].own[1]["memory"] == pytest.approx(0.15, rel=0.1)
 
 
 def test_swap_all_says_once_what_all_joints_share() -> None:

@@ -11,6 +11,7 @@ from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.score import (
+    BETTER,
     CURVE,
     RELEVANT,
     SIGNIFICANT,
@@ -68,6 +69,19 @@ def test_what_the_motion_cannot_show_costs_more_than_any_residual() -> None:
     late = Term("wire_slip", own={2: {"step": 1e-3, "onset": 1e4}})
     now = costed(context("backlash"), Hypothesis(wire_slip=late))
     assert score(now) > UNSHOWN
+
+
+def test_a_further_joint_makes_the_values_of_others_no_cheaper() -> None:
+    """A joint of white noise beside one whose noise lasts, and so gains more by chance."""
+    times = {"payload": 0.1, "payload_from": 9.0, "payload_until": 15.0}
+    one = Term("load_elasticity", shared=times, own={3: {"compliance": 0.03}})
+    two = replace(one, own=one.own | {0: {"compliance": 0.0}})
+    now = fitted("picked up", one)
+    lasting = tuple(replace(n, correlation=0.95 * (c == 3)) for c, n in enumerate(now.context.noise))
+    context = replace(now.context, noise=lasting)
+    cost = {c: float(context.count(c)) for c in now.cost}  # nothing but noise is left
+    price_of = {len(t.own): price(Fit(Hypothesis({t.effect: t}), cost, context), t) for t in (one, two)}
+    assert price_of[2] > price_of[1] + BETTER
 
 
 def test_a_curve_costs_more_than_a_name_and_as_much_as_it_leaves() -> None:

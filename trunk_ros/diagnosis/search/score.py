@@ -9,7 +9,7 @@ from math import log
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
 from trunk_ros.diagnosis.levels import TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
@@ -119,17 +119,16 @@ def price(fit: Fit, term: Term) -> float:
     if not kind.named:
         return sum(_curve(fit, term, c, n) for c, n in needs.items())
     free = Hypothesis({term.effect: term}).free(list(term.columns))
-    value = FURTHER * float(np.mean([chance(context, c) for c in columns]))
     if kind.everywhere:
         usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
-        each = value * max(len(free) - 1, 0) - name * len(needs)
+        each = _further(context, free, columns, 1) - name * len(needs)
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
-            usual, each = sum(needs.values()), value * max(len(free) - len(needs), 0)
+            usual, each = sum(needs.values()), _further(context, free, columns, len(needs))
         return name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
     words = sum(needs[c] * max(count - 1, 0) + source * count for c, count in said.items())
-    further = value * max(sum(f.column is not None for f in free) - len(needs), 0)
+    further = _further(context, [f for f in free if f.column is not None], columns, len(needs))
     return (
         name
         + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items())
@@ -137,6 +136,15 @@ def price(fit: Fit, term: Term) -> float:
         + further
         + _moments(fit, term, needs)
     )
+
+
+def _further(context: Context, free: list[Free], columns: list[int], paid: int) -> float:
+    """Of the values beyond so many that are ``paid`` for, the dearest: each by the chance on its own joint,
+    one of all joints by the worst of theirs. So a further joint makes none of the others cheaper.
+    """
+    most = max(chance(context, c) for c in columns)
+    each = [most if f.column is None else chance(context, f.column) for f in free]
+    return FURTHER * sum(sorted(each, reverse=True)[paid:])
 
 
 def with_curves_at_least(now: Fit, bare: Hypothesis, columns: list[int]) -> float:
