@@ -9,12 +9,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import LEAST, fourth_differences, trimmed
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, ROUGHLY
 from trunk_ros.guards import ROUNDS
 from trunk_ros.recording.signal.encoder import ALTERNATES
 
 GROUPS = 8  # of samples, by speed
-ALIKE = 0.25  # of the variance of a group that the law may be off
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ def growth(residuals: Sequence[Array], speeds: Sequence[Array], masks: Sequence[
     squares = np.array([np.mean(speed[group == g] ** 2) for g in range(GROUPS)])
     rest, rising = _line(squares, each**2)
     law = rest + rising * squares
-    if rest <= 0.0 or rising <= 0.0 or np.any(np.abs(each**2 - law) > ALIKE * law):
+    if rest <= 0.0 or rising <= 0.0 or np.any(np.abs(each**2 - law) > ROUGHLY * law):
         return 0.0
     return float(np.sqrt(rising / rest))
 

@@ -6,10 +6,9 @@ import numpy as np
 from scipy.special import bdtrc
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.levels import CHANCE
+from trunk_ros.diagnosis.levels import CHANCE, HARDLY
 
 SHORTEST = 5  # samples between two jumps
-TURNED = 0.01  # of its range that a joint has to come back to have turned
 NEAR = 0.3  # s from a joint's turn within which a jump belongs to the turn
 
 
@@ -35,7 +34,7 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
     joint's turns, or as a joint of ``angles`` (n, joints) passes a place.
     """
     own = np.ascontiguousarray(angles[:, column])
-    turns = stamp[turns_of(own, TURNED * float(np.ptp(own)))]
+    turns = stamp[turns_of(own, HARDLY * float(np.ptp(own)))]
     near = np.abs(np.subtract.outer(moments, turns)).min(axis=1, initial=np.inf) < NEAR
     usual = min(2.0 * NEAR * len(turns) / float(np.ptp(stamp)), 1.0)
     if bdtrc(near.sum() - 1, len(near), usual) < CHANCE:
@@ -53,7 +52,7 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
 def _there(angles: Array, seen: Array) -> Array:
     """(joints,): the share of the time in which each joint is where it was ``seen`` (k, joints)."""
     place = seen.mean(axis=0)
-    reach = np.maximum(np.abs(seen - place).max(axis=0), TURNED * np.ptp(angles, axis=0))
+    reach = np.maximum(np.abs(seen - place).max(axis=0), HARDLY * np.ptp(angles, axis=0))
     return np.asarray(np.mean(np.abs(angles - place) <= reach, axis=0))
 
 

@@ -7,11 +7,10 @@ from scipy.fft import next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import TENFOLD
 
 FINER = 4  # steps of a first look to each line's width, by which two waves part by a period
 TURNS = 2.0  # that a line must make in the recording
-SPARSE = 10.0  # times the usual step between samples
-CYCLIC = 0.1  # of a residual's power: a line that is looked at
 
 
 def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
@@ -43,9 +42,9 @@ def _longest(stamp: Array) -> slice:
     """All samples, or where most of the time is gaps, the most that follow each other without a long one."""
     step = np.diff(stamp)
     usual = float(np.median(step)) if len(step) else 0.0
-    if not len(step) or stamp[-1] - stamp[0] < SPARSE * usual * len(stamp):
+    if not len(step) or stamp[-1] - stamp[0] < TENFOLD * usual * len(stamp):
         return slice(None)
-    ends = np.concatenate([[0], 1 + np.flatnonzero(step > SPARSE * usual), [len(stamp)]])
+    ends = np.concatenate([[0], 1 + np.flatnonzero(step > TENFOLD * usual), [len(stamp)]])
     longest = int(np.argmax(np.diff(ends)))
     return slice(int(ends[longest]), int(ends[longest + 1]))
 

@@ -17,10 +17,10 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.evidence import Evidence
-from trunk_ros.diagnosis.experiment.discrimination import AMPLE, Difference, Duel, expected, span_of
+from trunk_ros.diagnosis.experiment.discrimination import Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
-from trunk_ros.diagnosis.levels import CLEARLY
+from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.trajectory import Trajectory
@@ -117,7 +117,7 @@ class Design:
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
         told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
         faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
-        self.duels = [self.duels[k] for k in all_told if peaks[k] > 1.0 / AMPLE]
+        self.duels = [self.duels[k] for k in all_told if peaks[k] > 1.0 / TENFOLD]
         order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
         return [candidates[k] for k in order[:MOST]], faced
 
@@ -132,7 +132,7 @@ class Design:
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
         parts = ranked[:1]
-        while len(parts) < MOST and not self.context.work.over and self.ratios(parts).min() < AMPLE:
+        while len(parts) < MOST and not self.context.work.over and self.ratios(parts).min() < TENFOLD:
             parts = max(([*parts, part] for part in ranked), key=self.score)
         return parts
 

@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import OUTLIERS
+from trunk_ros.diagnosis.levels import OUTLIERS, SLIGHT, SOME
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
@@ -24,10 +24,8 @@ BEND = round(10.0 / sqrt(3.0), 4)
 """Peak acceleration of a rest-to-rest quintic, times its time squared over its way."""
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
 UNSEEN = 4.0  # noise over squared sample time: a line between samples is off by half the noise
-ROOM = 0.95  # of a limit
-APART = 0.3  # speeds differ by up to this share, so that no two joints move alike
 GOLDEN = round((sqrt(5.0) - 1.0) / 2.0, 3)  # the section whose multiples lie apart most evenly
-CARRIED = 0.3  # of the top speed: a joint that takes its place
+ROOM = 1.0 - SLIGHT  # of a limit
 LEAST = 0.03  # of a stretch's first turn: the smallest one
 
 Movers = Literal["own", "others", "all"]
@@ -120,19 +118,19 @@ class _Path:
         self.centre, self.reach = (low + high) / 2, (high - low) / 2 * ROOM
         self.top, self.bend = float(limits.speed[joint]) * ROOM, float(limits.acceleration[joint]) * ROOM
         self.side = 1.0 if joint % 2 else -1.0
-        self.pace = 1.0 - APART * (joint * GOLDEN % 1.0)
+        self.pace = 1.0 - SOME * (joint * GOLDEN % 1.0)  # no two joints move alike
         start = 0.0 if self.top > 0.0 and self.bend > 0.0 else self.centre  # what never moved stays
         self.points = [(0.0, start), (LEAD_IN, start)]
         self.begin = LEAD_IN
         if not low <= start <= high:
-            self._go(self.centre, CARRIED, inf)
+            self._go(self.centre, SOME, inf)
             self.begin = self.points[-1][0]
 
     def follow(self, part: Stretch, mine: bool, end: float) -> None:
         """One stretch, until ``end`` s."""
         size, side = part.size, self.side
         if part.movers != "all" and mine != (part.movers == "own"):
-            self._go(self.centre + part.centre * self.reach, CARRIED, end)
+            self._go(self.centre + part.centre * self.reach, SOME, end)
             size = 0.0
         going = size > 0.0
         while going:

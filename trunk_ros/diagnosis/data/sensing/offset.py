@@ -22,13 +22,12 @@ from trunk_ros.diagnosis.data.sensing.physics import (
     motion_of,
     scaled,
 )
-from trunk_ros.diagnosis.levels import CERTAIN, MOST, NEARLY, ROUGH, ROWS, SEVERAL, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, MOST, NEARLY, PART, ROUGH, ROWS, SEVERAL, SURE
 from trunk_ros.diagnosis.levels import FEWEST as AROUND
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
-ALIKE = 0.1  # of an offset: so far off a joint may surely be from what all say
 QUICK = 0.6  # s: a wire that creeps back so soon leads for a while
 
 
@@ -108,7 +107,7 @@ def _lag(motion: Motion, joint: int) -> tuple[float, float]:
     fades = -late * float(np.sqrt(np.mean(speed**2))) < band - float(motion.arm.dead_band[joint])
     creep = lowpassed(motion.stamp, motion.asked[:, joint], QUICK)
     beside, unsure = (each[0] for each in fitted(np.column_stack([features, creep]), off))
-    creeps = abs(beside - late) > SURE * np.hypot(std, unsure) + ALIKE * abs(late)
+    creeps = abs(beside - late) > SURE * np.hypot(std, unsure) + PART * abs(late)
     return late, np.inf if fades or creeps else std
 
 
@@ -123,7 +122,7 @@ def _together(told: list[tuple[float, float]], fewest: float, later: bool = Fals
             return None
         mean = float(weight @ size / weight.sum())
         able, off = SURE * std < abs(mean), np.abs(size - mean)
-        if np.all((off < np.maximum(SURE * std, ALIKE * abs(mean)))[able]):
+        if np.all((off < np.maximum(SURE * std, PART * abs(mean)))[able]):
             differ = np.sqrt(np.mean((off / std)[able] ** 2)) if able.any() else 1.0
             spread = float(weight.sum() ** -0.5 * max(differ, 1.0))
             sure = able.sum() >= fewest and CERTAIN * spread < abs(mean)
@@ -184,7 +183,7 @@ def in_stamps(stamp: Array, found: Offset, near: Array) -> Offset | None:
     middle = np.median(np.lib.stride_tricks.sliding_window_view(even, AROUND), axis=1)
     jump = middle[at] - middle[at - AROUND]
     known = max(jitter / AROUND**0.5, ROUGH * period)
-    beside = SURE * np.hypot(found.std, known) + ALIKE * abs(found.size)
+    beside = SURE * np.hypot(found.std, known) + PART * abs(found.size)
     if abs(found.size - period * np.rint(found.size / period)) > beside:  # no samples that are lost do that
         jump -= period * np.maximum(np.rint((jump - found.size) / period), 0.0)
     there = (np.abs(jump - found.size) < beside) & (np.abs(jump) > beside)

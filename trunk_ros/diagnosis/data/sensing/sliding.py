@@ -14,14 +14,13 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
 from trunk_ros.diagnosis.data.sensing.physics import FEWEST, MOVES, apart
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
-from trunk_ros.diagnosis.levels import MOST, ROWS
+from trunk_ros.diagnosis.levels import MOST, PART, ROWS
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.servo_course import servo_course
 
-LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
 PHASES = 16
 
@@ -49,7 +48,7 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
         return None
     period = float(np.median(np.diff(setpoints.stamp)))
     late = _late(setpoints, gearbox, model)
-    if late is None or late.able < (LEAST * period) ** 2 * late.weight.sum():
+    if late is None or late.able < (PART * period) ** 2 * late.weight.sum():
         return None
     found = _over_all(late, period)
     if found is None:

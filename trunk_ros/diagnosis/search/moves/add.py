@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import MOST, REFITTED
+from trunk_ros.diagnosis.levels import MOST, REFITTED, SOME
 from trunk_ros.diagnosis.search.candidates import (
     Candidate,
     breaking_kinds,
@@ -31,8 +31,6 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
 from trunk_ros.effects import Effect
-
-EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 
 
 class Tried(NamedTuple):
@@ -229,7 +227,7 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
         if size > need(context, column, best.rest(column)):
             gain = best.cost[column] - trial.cost[column]
             left = best.cost[column] - context.count(column)
-            sides.append(gain > EXPECTED * size or gain > MOST * left)
+            sides.append(gain > SOME * size or gain > MOST * left)
     return sum(sides) > MOST * len(sides)
 
 
