@@ -16,7 +16,7 @@ from trunk_ros.recording.signal.fill import fill
 from trunk_ros.resistance import load_cells, tells
 
 BEFORE, LATEST = 0.1, 0.4  # s from a reversal: what turns over has, and the posture is as it was
-TURNS = 6  # reversals, fewer cannot tell
+REVERSALS = 6  # reversals, fewer cannot tell
 
 
 def cell_remarks(recording: Recording, model: Model) -> list[str]:
@@ -64,7 +64,7 @@ def _drives(stamp: Array, angle: Array, effort: Array) -> bool:
             after = effort[(stamp > end + BEFORE) & (stamp < end + LATEST)]
             if len(before) and len(after):
                 jumps.append(np.sign(speed[first]) * (after.mean() - before.mean()) / 2.0)
-    if len(jumps) < TURNS:
+    if len(jumps) < REVERSALS:
         return False
     usual, spread = float(np.mean(jumps)), float(np.std(jumps)) / np.sqrt(len(jumps))
     return usual > SURE * spread and usual > PART * float(np.sqrt(np.mean(effort**2)))

@@ -9,7 +9,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.levels import CHANCE, HARDLY
 
 SHORTEST = 5  # samples between two jumps
-NEAR = 0.3  # s from a joint's turn within which a jump belongs to the turn
+TURNING = 0.3  # s from a joint's turn within which a jump belongs to the turn
 
 
 def jumps(stamp: Array, rest: Array, worth: float, most: int) -> Array:
@@ -35,8 +35,8 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
     """
     own = np.ascontiguousarray(angles[:, column])
     turns = stamp[turns_of(own, HARDLY * float(np.ptp(own)))]
-    near = np.abs(np.subtract.outer(moments, turns)).min(axis=1, initial=np.inf) < NEAR
-    usual = min(2.0 * NEAR * len(turns) / float(np.ptp(stamp)), 1.0)
+    near = np.abs(np.subtract.outer(moments, turns)).min(axis=1, initial=np.inf) < TURNING
+    usual = min(2.0 * TURNING * len(turns) / float(np.ptp(stamp)), 1.0)
     if bdtrc(near.sum() - 1, len(near), usual) < CHANCE:
         return True
     levels = np.array([part.mean() for part in np.split(rest, np.searchsorted(stamp, moments))])

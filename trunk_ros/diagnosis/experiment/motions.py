@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import OUTLIERS, SLIGHT, SOME
+from trunk_ros.diagnosis.levels import HALF, OUTLIERS, SLIGHT, SOME
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
@@ -23,10 +23,10 @@ MOMENT = 1e-3  # s: too short for a piece of a motion
 BEND = round(10.0 / sqrt(3.0), 4)
 """Peak acceleration of a rest-to-rest quintic, times its time squared over its way."""
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
-UNSEEN = 4.0  # noise over squared sample time: a line between samples is off by half the noise
+BENDS = 8.0 * HALF  # noise over squared sample time: the sagitta between two samples is half the noise
 GOLDEN = round((sqrt(5.0) - 1.0) / 2.0, 3)  # the section whose multiples lie apart most evenly
 ROOM = 1.0 - SLIGHT  # of a limit
-LEAST = 0.03  # of a stretch's first turn: the smallest one
+SMALLEST = 0.03  # of a stretch's first turn: the smallest one
 
 Movers = Literal["own", "others", "all"]
 
@@ -85,7 +85,7 @@ def limits_of(context: Context) -> Limits:
     first, rows = spans[0]
     done, step = np.quantile(bend, 1.0 - OUTLIERS, axis=0), float(np.median(np.diff(first.grid[rows])))
     noise = np.array([each.std for each in context.noise])
-    shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else UNSEEN * noise / step**2
+    shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else BENDS * noise / step**2
     stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)
     return Limits(
         np.where(stated, arm.lower, seen.min(axis=0)),
@@ -138,7 +138,7 @@ class _Path:
             going = self._go(self.centre + target * self.reach, part.speed * self.pace, end)
             self._stay(min(self.points[-1][0] + part.hold, end))
             size, side = size * part.shrink, -side
-            size = size if size > LEAST * part.size else part.size
+            size = size if size > SMALLEST * part.size else part.size
         self._stay(end)
 
     def _go(self, angle: float, speed: float, end: float) -> bool:

@@ -27,7 +27,7 @@ from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
-FAR = 100.0  # of a logarithm: a search for the likeliest noise that goes so far finds none
+LOST = 100.0  # of a logarithm: a search for the likeliest noise that goes so far finds none
 
 
 def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
@@ -114,7 +114,7 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
     rest_std = float(np.sqrt(np.mean(np.concatenate([rest[counted] for rest, _, counted in parts]) ** 2)))
 
     def noise_at(x: Array) -> Noise:
-        coloured, forgets, white = np.exp(np.clip(x, -FAR, FAR))
+        coloured, forgets, white = np.exp(np.clip(x, -LOST, LOST))
         correlation = float(np.exp(-1.0 / min(max(forgets, 1.0), longest)))
         return Noise(float(np.hypot(coloured, white)), correlation, float(white))
 

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.data.sensor_faults import BESIDE, FEW
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
 from trunk_ros.diagnosis.evidence.evidence import SCATTER
 from trunk_ros.diagnosis.levels import ROUGH, TENFOLD, TURNS
-from trunk_ros.diagnosis.search.fit import ENOUGH
+from trunk_ros.diagnosis.search.fit import GAINED
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT, naming
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
 from trunk_ros.diagnosis.tip.linear import Linear, Normal
@@ -225,7 +225,7 @@ class ArmProblem:
         for _ in range(TURNS):
             self.linearise(values)
             before, values = values, self.solve(self.candidates)[0]
-            if self._moved(before, values) < ENOUGH:
+            if self._moved(before, values) < GAINED:
                 break
         return values
 
@@ -240,7 +240,7 @@ class ArmProblem:
         for _ in range(TURNS):
             before, keys = self.origin, self._chosen()
             values, covariance, cost = self.solve(keys)
-            if self._moved(before, values) < ENOUGH:
+            if self._moved(before, values) < GAINED:
                 break
             self.linearise(values)
         power = self.alike * max(1.0, cost / (len(self.signals) * self.count))

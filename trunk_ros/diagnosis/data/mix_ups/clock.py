@@ -11,9 +11,9 @@ from trunk_ros.diagnosis.levels import FEWEST, SOME
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.signal.fill import fill
 
-LEAST = 0.6  # s: less is a delay
+DELAY = 0.6  # s: less is a delay
 COARSE = 0.05  # s: as exactly as it is needed
-SAMPLES = 1 << 16  # of the longer topic at most
+FINEST = 1 << 16  # of the longer topic at most
 BANDS = np.linspace(0.02, 0.48, 16)  # half-widths of dead bands, of the motion
 
 
@@ -24,10 +24,10 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
     if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > FOLLOWS:
         return 0.0
     usual = max(float(np.median(np.diff(stamp))) for stamp in (first, second))
-    step = max(COARSE, usual, np.ptp(first) / SAMPLES, np.ptp(second) / SAMPLES)
+    step = max(COARSE, usual, np.ptp(first) / FINEST, np.ptp(second) / FINEST)
     lag = _lag(_changes(first, source, step), _changes(second, target, step))
     off = float(second[0] - first[0]) + step * lag
-    if abs(off) <= LEAST:
+    if abs(off) <= DELAY:
         return 0.0
     least = max(FOLLOWS, _alike_by_a_play(first, source, second, target))
     return off if _alike(first + off, source, second, target) > least else 0.0

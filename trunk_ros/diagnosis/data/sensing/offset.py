@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import (
-    FEWEST,
+    CLOCKED,
     FRICTION,
     Motion,
     basis,
@@ -22,8 +22,7 @@ from trunk_ros.diagnosis.data.sensing.physics import (
     motion_of,
     scaled,
 )
-from trunk_ros.diagnosis.levels import CERTAIN, MOST, NEARLY, PART, ROUGH, ROWS, SEVERAL, SURE
-from trunk_ros.diagnosis.levels import FEWEST as AROUND
+from trunk_ros.diagnosis.levels import CERTAIN, FEWEST, MOST, NEARLY, PART, ROUGH, ROWS, SEVERAL, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
@@ -68,7 +67,7 @@ def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offse
     if motion is None:
         return None
     gain = _gains(motion)
-    gain[:FEWEST] = gain[len(gain) - FEWEST :] = 0.0  # of fewer samples nothing is told
+    gain[:CLOCKED] = gain[len(gain) - CLOCKED :] = 0.0  # of fewer samples nothing is told
     if not gain.any():
         return None
     near, at = motion.stamp[gain > NEARLY * gain.max()], float(motion.stamp[np.argmax(gain)])
@@ -85,7 +84,7 @@ def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offse
 def _motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
     """Of some rows, where there is enough of it."""
     shown = shown.rows((shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1]))
-    if len(shown.stamp) < FEWEST or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
+    if len(shown.stamp) < CLOCKED or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return None
     shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
     motion = motion_of(gearbox, shown, arm)
@@ -170,19 +169,19 @@ def in_stamps(stamp: Array, found: Offset, near: Array) -> Offset | None:
     """The offset as the stamps (n,) have it, where they jump by it, beside samples that were lost, between
     the first and the last of the times near (k,).
     """
-    if len(stamp) < FEWEST:
+    if len(stamp) < CLOCKED:
         return None
     between = np.diff(stamp)
     period = float(np.median(between))
     even = stamp - period * np.arange(len(stamp))
     jitter = float(np.median(np.abs(np.diff(between)))) / 6**0.5
-    at = np.arange(AROUND, len(stamp) - AROUND)
+    at = np.arange(FEWEST, len(stamp) - FEWEST)
     at = at[(stamp[at] >= near[0] - period) & (stamp[at] <= near[-1] + period)]
     if not len(at):
         return None
-    middle = np.median(np.lib.stride_tricks.sliding_window_view(even, AROUND), axis=1)
-    jump = middle[at] - middle[at - AROUND]
-    known = max(jitter / AROUND**0.5, ROUGH * period)
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(even, FEWEST), axis=1)
+    jump = middle[at] - middle[at - FEWEST]
+    known = max(jitter / FEWEST**0.5, ROUGH * period)
     beside = SURE * np.hypot(found.std, known) + PART * abs(found.size)
     if abs(found.size - period * np.rint(found.size / period)) > beside:  # no samples that are lost do that
         jump -= period * np.maximum(np.rint((jump - found.size) / period), 0.0)

@@ -12,7 +12,7 @@ from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, basis, fitted, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, basis, fitted, motion_of
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, MOST, NEARLY, PART, ROUGHLY, ROWS, SURE
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
@@ -45,7 +45,7 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     friction (and its wear), coupling and inertia do to a joint. Where joints go at one speed each, wear and
     skew look alike on one of them; then three joints of different speeds have to say the same.
     """
-    if min(len(gearbox.stamp), len(shown.stamp)) < FEWEST or one_clock(gearbox.stamp, shown.stamp):
+    if min(len(gearbox.stamp), len(shown.stamp)) < CLOCKED or one_clock(gearbox.stamp, shown.stamp):
         return None
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return None

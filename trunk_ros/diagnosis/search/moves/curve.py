@@ -13,7 +13,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, promised
 from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
-from trunk_ros.diagnosis.search.candidates import MOST, own_effects
+from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_at_least
@@ -43,7 +43,7 @@ def _hopeless(best: Fit, column: int) -> bool:
         return False
     nominal = best.context.whitened(best.context.known, column)
     explained = float(nominal @ nominal) - best.cost[column]
-    reached = best.rest(column) - (MOST - len(local)) * explained / len(local)
+    reached = best.rest(column) - (OWN - len(local)) * explained / len(local)
     if reached <= 0.0:
         return False
     return promised(best.context, best.hypothesis.less(local, column), column) < reached
