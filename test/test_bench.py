@@ -126,7 +126,10 @@ def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     old, new = ((root / part.path).read_text().splitlines() for root in (Path(__file__).parents[1], tmp_path))
     changes = [b for a, b in zip(old, new, strict=True) if a != b]
     assert changes == ["CHANCE = 0.005", "PART = 0.05"]
-    works = "from trunk_ros.diagnosis.levels import PART; from trunk_ros.share import config_path; config_path('trunk'); print(PART)"
+    works = (
+        "from trunk_ros.diagnosis.levels import PART; from trunk_ros.share import config_path;"
+        "config_path('trunk'); print(PART)"
+    )
     said = subprocess.run(
         [sys.executable, "-c", works], cwd=tmp_path, capture_output=True, text=True, check=True
     )

@@ -16,10 +16,10 @@ from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.excerpt import LENGTH, LONG, PARTS, WARM, excerpt
-from trunk_ros.diagnosis.data.surroundings import LOOKED
 from trunk_ros.diagnosis.discrepancy.bank_weights import AMPLE, Source, thinned
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.machine import LOOKED
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording

@@ -16,8 +16,9 @@ from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY
+from trunk_ros.diagnosis.machine import CELLS, KEPT
 from trunk_ros.diagnosis.side_by_side import Seen
-from trunk_ros.diagnosis.stage import CELLS, Stage
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -26,7 +27,6 @@ from trunk_ros.recording.signal.resample import SLOW
 LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
 PLAIN = 0.25  # of the joints: so many show little but noise
-KEPT = 8  # surroundings of each joint and span that are kept
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,9 @@ from scipy.fft import next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import TENFOLD
+from trunk_ros.diagnosis.levels import SEVERAL, TENFOLD
 
 FINER = 4  # steps of a first look to each line's width, by which two waves part by a period
-WAVES = 2.0  # that a line must make in the recording
 
 
 def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
@@ -22,7 +21,7 @@ def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
     if len(stamp) < 2:
         return 0.0, 0.0
     step, span = float(np.median(np.diff(stamp))), float(stamp[-1] - stamp[0])
-    low, high = WAVES / span, 0.5 / step - 1.0 / span
+    low, high = SEVERAL / span, 0.5 / step - 1.0 / span
     if high <= low or not np.any(off):
         return 0.0, 0.0
     cell = np.round((stamp - stamp[0]) / step).astype(int)
