@@ -11,7 +11,6 @@ APART = 5  # samples whose noise has nothing in common, and between which a spee
 PLACES = 20  # cells of a range, with as many samples each
 VARIES = 0.2  # of the speed's power, beyond its means at each place and direction: from there on it tells
 STILL = 0.02  # of the fastest, or of the largest motion: what does less stands
-RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
 MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
 
@@ -38,7 +37,7 @@ def speed_tells(position: Array, speed: Array) -> bool:
     cell = _cells(position, speed)
     varies = float(np.sum((speed - _means(cell, speed)[cell]) ** 2)) / power
     rests = float(np.mean(np.abs(speed) < STILL * np.abs(speed).max()))
-    return varies > VARIES or rests > RESTS
+    return varies > VARIES or rests > MOVED  # more than a swing takes to turn
 
 
 def repeats(position: Array, speed: Array) -> bool:

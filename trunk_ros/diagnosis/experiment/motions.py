@@ -26,7 +26,6 @@ GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
 BENDS = 8.0 * HALF  # noise over squared sample time: the sagitta between two samples is half the noise
 GOLDEN = round((sqrt(5.0) - 1.0) / 2.0, 3)  # the section whose multiples lie apart most evenly
 ROOM = 1.0 - SLIGHT  # of a limit
-SMALLEST = 0.03  # of a stretch's first turn: the smallest one
 
 Movers = Literal["own", "others", "all"]
 
@@ -138,7 +137,7 @@ class _Path:
             going = self._go(self.centre + target * self.reach, part.speed * self.pace, end)
             self._stay(min(self.points[-1][0] + part.hold, end))
             size, side = size * part.shrink, -side
-            size = size if size > SMALLEST * part.size else part.size
+            size = size if size > SLIGHT * part.size else part.size
         self._stay(end)
 
     def _go(self, angle: float, speed: float, end: float) -> bool:
