@@ -6,9 +6,9 @@ import numpy as np
 from scipy.special import bdtrc
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.diagnosis.data.motion_content import APART
 from trunk_ros.diagnosis.levels import CHANCE, HARDLY
 
-SHORTEST = 5  # samples between two jumps
 TURNING = 0.3  # s from a joint's turn within which a jump belongs to the turn
 
 
@@ -79,9 +79,9 @@ def turns_of(x: Array, least: float) -> np.ndarray:
 
 def _halved(sums: Array, first: int, last: int) -> tuple[float, int, int, int]:
     """Gain of the best cut between two samples, the first, the cut, and the last."""
-    if last - first < 2 * SHORTEST:
+    if last - first < 2 * APART:
         return 0.0, first, first, last
-    cut = np.arange(first + SHORTEST, last - SHORTEST + 1)
+    cut = np.arange(first + APART, last - APART + 1)
     left, right = sums[cut] - sums[first], sums[last] - sums[cut]
     parts = left**2 / (cut - first) + right**2 / (last - cut)
     best = int(np.argmax(parts))

@@ -27,7 +27,7 @@ from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
-LOST = 100.0  # of a logarithm: a search for the likeliest noise that goes so far finds none
+LOST = np.log(np.finfo(float).max) / 4.0  # of a logarithm: the squares of what goes further are no numbers
 
 
 def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
