@@ -116,28 +116,24 @@ def test_what_is_worse_than_in_the_last_release_is_said_first() -> None:
 
 def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     by_name = {str(each): each for each in policy.constants()}
-    assert {"context.LEAST", "descent.COARSE", "long.WORK"} <= set(by_name)
-    coarse = by_name["descent.COARSE"]
-    assert coarse.scaled(0.5) == "(0.1, 0.005, 0.0)"
+    assert {"context.LEAST", "starts.SHARES", "long.WORK"} <= set(by_name)
+    shares = by_name["starts.SHARES"]
+    assert shares.scaled(0.5) == "(0.025, 0.075, 0.15)"
     assert by_name["context.LEAST"].scaled(4 / 3) == "67"
     assert policy.Constant("x.py", "MOST", 1, "2").scaled(4 / 3) == "3"
-    policy.changed([(by_name["descent.LARGE"], 0.5), (coarse, 0.5)], tmp_path)
-    old, new = (
-        (root / coarse.path).read_text().splitlines() for root in (Path(__file__).parents[1], tmp_path)
-    )
-    changes = [(a, b) for a, b in zip(old, new, strict=True) if a != b]
-    assert [b for _, b in changes] == [
-        a.replace("0.5", "0.25", 1).replace("(0.2, 0.01, 0.0)", "(0.1, 0.005, 0.0)") for a, _ in changes
-    ]
-    assert len(changes) == 2
+    chance, part = by_name["levels.CHANCE"], by_name["levels.PART"]
+    policy.changed([(part, 0.5), (chance, 0.5)], tmp_path)
+    old, new = ((root / part.path).read_text().splitlines() for root in (Path(__file__).parents[1], tmp_path))
+    changes = [b for a, b in zip(old, new, strict=True) if a != b]
+    assert changes == ["CHANCE = 0.005", "PART = 0.05"]
     works = (
-        "from trunk_ros.diagnosis.search.descent import COARSE; from trunk_ros.model import load_model;"
-        "load_model('trunk'); print(COARSE)"
+        "from trunk_ros.diagnosis.levels import PART; from trunk_ros.share import config_path;"
+        "config_path('trunk'); print(PART)"
     )
     said = subprocess.run(
         [sys.executable, "-c", works], cwd=tmp_path, capture_output=True, text=True, check=True
     )
-    assert said.stdout.strip() == "(0.1, 0.005, 0.0)"
+    assert said.stdout.strip() == "0.05"
 
 
 def test_policy_changes_each_constant_once_in_either_direction() -> None:

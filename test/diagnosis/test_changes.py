@@ -83,7 +83,7 @@ def test_a_small_value_within_its_spread_is_no_finding() -> None:
 def test_a_model_for_any_joints_is_compared_joint_by_joint() -> None:
     loose = load_model("direct").arm
     result = diagnose(
-        recorded({}, seconds=25.0), Model(loose, {"backlash": {"half_width": np.array([3e-3])}})
+        recorded({}, seconds=15.0), Model(loose, {"backlash": {"half_width": np.array([3e-3])}})
     )
     assert "joint_1: the model has 3 mrad, the recording shows" in next(
         f.statement for f in result.findings if f.effect == "backlash"

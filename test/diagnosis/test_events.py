@@ -52,17 +52,16 @@ def test_a_wire_that_gives_way_more_and_more_grows() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "values"),
+    ("name", "values", "moment"),
     [
-        ("servo_bandwidth", {"relative": -0.3}),
-        ("servo_bandwidth", {"relative": on(2, -0.3), "form": "apart"}),
-        ("servo_delay", {"delay": 0.03}),
-        ("load_droop", {"gain": 0.02, "form": "weight"}),
-        ("cogging", {"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": 0.5 * ALL}),
-        ("sensor_delay", {"delay": 0.03}),
+        ("servo_bandwidth", {"relative": -0.3}, "from"),
+        ("servo_bandwidth", {"relative": on(2, -0.3), "form": "apart"}, "until"),
+        ("servo_delay", {"delay": 0.03}, "until"),
+        ("load_droop", {"gain": 0.02, "form": "weight"}, "from"),
+        ("cogging", {"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": 0.5 * ALL}, "until"),
+        ("sensor_delay", {"delay": 0.03}, "from"),
     ],
 )
-@pytest.mark.parametrize("moment", ["from", "until"])
 def test_what_becomes_of_servos_and_sensors_in_mid_run_has_a_moment(
     name: str, values: dict[str, Any], moment: str
 ) -> None:

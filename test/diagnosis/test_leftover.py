@@ -10,7 +10,7 @@ import pytest
 from test.diagnosis.search.looks import fitted
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on
-from trunk_ros.diagnosis.search.score import SHARE
+from trunk_ros.diagnosis.levels import SLIGHT
 from trunk_ros.diagnosis.verdict.findings import left_over
 
 
@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.verdict.findings import left_over
 def test_noise_depends_on_nothing(count: int) -> None:
     rng = np.random.default_rng(count)
     shares = [accounted(rng.normal(size=count), rng.normal(size=count)) for _ in range(200)]
-    assert np.mean(np.array(shares) > SHARE) < 0.05
+    assert np.mean(np.array(shares) > SLIGHT) < 0.05
 
 
 def test_coloured_noise_depends_on_nothing_that_moves_slowly() -> None:
@@ -28,7 +28,7 @@ def test_coloured_noise_depends_on_nothing_that_moves_slowly() -> None:
         noise, x = rng.normal(size=3000), np.sin(np.linspace(0, 20 * rng.uniform(0.5, 1), 3000))
         for k in range(1, len(noise)):
             noise[k] += pole * noise[k - 1]
-        over += accounted(x, noise, pole) > SHARE
+        over += accounted(x, noise, pole) > SLIGHT
     assert over < 10
 
 

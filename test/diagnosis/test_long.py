@@ -15,16 +15,16 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.excerpt import BLOCKS, LENGTH, LONG, WARM, excerpt
-from trunk_ros.diagnosis.data.surroundings import LOOKED
-from trunk_ros.diagnosis.discrepancy.bank_weights import ENOUGH, Source, thinned
+from trunk_ros.diagnosis.data.excerpt import LENGTH, LONG, PARTS, WARM, excerpt
+from trunk_ros.diagnosis.discrepancy.bank_weights import AMPLE, Source, thinned
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.machine import LOOKED
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
-SECONDS = LONG * BLOCKS * LENGTH + 60.0
+SECONDS = LONG * PARTS * LENGTH + 60.0
 
 
 def gearbox_and_joints(recording: Recording) -> Recording:
@@ -55,13 +55,13 @@ def test_an_excerpt_has_the_stamps_and_samples_of_the_whole() -> None:
     np.testing.assert_array_equal(span.target[row], part.target)
     assert part.grid[0] == span.grid[0]
     assert part.stamp[-1] == pytest.approx(span.stamp[-1], abs=0.02)
-    assert part.stamp.size == pytest.approx(BLOCKS * LENGTH * 100, rel=0.01)
+    assert part.stamp.size == pytest.approx(PARTS * LENGTH * 100, rel=0.01)
 
 
 def test_what_follows_a_gap_of_an_excerpt_does_not_count_until_it_has_been_forgotten() -> None:
     part = excerpt(wire_span(recorded(seconds=SECONDS), load_model("trunk")))
     begins = part.stamp[1:][np.diff(part.stamp) > 1.0]
-    assert len(begins) == BLOCKS - 1
+    assert len(begins) == PARTS - 1
     for begin in begins:
         assert not part.valid[(part.stamp >= begin) & (part.stamp < begin + WARM)].any()
         assert part.valid[(part.stamp > begin + LENGTH - 5.0) & (part.stamp < begin + LENGTH)].all()
@@ -123,15 +123,15 @@ def test_sources_of_banks_are_made_one_at_a_time(looked: Context) -> None:
 def test_banks_are_weighed_on_a_bounded_number_of_rows() -> None:
     rows = [len(thinned(np.zeros(n))) for n in (1000, 99_999, 100_000, 359_000, 720_000)]
     assert rows[:2] == [1000, 99_999]
-    assert all(ENOUGH <= n < 2 * ENOUGH for n in rows[2:])
+    assert all(AMPLE <= n < 2 * AMPLE for n in rows[2:])
 
 
 def test_what_is_freed_is_kept_without_taking_memory_for_it() -> None:
     """The array that the allocator learns from has pages only where they are written to."""
     code = (
-        "import resource; from trunk_ros.diagnosis.heap import LARGEST, keep_what_is_freed\n"
+        "import resource; from trunk_ros.diagnosis.heap import LEARNT, keep_what_is_freed\n"
         "most = lambda: 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
-        "before = most(); keep_what_is_freed(); print((most() - before) / LARGEST)"
+        "before = most(); keep_what_is_freed(); print((most() - before) / LEARNT)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert float(done.stdout) < 0.25

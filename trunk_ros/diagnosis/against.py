@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.levels import HALF, SLIGHT, SOME, TENFOLD
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.wire import WireStage
@@ -23,9 +24,6 @@ from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import COMPARED
 from trunk_ros.transmission import ratio_of
 
-DITHER = 0.3  # of the arm's sensor noise, laid on the simulator's readings: what is smaller is of no account
-FOLLOWS = 0.5  # of the arm's sensor noise: a simulator that errs by less from the model is that model
-FASTER, ROOM = 1.05, 10.0  # times a top speed: what is faster has another one; times what was seen
 SERVO = set(COMPARED["servo"])
 
 Diagnose = Callable[[Recording, Model], Diagnosis]
@@ -89,9 +87,9 @@ def with_room(model: Model, recordings: Sequence[Recording]) -> Model:
     """The model with no top speed to speak of, where a gearbox was faster than that: it is not theirs."""
     driven = [r.series["gearbox_states"] for r in recordings if "gearbox_states" in r.series]
     fastest = max((top_speed(series.stamp, series.position) for series in driven), default=0.0)
-    if fastest <= FASTER * np.max(model.arm.v_max):
+    if fastest <= (1.0 + SLIGHT) * np.max(model.arm.v_max):
         return model
-    return replace(model, arm=replace(model.arm, v_max=ROOM * fastest))
+    return replace(model, arm=replace(model.arm, v_max=TENFOLD * fastest))
 
 
 def with_gearbox(other: Recording, arm: Recording) -> Recording:
@@ -103,17 +101,17 @@ def with_gearbox(other: Recording, arm: Recording) -> Recording:
 
 
 def dithered(own: Recording, noise: dict[str, float]) -> Recording:
-    """Joint readings with a share of the arm's noise: a search for what no noise hides would have no end."""
+    """Joint readings with some of the arm's noise: a search for what no noise hides would have no end."""
     shown = own.series["joint_states"].select(tuple(noise))
-    size = DITHER * np.array(list(noise.values()))
+    size = SOME * np.array(list(noise.values()))
     position = shown.position + size * np.random.default_rng(0).standard_normal(shown.position.shape)
     return replace(own, series={**own.series, "joint_states": replace(shown, position=position)})
 
 
 def follows(own: Recording, model: Model, noise: dict[str, float]) -> bool:
-    """Whether a simulator does what a model says, as far as the arm's sensors could tell."""
+    """Whether a simulator does what a model says: it errs by less than half of the arm's noise."""
     context = first_look(WireStage([wire_span(own, model)], model))
-    limit = FOLLOWS * np.array([noise[joint] for joint in context.joints])
+    limit = HALF * np.array([noise[joint] for joint in context.joints])
     return bool(np.all([_rms(context, c) < limit[c] for c in context.columns]))
 
 

@@ -13,9 +13,8 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import NOTABLE
+from trunk_ros.diagnosis.levels import NOTABLE, PART
 
-FURTHEST = 0.1  # of the way to a stop: what goes further beyond it is no drive that settles
 NEAREST = 1e-5
 
 
@@ -50,7 +49,7 @@ def _likeliest(context: Context, hypothesis: Hypothesis, column: int) -> float:
         rest = there.whitened(hypothesis, column)
         return float(rest @ rest)
 
-    tried = np.concatenate([[0.0], np.geomspace(NEAREST, FURTHEST, 14)])
+    tried = np.concatenate([[0.0], np.geomspace(NEAREST, PART, 14)])  # beyond, it is no drive that settles
     costs = [left(beyond) for beyond in tried]
     best = int(np.argmin(costs))
     if best in (0, len(tried) - 1):

@@ -15,8 +15,10 @@ from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import HARDLY
+from trunk_ros.diagnosis.machine import CELLS, KEPT
 from trunk_ros.diagnosis.side_by_side import Seen
-from trunk_ros.diagnosis.stage import CELLS, Stage
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -24,9 +26,7 @@ from trunk_ros.recording.signal.resample import SLOW
 
 LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
-CLOSE = 0.01  # of the motion: a change of the angles that changes nothing of what was tried
 PLAIN = 0.25  # of the joints: so many show little but noise
-KEPT = 8  # surroundings of each joint and span that are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class Context:
         if views is self.views:
             return self
         pairs = [(old.angles, new.angles) for old, new in zip(self.views, views, strict=True)]
-        same = all(float(np.max(np.abs(a - b))) < CLOSE * float(np.ptp(a)) for a, b in pairs)
+        same = all(float(np.max(np.abs(a - b))) < HARDLY * float(np.ptp(a)) for a, b in pairs)
         return replace(self, views=views, look=self.look + (not same), shown_before={}, _cache={})
 
     def weighed(self, hypothesis: Hypothesis) -> Context:

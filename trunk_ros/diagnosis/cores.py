@@ -13,6 +13,7 @@ from io import StringIO
 from itertools import takewhile
 from typing import Any, TypeVar
 
+from trunk_ros.diagnosis.machine import NUMBER
 from trunk_ros.diagnosis.work import Work
 
 try:
@@ -24,7 +25,6 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 Called = TypeVar("Called", bound=Callable[..., Any])
 
-NUMBER = 4  # bytes
 
 _cores: ContextVar[int] = ContextVar("cores", default=1)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-LARGEST = 2**25 - 2**13  # bytes: the most that glibc will learn from, its own header included
+LEARNT = 2**25 - 2**13  # bytes: the most that glibc will learn from, its own header included
 
 
 def keep_what_is_freed() -> None:
@@ -12,4 +12,4 @@ def keep_what_is_freed() -> None:
     twentieth of a diagnosis. It learns from the largest array that it has seen freed (mallopt(3),
     M_MMAP_THRESHOLD). Elsewhere nothing happens; no page of the array is touched.
     """
-    np.empty(LARGEST, dtype=np.uint8)
+    np.empty(LEARNT, dtype=np.uint8)

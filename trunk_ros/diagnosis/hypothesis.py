@@ -10,12 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.machine import BOUND
 from trunk_ros.effect_values import Values, payload_in
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.parameter import Parameter
-
-BOUND = 64  # blocks of one joint kept: what a fit leaves as it is is not made anew
 
 Numbers = tuple[tuple[str, float], ...]
 Words = tuple[tuple[str, str], ...]

@@ -28,9 +28,27 @@ TURNS = 4
 """Of what is fitted alternately: each leaves little of what the other had to follow."""
 MOST = 0.6
 """Share that is most of something: more than half, so that little does not tip it."""
-NEARLY = 0.9
+PART = 0.1
+"""Share of something: what is less is a small part of it, or none."""
+NEARLY = 1.0 - PART
 """Share that is nearly all of something."""
+SLIGHT = 0.05
+"""Share of something: what is less, or differs by less, makes no difference."""
+HARDLY = 0.01
+"""Share of something that is hardly any of it: rounded, guessed or interpolated."""
+SOME = 0.3
+"""Share of something: what is less tells nothing of the whole."""
+HALF = 0.5
+"""Share of something: what is more is more than all the rest."""
+ROUGHLY = 0.25
+"""Share by which two looks at one thing may differ, where each is rough."""
+FAR_OFF = 0.2
+"""Of a ratio: so far off it was not known, and what it makes is no misfit of formulas; or it is a gear."""
 CLEARLY = 1.5
 """Times as much as a level: clearly more than that."""
+THREEFOLD = 3.0
+"""Times as much: no more a matter of how it was measured."""
+TENFOLD = 10.0
+"""Times as much: another thing altogether."""
 TOGETHER = 0.5
 """s: on several joints it is one event."""

@@ -11,8 +11,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-
-SAME = 0.05  # of the standard deviation: a change that is none
+from trunk_ros.diagnosis.levels import SLIGHT
 
 
 def paced(context: Context, hypothesis: Hypothesis) -> Context:
@@ -23,7 +22,7 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
         return context
     paces = [_likeliest(context, hypothesis, k) for k in range(len(context.views))]
     moved = [
-        np.abs(pace - view.span.pace) > SAME * np.array(view.span.unsure)
+        np.abs(pace - view.span.pace) > SLIGHT * np.array(view.span.unsure)
         for pace, view in zip(paces, context.views, strict=True)
     ]
     if not np.any(moved):

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import STILL, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import STANDS, servo_span, wire_span
 from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.first_look import first_look
@@ -131,5 +131,5 @@ def _motion(stamp: np.ndarray, angle: np.ndarray) -> dict[str, float]:
         "low": float(angle.min()),
         "high": float(angle.max()),
         "speed": top_speed(stamp, angle[:, None]),
-        "turns": len(turns_of(angle, max(float(np.ptp(angle)) / 20.0, STILL))),
+        "turns": len(turns_of(angle, max(float(np.ptp(angle)) / 20.0, STANDS))),
     }

@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.repeated_readings import coarseness
 from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
+from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.diagnosis.side_by_side import Seen, alike
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Now, borne
@@ -27,7 +28,6 @@ from trunk_ros.guards import SAME
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
 
-CELLS = 2**19  # samples that are computed together: of long recordings more would not fit into memory
 STANDING = 3.0  # times the mean power of an encoder's steps that a joint shows where it stands
 
 

@@ -26,8 +26,8 @@ from trunk_ros.model import Model
 from trunk_ros.stage import Memory, Order, State, adjusted, through, wire_pass
 from trunk_ros.start import Driven, first_rows, history
 
-TOGETHER = 40  # joint-steps that one of joints costs which shake each other
-STANDING = 40  # steps that a stand is looked at
+SHAKEN = 40  # joint-steps that one of joints costs which shake each other
+STOOD = 40  # steps that a stand is looked at
 
 
 class WireStage(Stage):
@@ -79,7 +79,7 @@ class WireStage(Stage):
         key = (id(span.target), column)
         if key not in self._stands:
             seen = span.start[column]
-            chosen = seen[np.linspace(0, len(seen) - 1, min(len(seen), STANDING)).astype(int)]
+            chosen = seen[np.linspace(0, len(seen) - 1, min(len(seen), STOOD)).astype(int)]
             rows = np.unique(np.concatenate([[0], span.rows[chosen]]))
             self._stands[key] = tuple(rows.tolist()), float(np.median(span.target[seen, column]))
         return self._stands[key]
@@ -89,7 +89,7 @@ class WireStage(Stage):
         if hypothesis.shakes:
             chain = _chain(self.arm, hypothesis)
             paths = [_together(chain, view.span) for view in sight.views]
-            sight.work.done += TOGETHER * sum(path.size for path in paths)
+            sight.work.done += SHAKEN * sum(path.size for path in paths)
         else:
             paths = [
                 np.column_stack([self.path(sight, index, hypothesis, c) for c in columns])

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from trunk_ros.compiled import Array
-
-PIECE = 2048  # rows that stay in the processor's cache
+from trunk_ros.diagnosis.machine import PIECE
 
 
 def abreast(columns: Sequence[Array]) -> Array:

@@ -34,7 +34,7 @@ from trunk_ros.transmission import at_joints
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
 SETTLING = 0.3  # s in which a servo forgets how it began
-STILL = 3e-4  # rad: a joint that moves less stands
+STANDS = 3e-4  # rad: a joint that moves less stands
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
 
 
@@ -115,10 +115,10 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     arm = model.arm.only(joints)
     u = phi * arm.ratio
     start = _start(u, rows, target, valid)
-    least = np.maximum(MOVED * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, STILL))
+    least = np.maximum(MOVED * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, STANDS))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
     small = np.maximum(noises(measured) / 2, UNSEEN)
-    past = np.minimum(least, np.maximum(BANDS * _loop(u[rows], target, valid), STILL))
+    past = np.minimum(least, np.maximum(BANDS * _loop(u[rows], target, valid), STANDS))
     valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
@@ -170,7 +170,7 @@ def _beside_wide_loops(u: Array, speed: Array, target: Array, valid: np.ndarray)
 
 def _goes_on(u: Array) -> np.ndarray:
     """(joints,): where a joint moves, and one way only."""
-    return np.array([not comes_back(column) and float(np.ptp(column)) > STILL for column in u.T])
+    return np.array([not comes_back(column) and float(np.ptp(column)) > STANDS for column in u.T])
 
 
 def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
@@ -231,7 +231,7 @@ def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: A
     """
     far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
     engaged = far > least
-    standing = (far < STILL) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
+    standing = (far < STANDS) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
     return np.asarray((engaged | standing)[rows])
 
 
@@ -259,7 +259,7 @@ def _loop(u: Array, target: Array, valid: np.ndarray) -> Array:
     out = np.full(u.shape[1], np.inf)
     for j, seen in enumerate(valid.T):
         moved = u[seen, j] - np.mean(u[seen, j]) if seen.any() else np.empty(0)
-        if len(moved) and np.ptp(moved) > STILL:
+        if len(moved) and np.ptp(moved) > STANDS:
             left = target[seen, j] - float(moved @ target[seen, j] / (moved @ moved)) * moved
             low, high = np.quantile(left, [OUTLIERS, 1.0 - OUTLIERS])
             out[j] = (high - low) / 2.0
@@ -280,6 +280,6 @@ def _turned_by(u: Array, grid: Array, stamp: Array, k: int) -> Array:
 
 def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tuple[np.ndarray, ...]:
     """The first rows of the target at which each joint stands, if it stands long before it moves."""
-    still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STILL
+    still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
     seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(target.shape[1])]
     return tuple(s if len(s) >= ENOUGH else s[:0] for s in seen)

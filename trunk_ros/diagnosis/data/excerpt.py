@@ -13,11 +13,10 @@ from trunk_ros.diagnosis.data.motion_content import MOVED
 from trunk_ros.diagnosis.levels import ROWS
 from trunk_ros.recording.signal.resample import LONGEST_GAP
 
-BLOCKS = 6
+PARTS = 6
 LENGTH = 50.0  # s of a block
 WARM = 15.0  # s of it after which it has forgotten what went before
 STRETCH = 10.0  # s: to and fro, of what forgets at once
-STRETCHES = 6
 FORGOTTEN = 1.0  # s of a stretch after which a servo has forgotten what went before, late setpoints and all
 LONG = 2.0  # times all blocks, from which on a recording is not searched as a whole
 
@@ -29,9 +28,9 @@ def excerpt(span: Span) -> Span:
     """
     time = recorded_time(span.grid)
     length = max(LENGTH, ROWS * _usual(np.diff(time)))
-    if time[-1] < LONG * BLOCKS * length:
+    if time[-1] < LONG * PARTS * length:
         return span
-    starts = np.linspace(0.0, time[-1] - length, BLOCKS)
+    starts = np.linspace(0.0, time[-1] - length, PARTS)
     steps = [slice(*np.searchsorted(time, (s, s + length)).tolist()) for s in starts]
     steps = [step for step in steps if step.start < step.stop]
     chosen = np.zeros(len(span.grid), dtype=bool)
@@ -48,12 +47,12 @@ def moving(spans: Sequence[Span], column: int) -> list[Span]:
     was recorded is not much more.
     """
     times = [recorded_time(span.grid) for span in spans]
-    if sum(float(time[-1]) for time in times) < LONG * STRETCHES * STRETCH:
+    if sum(float(time[-1]) for time in times) < LONG * PARTS * STRETCH:
         return []
     cut = [(s, time // STRETCH == k) for s, time in zip(spans, times, strict=True)
            for k in np.unique(time // STRETCH)]  # fmt: skip
     far = [float(np.abs(np.diff(span.source[rows, column])).sum()) for span, rows in cut]
-    chosen = [cut[k] for k in sorted(np.argsort(far)[-STRETCHES:].tolist())]
+    chosen = [cut[k] for k in sorted(np.argsort(far)[-PARTS:].tolist())]
     return [taken(span, rows, _begins(span, rows)) for span, rows in chosen]
 
 

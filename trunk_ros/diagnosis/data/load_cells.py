@@ -8,19 +8,15 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.derivatives import smooth
-from trunk_ros.diagnosis.levels import MOST, SURE
+from trunk_ros.diagnosis.levels import MOST, PART, SURE
 from trunk_ros.effort import MOVES
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.resistance import load_cells, tells
 
-BEFORE, LATEST = (
-    0.1,
-    0.4,
-)  # s from a reversal: what turns over has, and the posture is as it was
-TURNS = 6  # reversals, fewer cannot tell
-SMALL = 0.1  # of the effort: what turns over with the direction and is less is a sensor's
+BEFORE, LATEST = 0.1, 0.4  # s from a reversal: what turns over has, and the posture is as it was
+REVERSALS = 6  # reversals, fewer cannot tell
 
 
 def cell_remarks(recording: Recording, model: Model) -> list[str]:
@@ -68,7 +64,7 @@ def _drives(stamp: Array, angle: Array, effort: Array) -> bool:
             after = effort[(stamp > end + BEFORE) & (stamp < end + LATEST)]
             if len(before) and len(after):
                 jumps.append(np.sign(speed[first]) * (after.mean() - before.mean()) / 2.0)
-    if len(jumps) < TURNS:
+    if len(jumps) < REVERSALS:
         return False
     usual, spread = float(np.mean(jumps)), float(np.std(jumps)) / np.sqrt(len(jumps))
-    return usual > SURE * spread and usual > SMALL * float(np.sqrt(np.mean(effort**2)))
+    return usual > SURE * spread and usual > PART * float(np.sqrt(np.mean(effort**2)))

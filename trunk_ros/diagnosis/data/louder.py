@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import LEAST, fourth_differences, trimmed
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH
+from trunk_ros.diagnosis.data.noise import FLOOR, fourth_differences, trimmed
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, ROUGHLY
 from trunk_ros.guards import ROUNDS
 from trunk_ros.recording.signal.encoder import ALTERNATES
 
 GROUPS = 8  # of samples, by speed
-ALIKE = 0.25  # of the variance of a group that the law may be off
 
 
 @dataclass(frozen=True)
@@ -58,12 +57,12 @@ def growth(residuals: Sequence[Array], speeds: Sequence[Array], masks: Sequence[
     group = np.argsort(np.argsort(speed, kind="stable"), kind="stable") * GROUPS // len(speed)
     each = np.array([trimmed(size[group == g]) for g in range(GROUPS)])
     fast = group >= GROUPS // 2
-    if each.min() <= LEAST or each[-1] < CLEARLY * each[0] or float(np.mean(turns[fast])) > ALTERNATES:
+    if each.min() <= FLOOR or each[-1] < CLEARLY * each[0] or float(np.mean(turns[fast])) > ALTERNATES:
         return 0.0
     squares = np.array([np.mean(speed[group == g] ** 2) for g in range(GROUPS)])
     rest, rising = _line(squares, each**2)
     law = rest + rising * squares
-    if rest <= 0.0 or rising <= 0.0 or np.any(np.abs(each**2 - law) > ALIKE * law):
+    if rest <= 0.0 or rising <= 0.0 or np.any(np.abs(each**2 - law) > ROUGHLY * law):
         return 0.0
     return float(np.sqrt(rising / rest))
 

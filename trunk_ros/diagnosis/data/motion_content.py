@@ -5,17 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import NEARLY
+from trunk_ros.diagnosis.levels import NEARLY, PART, SLIGHT
 
 APART = 5  # samples whose noise has nothing in common, and between which a speed is no noise
 PLACES = 20  # cells of a range, with as many samples each
-WIDE = 0.05  # of the motion: a loop about which the form of friction has more to say than any lag
-VARIES = (
-    0.2  # share of the speed's power beyond its means at each place and direction, from which on it tells
-)
+VARIES = 0.2  # of the speed's power, beyond its means at each place and direction: from there on it tells
 STILL = 0.02  # of the fastest, or of the largest motion: what does less stands
-RESTS = 0.15  # of the time, more than a swing takes to turn: what goes on after a move is no loop
-REPEATED = 0.1  # of the way: a swing to and fro three times has a third
 MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
 
@@ -27,7 +22,7 @@ def is_wide(position: Array, speed: Array, residual: Array) -> bool:
         return False
     down, up = _means(_cells(position, speed), residual).reshape(2, PLACES)
     both = (up - down)[np.isfinite(up - down)]
-    return bool(both.size and np.sqrt(np.mean(both**2)) > 2.0 * WIDE * np.std(position))
+    return bool(both.size and np.sqrt(np.mean(both**2)) > 2.0 * SLIGHT * np.std(position))
 
 
 def speed_tells(position: Array, speed: Array) -> bool:
@@ -42,7 +37,7 @@ def speed_tells(position: Array, speed: Array) -> bool:
     cell = _cells(position, speed)
     varies = float(np.sum((speed - _means(cell, speed)[cell]) ** 2)) / power
     rests = float(np.mean(np.abs(speed) < STILL * np.abs(speed).max()))
-    return varies > VARIES or rests > RESTS
+    return varies > VARIES or rests > MOVED  # more than a swing takes to turn
 
 
 def repeats(position: Array, speed: Array) -> bool:
@@ -57,7 +52,7 @@ def repeats(position: Array, speed: Array) -> bool:
     passages = np.concatenate([[0], np.flatnonzero(np.diff(cell)) + 1])
     again = np.ones(len(passages), dtype=bool)
     again[np.unique(cell[passages], return_index=True)[1]] = False
-    return bool(np.add.reduceat(way[begin:], passages)[again].sum() > REPEATED * way.sum())
+    return bool(np.add.reduceat(way[begin:], passages)[again].sum() > PART * way.sum())
 
 
 def comes_back(position: Array) -> bool:

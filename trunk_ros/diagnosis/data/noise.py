@@ -17,10 +17,10 @@ BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 TRIMMED = round(sqrt(1.0 - 6.0 * exp(-4.5) / sqrt(2.0 * pi) / erf(3.0 / sqrt(2.0))), 5)
 """Standard deviation of a normal variable within three of its standard deviations."""
 REMEMBERED = 0.16  # s that noise is compared over
-LEAST = 1e-9  # a floor for recordings without any noise
+FLOOR = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
-MOST = 0.985  # correlation
-CORRELATIONS = np.linspace(0.0, MOST, 24)
+REDDEST = 0.985  # correlation
+CORRELATIONS = np.linspace(0.0, REDDEST, 24)
 DIFFERENCED = np.array([2.0, -16.0, 56.0, -112.0, 70.0])
 """Variance of a fourth difference over that of a signal, as a polynomial of its correlation at one stride."""
 BEND = 2.0 * (len(BINOMIAL) - 1)
@@ -119,9 +119,9 @@ class Differences:
         white.
         """
         if correlation == 0.0 or self.white == 0.0:
-            return Noise(max(float(self.spread[0]) / np.sqrt(_gain(correlation, 1)), LEAST), correlation)
+            return Noise(max(float(self.spread[0]) / np.sqrt(_gain(correlation, 1)), FLOOR), correlation)
         coloured = float(self._fitted(np.array([correlation]))[0][0])
-        return Noise(max(float(np.hypot(coloured, self.white)), LEAST), correlation, self.white)
+        return Noise(max(float(np.hypot(coloured, self.white)), FLOOR), correlation, self.white)
 
     def _fitted(self, correlations: Array) -> tuple[Array, Array]:
         """For each of some correlations (k,) the standard deviation of the AR(1) noise that is likest beside
@@ -157,8 +157,8 @@ def differences_of(
     """
     strides = tuple(s for s in STRIDES if s <= longest)
     spread = np.array([_robust(residuals, masks, s) for s in strides])
-    known = int(np.argmin(spread > LEAST)) if (spread <= LEAST).any() else len(strides)
-    return Differences(strides[: max(known, 1)], np.maximum(spread[: max(known, 1)], LEAST), white)
+    known = int(np.argmin(spread > FLOOR)) if (spread <= FLOOR).any() else len(strides)
+    return Differences(strides[: max(known, 1)], np.maximum(spread[: max(known, 1)], FLOOR), white)
 
 
 def strides_within(step: float) -> int:

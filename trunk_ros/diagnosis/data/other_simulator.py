@@ -8,12 +8,11 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.levels import FAR_OFF
+from trunk_ros.guards import SAME
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.fill import hold
 from trunk_ros.recording.signal.resample import longest_gap
-
-SAME = 1e-6  # of the range: readings of one thing, rounded
-GEAR = 1.25  # a ratio that is no error of one
 
 
 def on_the_clock(other: Recording, recording: Recording) -> Recording:
@@ -44,7 +43,7 @@ def sides_told(recording: Recording, other: Recording) -> Recording:
 
 
 def _is_gear(ratio: float) -> bool:
-    return not 1.0 / GEAR < abs(ratio) < GEAR
+    return not 1.0 - FAR_OFF < abs(ratio) < 1.0 / (1.0 - FAR_OFF)
 
 
 def ratios(recording: Recording) -> dict[str, float]:

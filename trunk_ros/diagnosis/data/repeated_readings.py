@@ -7,13 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import FEWEST, OUTLIERS
+from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, OUTLIERS, PART, THREEFOLD
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
 
-REPEATED = 1.5  # samples a reading, from which on some are repeats; or times as long as usual, of one missed
-VARIED = 3.0  # longest over shortest step between readings: the steps of a coarse sensor are all alike
-FEW = 0.1  # different values per reading, where a sensor is coarse
 ROOT_12 = np.sqrt(12.0)
 
 
@@ -27,8 +24,8 @@ def holding(stamp: Array, values: Array) -> float:
     apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])
     usual = float(np.median(apart))
     low, high = np.quantile(steps, (0.1, 0.9))
-    clocked = REPEATED * np.quantile(apart, 0.1) > usual and high > VARIED * low
-    return usual if clocked and usual > REPEATED * np.median(np.diff(stamp)) else 0.0
+    clocked = CLEARLY * np.quantile(apart, 0.1) > usual and high > THREEFOLD * low
+    return usual if clocked and usual > CLEARLY * np.median(np.diff(stamp)) else 0.0
 
 
 def asked(stamp: Array, usual: float, tick: float) -> Array:
@@ -39,7 +36,7 @@ def asked(stamp: Array, usual: float, tick: float) -> Array:
     The stamps where no even reading explains them, or where they are even already.
     """
     apart = np.diff(stamp)
-    mean = float(np.mean(apart[apart < REPEATED * usual]))
+    mean = float(np.mean(apart[apart < CLEARLY * usual]))
     number = np.concatenate([[0.0], np.cumsum(np.maximum(np.rint(apart / mean), 1.0))])
     period, begin = np.polyfit(number, stamp, 1)
     waits = stamp - begin - period * number
@@ -84,6 +81,6 @@ def coarseness(values: Array, valid: np.ndarray) -> float:
     seen = values[valid]
     steps = np.abs(np.diff(seen))
     steps = steps[steps > 0.0]
-    if len(steps) < FEWEST or len(np.unique(seen)) > FEW * len(seen):
+    if len(steps) < FEWEST or len(np.unique(seen)) > PART * len(seen):
         return 0.0
     return float(np.median(steps) / ROOT_12)

@@ -10,7 +10,7 @@ from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CLEARLY, FEWEST
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, TENFOLD
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -18,10 +18,9 @@ from trunk_ros.recording.topics import COMPARED, TOPICS
 
 BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
-FAR = 10.0  # times the scatter about the readings beside it that a single reading is off
-WILD, MOST = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
+WILD, USUALLY = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
 FEW = 0.06  # of the readings: more of them are how the sensor is
-NEAR = 101  # readings whose scatter counts: a burst of noise is no row of single readings
+AROUND = ENOUGH + 1  # readings whose scatter counts: a burst of noise is no row of single readings
 
 
 def without_faults(recording: Recording) -> Recording:
@@ -77,7 +76,7 @@ def wild(readings: Array) -> np.ndarray:
     step = np.abs(np.diff(readings[known]))
     if len(known) < FEWEST or not (step > 0.0).any():
         return out
-    most = float(np.quantile(step[step > 0.0], MOST))
+    most = float(np.quantile(step[step > 0.0], USUALLY))
     if step.max() < WILD * most / 4:
         return out
     beside = np.pad(readings[known], 2, mode="reflect")
@@ -125,9 +124,9 @@ def strays(readings: Array, less: bool = False) -> np.ndarray:
     off = np.abs(beside[:, BESIDE] - np.median(np.delete(beside, BESIDE, axis=1), axis=1))
     scatter = MEDIAN_TO_STD * float(np.median(off))
     usual = float(np.subtract(*np.quantile(readings, [1.0 - FEW / 2, FEW / 2])))
-    far = max(FAR * scatter, leap(readings, 1.0 - 2.0 * FEW), usual if less else 0.0)
+    far = max(TENFOLD * scatter, leap(readings, 1.0 - 2.0 * FEW), usual if less else 0.0)
     found = (off > far) & (np.abs(after - before) < off / 2)
-    found &= off > FAR * MEDIAN_TO_STD * median_filter(off, NEAR)
+    found &= off > TENFOLD * MEDIAN_TO_STD * median_filter(off, AROUND)
     out[known[BESIDE:-BESIDE]] = found & (scatter > 0.0) & (found.mean() < FEW)
     return out
 

@@ -13,10 +13,9 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.machine import LOOKED
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
-
-LOOKED = 2**17  # rows at which what is known of the whole arm is kept
 
 
 class Column(NamedTuple):

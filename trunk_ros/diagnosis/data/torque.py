@@ -9,15 +9,13 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
-from trunk_ros.diagnosis.levels import MOST
+from trunk_ros.diagnosis.levels import MOST, PART
 from trunk_ros.effort import MeasuredLoad, measured_load
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.resistance import load_cells, swung, tells
 from trunk_ros.transmission import uncoupled
-
-DIFFERS = 0.1  # of the computed moment, from which on a difference is worth a remark
 
 
 def torque_remarks(recording: Recording, model: Model) -> list[str]:
@@ -60,7 +58,7 @@ def _against_weight(arm: Arm, gearbox: JointSeries, measured: MeasuredLoad) -> l
     (payload, swings), *_ = np.linalg.lstsq(both, (measured.moment - computed)[seen], rcond=1e-9)
     measured = replace(measured, moment=measured.moment - swings * inertia)
     off = (measured.moment - computed)[seen]
-    if _rms(off) < DIFFERS * _rms(computed[seen]):
+    if _rms(off) < PART * _rms(computed[seen]):
         return []
     share = f"{100 * _rms(off) / _rms(computed[seen]):.0f} %"
     said = f"the motors' torque and the computed weight on the joints differ by {share}"

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.discrepancy.precisions import Beside, Total, Weighed, w
 from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.effects.bank import Bank
 
-ENOUGH = 50_000  # rows
+AMPLE = 50_000  # rows
 CUTS = 40  # blocks of time, in FOLDS that are left out in turn
 FOLDS = 5
 WORTHS = 4.0 ** np.arange(6)  # samples that may be worth one
@@ -37,7 +37,7 @@ class Source:
 
 def thinned(values: Array) -> Array:
     """Of very many rows (n, ...) as many as tell all weights."""
-    return values[:: max(len(values) // ENOUGH, 1)]
+    return values[:: max(len(values) // AMPLE, 1)]
 
 
 @dataclass(frozen=True)

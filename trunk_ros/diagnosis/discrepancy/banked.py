@@ -13,16 +13,14 @@ from trunk_ros.diagnosis.discrepancy.curves import curves_beside, redrawn
 from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources, without_banks
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import NOTABLE
+from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, SLIGHT
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.moves.form import refinements
-from trunk_ros.diagnosis.search.score import CURVE, FORMULAS, SHARE, STRONG
+from trunk_ros.diagnosis.search.score import CURVE, FORMULAS, STRONG
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HALF
-
-SPARES = 0.01  # likewise: an effect with a name stays beside banks that it does more for
 
 
 def with_banks(state: Fit) -> Fit:
@@ -63,7 +61,7 @@ def _banked(state: Fit, column: int, misfit: float) -> Fit:
     best = _refitted(context, state.hypothesis, column, found)
     if _names(fewer, column) != _names(state.hypothesis, column):
         lean = _refitted(context, fewer, column, found)
-        best = lean if lean.unseen.mean() < (1.0 - SHARE) * best.unseen.mean() else best
+        best = lean if lean.unseen.mean() < (1.0 - SLIGHT) * best.unseen.mean() else best
     before = unseen(context, state.hypothesis, column)
     best = _refined(context, best, column, found)
     if not _wins(before, best.unseen, misfit):
@@ -84,7 +82,7 @@ def _refined(context: Context, best: Judged, column: int, found: list[Source]) -
             for trial in refinements(best.hypothesis, name, form):
                 judged = _refitted(context, trial, column, found)
                 there = not hidden(context, judged.hypothesis[name])
-                if there and clearly(best.unseen, judged.unseen, SHARE):
+                if there and clearly(best.unseen, judged.unseen, SLIGHT):
                     best = judged
     return best
 
@@ -93,7 +91,7 @@ def _wins(before: Array, after: Array, misfit: float) -> bool:
     """Whether the power that is left in blocks that nothing was fitted to is clearly less than before, and
     little of the misfit.
     """
-    return clearly(before, after, SHARE) and float(after.mean()) - 1.0 < HALF * misfit
+    return clearly(before, after, SLIGHT) and float(after.mean()) - 1.0 < HALF * misfit
 
 
 def clearly(before: Array, after: Array, share: float) -> bool:
@@ -123,7 +121,7 @@ def _lean(context: Context, hypothesis: Hypothesis, column: int, found: list[Sou
             if not effect(name).everywhere and name not in context.known
         ]
         least = min(trials, key=lambda t: float(t.unseen.mean()), default=None)
-        if least is None or least.unseen.mean() > (1.0 + SPARES) * best.unseen.mean():
+        if least is None or least.unseen.mean() > (1.0 + HARDLY) * best.unseen.mean():
             return best
         best = least
 

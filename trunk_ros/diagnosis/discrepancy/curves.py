@@ -11,9 +11,9 @@ from scipy.linalg import cho_factor, cho_solve
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
-from trunk_ros.diagnosis.discrepancy.spectrum import CYCLIC, spectrum
+from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import TURNS
+from trunk_ros.diagnosis.levels import PART, TURNS
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.effects import effect, registry
@@ -145,7 +145,7 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
     valid = span.valid[:, column]
     stamp, rest = span.stamp[valid], context.residual(index, bare, column)[valid]
     frequency, share = spectrum(stamp, rest)
-    if share > CYCLIC:
+    if share > PART:
         yield [Place(UnknownCycle.id, "time", 0.0, 1.0 / frequency)]
     worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)

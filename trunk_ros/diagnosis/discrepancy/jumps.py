@@ -6,11 +6,10 @@ import numpy as np
 from scipy.special import bdtrc
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.levels import CHANCE
+from trunk_ros.diagnosis.data.motion_content import APART
+from trunk_ros.diagnosis.levels import CHANCE, HARDLY
 
-SHORTEST = 5  # samples between two jumps
-TURNED = 0.01  # of its range that a joint has to come back to have turned
-NEAR = 0.3  # s from a joint's turn within which a jump belongs to the turn
+TURNING = 0.3  # s from a joint's turn within which a jump belongs to the turn
 
 
 def jumps(stamp: Array, rest: Array, worth: float, most: int) -> Array:
@@ -35,9 +34,9 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
     joint's turns, or as a joint of ``angles`` (n, joints) passes a place.
     """
     own = np.ascontiguousarray(angles[:, column])
-    turns = stamp[turns_of(own, TURNED * float(np.ptp(own)))]
-    near = np.abs(np.subtract.outer(moments, turns)).min(axis=1, initial=np.inf) < NEAR
-    usual = min(2.0 * NEAR * len(turns) / float(np.ptp(stamp)), 1.0)
+    turns = stamp[turns_of(own, HARDLY * float(np.ptp(own)))]
+    near = np.abs(np.subtract.outer(moments, turns)).min(axis=1, initial=np.inf) < TURNING
+    usual = min(2.0 * TURNING * len(turns) / float(np.ptp(stamp)), 1.0)
     if bdtrc(near.sum() - 1, len(near), usual) < CHANCE:
         return True
     levels = np.array([part.mean() for part in np.split(rest, np.searchsorted(stamp, moments))])
@@ -53,7 +52,7 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
 def _there(angles: Array, seen: Array) -> Array:
     """(joints,): the share of the time in which each joint is where it was ``seen`` (k, joints)."""
     place = seen.mean(axis=0)
-    reach = np.maximum(np.abs(seen - place).max(axis=0), TURNED * np.ptp(angles, axis=0))
+    reach = np.maximum(np.abs(seen - place).max(axis=0), HARDLY * np.ptp(angles, axis=0))
     return np.asarray(np.mean(np.abs(angles - place) <= reach, axis=0))
 
 
@@ -80,9 +79,9 @@ def turns_of(x: Array, least: float) -> np.ndarray:
 
 def _halved(sums: Array, first: int, last: int) -> tuple[float, int, int, int]:
     """Gain of the best cut between two samples, the first, the cut, and the last."""
-    if last - first < 2 * SHORTEST:
+    if last - first < 2 * APART:
         return 0.0, first, first, last
-    cut = np.arange(first + SHORTEST, last - SHORTEST + 1)
+    cut = np.arange(first + APART, last - APART + 1)
     left, right = sums[cut] - sums[first], sums[last] - sums[cut]
     parts = left**2 / (cut - first) + right**2 / (last - cut)
     best = int(np.argmax(parts))

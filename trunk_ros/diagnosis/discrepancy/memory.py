@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import STILL
+from trunk_ros.diagnosis.data.align import STANDS
 from trunk_ros.diagnosis.data.motion_content import comes_back
 from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.bank_weights import Cuts, Source, Sums, chosen_of, thinned
@@ -85,7 +85,7 @@ def source_of(
     signals = _signals(context, column, kind, word, Hypothesis() if bare is None else bare)
     together = np.concatenate(signals)
     turns = any(comes_back(s) for s in signals)
-    if np.ptp(together) < STILL or (kind.remembers and not turns):
+    if np.ptp(together) < STANDS or (kind.remembers and not turns):
         return None
     low, high = kind.range_of(together)
     each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri, dtrtrs
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import PART
 from trunk_ros.guards import ROUNDED, ROUNDS, TINY
 
-SETTLED = 0.1  # of the precisions' logarithms
 PRECISIONS = (1e-3, 1e8)
 
 
@@ -80,7 +80,7 @@ def _in_turns(
         size = np.maximum(np.bincount(of, weights**2, len(sizes)), TINY)
         before, precision = precision, np.clip(told / size, *PRECISIONS)
         sharp = sharper(weights, float(told.sum()))
-        if np.abs(np.log(precision / before)).max() < SETTLED:
+        if np.abs(np.log(precision / before)).max() < PART:
             break
     return Weighed(weights, precision, sharp)
 

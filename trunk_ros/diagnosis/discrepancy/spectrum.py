@@ -7,11 +7,9 @@ from scipy.fft import next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import SEVERAL, TENFOLD
 
 FINER = 4  # steps of a first look to each line's width, by which two waves part by a period
-TURNS = 2.0  # that a line must make in the recording
-SPARSE = 10.0  # times the usual step between samples
-CYCLIC = 0.1  # of a residual's power: a line that is looked at
 
 
 def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
@@ -23,7 +21,7 @@ def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
     if len(stamp) < 2:
         return 0.0, 0.0
     step, span = float(np.median(np.diff(stamp))), float(stamp[-1] - stamp[0])
-    low, high = TURNS / span, 0.5 / step - 1.0 / span
+    low, high = SEVERAL / span, 0.5 / step - 1.0 / span
     if high <= low or not np.any(off):
         return 0.0, 0.0
     cell = np.round((stamp - stamp[0]) / step).astype(int)
@@ -43,9 +41,9 @@ def _longest(stamp: Array) -> slice:
     """All samples, or where most of the time is gaps, the most that follow each other without a long one."""
     step = np.diff(stamp)
     usual = float(np.median(step)) if len(step) else 0.0
-    if not len(step) or stamp[-1] - stamp[0] < SPARSE * usual * len(stamp):
+    if not len(step) or stamp[-1] - stamp[0] < TENFOLD * usual * len(stamp):
         return slice(None)
-    ends = np.concatenate([[0], 1 + np.flatnonzero(step > SPARSE * usual), [len(stamp)]])
+    ends = np.concatenate([[0], 1 + np.flatnonzero(step > TENFOLD * usual), [len(stamp)]])
     longest = int(np.argmax(np.diff(ends)))
     return slice(int(ends[longest]), int(ends[longest + 1]))
 

@@ -17,8 +17,6 @@ from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import BLIND, ROUNDED
 
-SHARE = (0.0, 1.0)  # bounds of what is a share: all of it is no more than is possible
-
 
 @dataclass(frozen=True)
 class Place:
@@ -110,7 +108,7 @@ def _at_bound(context: Context, free: list[Free], x: Array, slope: Array) -> lis
     out = []
     for k, f in enumerate(free):
         near = ROUGH * (high[k] - low[k])
-        share = f.parameter.unit == "1" and f.parameter.bounds == SHARE
+        share = f.parameter.unit == "1" and f.parameter.bounds == (0.0, 1.0)  # all is no more than possible
         if issubclass(effect(f.effect), (Bank, Curve)) or share:
             continue
         for side, end, beyond in (("lower", 0, slope[k] > 0.0), ("upper", 1, slope[k] < 0.0)):

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.rivals import Looks, by_its_own_angles, loss, rivals, without
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE, ROUGH
+from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.work import Work
@@ -23,7 +23,6 @@ from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import BLIND, ROUNDED
 
 EQUIVALENTS = 5  # that are said
-LATE = 0.01  # of the time between samples: what lies between them is guessed
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 UNNAMED = 0.7  # confidence in what no formula states, at most
 SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
@@ -88,7 +87,7 @@ def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
     for k, f in enumerate(residuals.free):
         key = (f.effect, f.parameter.name, f.column)
         if f.parameter.moment and f.column is not None:
-            least = LATE * residuals.context.step
+            least = HARDLY * residuals.context.step
             std = float(np.clip(out[key], least, longest)) if np.isfinite(out[key]) else least
             best = float(np.sum(residuals(x) ** 2))
             while std < longest and _moved(residuals, x, k, std) - best < NOTABLE**2:
@@ -114,7 +113,7 @@ def _deviations(residuals: Residuals, jacobian: np.ndarray, hypothesis: Hypothes
     inverse = np.linalg.inv(scaled.T @ scaled + ROUNDED * np.eye(scaled.shape[1]))
     std = np.full(len(size), np.inf)
     std[told] = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size[told]
-    late = LATE * residuals.context.step
+    late = HARDLY * residuals.context.step
     return {
         (f.effect, f.parameter.name, f.column): _natural(f, hypothesis, float(s), late)
         for f, s in zip(residuals.free, std, strict=True)

@@ -10,14 +10,14 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import CLEARLY
+from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
-TELLS = 4.0  # times the power of noise, or of what is left where an effect holds: less contradicts nothing
+TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effect holds: less tells nothing
 
 
 @dataclass(frozen=True)

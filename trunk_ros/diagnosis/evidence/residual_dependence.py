@@ -8,14 +8,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.discrepancy.curves import variables
-from trunk_ros.diagnosis.discrepancy.spectrum import CYCLIC, spectrum
+from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SURE
-from trunk_ros.diagnosis.search.score import SHARE
+from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, SURE
 from trunk_ros.effects.curve import abscissa, words_of
 from trunk_ros.recording.signal.resample import SLOW
-
-COHERENT = 0.5  # of a residual's power above the noise that it has to share with the sample before
 
 
 def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
@@ -33,7 +30,7 @@ def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:
         follows = view.follows[:, column]
         products.append((rest[1:] * rest[:-1])[follows[1:]])
     own = noise.correlation * (noise.std**2 - noise.white**2)
-    return goes_on(np.concatenate(products), own, COHERENT * context.rest(column) * noise.std**2)
+    return goes_on(np.concatenate(products), own, HALF * context.rest(column) * noise.std**2)
 
 
 def goes_on(products: Array, own: float, least: float) -> bool:
@@ -64,10 +61,10 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
         scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].correlation)
     index = context.telling(column)[0]
     _, share = spectrum(context.views[index].span.stamp, context.residual(index, hypothesis, column))
-    if share > CYCLIC:
+    if share > PART:
         scores.setdefault("time", 0.0)
         scores["time"] = max(scores["time"], share)
-    told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > SHARE][:3]
+    told = [name for name in sorted(scores, key=lambda n: -scores[n]) if scores[name] > SLIGHT][:3]
     return list(dict.fromkeys(word for name in told for word in words_of(name)))
 
 

@@ -17,18 +17,17 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.evidence import Evidence
-from trunk_ros.diagnosis.experiment.discrimination import AMPLE, Difference, Duel, expected, span_of
+from trunk_ros.diagnosis.experiment.discrimination import Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
-from trunk_ros.diagnosis.levels import CLEARLY
+from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.trajectory import Trajectory
 
-WORK = 1e7  # simulated joint-steps after which no further pair and no further motion is tried
+DESIGNED = 1e7  # simulated joint-steps after which no further pair and no further motion is tried
 LIKELIEST = 2  # equivalents of a finding that it is to be told from: each costs as much as the first
-TOGETHER = 4  # stretches that are tried before the work is looked at
-MOST = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
+STRETCHES = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
     """The motion that best tells the effects found from their likeliest equivalents, as far as the work that
     is granted goes; None where there are none.
     """
-    work = Work(WORK)
+    work = Work(DESIGNED)
     state = replace(state, context=replace(state.context, work=work))
     alone = {name: [one for one in e.equivalents if isinstance(one, str)] for name, e in found.items()}
     pairs = [(name, k) for k in range(LIKELIEST) for name, others in alone.items() if k < len(others)]
@@ -56,7 +55,7 @@ def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
         if not (sides and work.over):
             duels = sides_of(state, name, alone[name][k], found[name])
             sides += [some] if (some := [d for d in duels if d.columns]) else []
-    return Design(replace(state.context, work=Work(WORK)), sides).run() if sides else None
+    return Design(replace(state.context, work=Work(DESIGNED)), sides).run() if sides else None
 
 
 class Design:
@@ -75,7 +74,7 @@ class Design:
         ranked, faced = self.ranked()
         parts = self.grown(ranked) if self.duels else ranked[:1]
         if self.duels and self.ratios(parts).min() < CLEARLY:
-            parts = max((parts, parts * MOST), key=self.score)
+            parts = max((parts, parts * STRETCHES), key=self.score)
         there = self.motion(parts)
         seen = [duel.seen_in(self.context, there) for duel in faced]
         mutual = [self.back(duel, duels, there) for duel, duels in zip(faced, self.sides, strict=True)]
@@ -108,7 +107,7 @@ class Design:
         candidates = stretches(len(self.context.joints), self.own)
         self.duels = [duel for duels in self.sides for duel in duels]
         seen = self.shown(candidates)
-        best = sorted(range(len(seen)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:MOST]
+        best = sorted(range(len(seen)), key=lambda k: -float(np.log1p(seen[k]).sum()))[:STRETCHES]
         moved = [there for k in best for there in elsewhere(candidates[k])]
         candidates, ratios = candidates[: len(seen)], np.array(seen)
         if not self.context.work.over:
@@ -117,22 +116,22 @@ class Design:
         peaks, ends = ratios.max(axis=0), np.cumsum([len(duels) for duels in self.sides])
         told = [_told(peaks, range(end - len(d), end)) for end, d in zip(ends, self.sides, strict=True)]
         faced, all_told = [self.duels[which[0]] for which in told], [k for which in told for k in which]
-        self.duels = [self.duels[k] for k in all_told if peaks[k] > 1.0 / AMPLE]
+        self.duels = [self.duels[k] for k in all_told if peaks[k] > 1.0 / TENFOLD]
         order = np.argsort(-np.log1p(ratios[:, all_told]).sum(axis=1), kind="stable")
-        return [candidates[k] for k in order[:MOST]], faced
+        return [candidates[k] for k in order[:STRETCHES]], faced
 
     def shown(self, candidates: list[Stretch]) -> list[Array]:
         """What the first ones of single stretches tell of each pair: all, or as many as the work allows."""
         out: list[Array] = []
         while len(out) < len(candidates) and not (out and self.context.work.over):
-            some = candidates[len(out) : len(out) + TOGETHER]
+            some = candidates[len(out) : len(out) + STRETCHES]
             out += each(self.context.work, lambda part: self.ratios([part]), some)
         return out
 
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
         parts = ranked[:1]
-        while len(parts) < MOST and not self.context.work.over and self.ratios(parts).min() < AMPLE:
+        while len(parts) < STRETCHES and not self.context.work.over and self.ratios(parts).min() < TENFOLD:
             parts = max(([*parts, part] for part in ranked), key=self.score)
         return parts
 

@@ -12,6 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
+from trunk_ros.diagnosis.levels import TENFOLD
 from trunk_ros.diagnosis.search.fit import ROUNDS, Residuals, groups, minimise
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.guards import BLIND, ROUNDED
@@ -21,7 +22,6 @@ from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.trajectory import Trajectory
 
 CONTROL = 0.01  # s between setpoints, as bringup gives them
-AMPLE = 10.0  # times what it takes to rule a rival out: no more is wanted; so much less is hopeless
 
 
 @dataclass
@@ -155,7 +155,7 @@ class Duel:
     def _ratio(self, there: Context, other: Other) -> float:
         pinned, wanted = other.pinned(there, self.columns), self.wanted(there, other)
         unfitted = sum(p.unfitted() for p in pinned) / wanted  # a refit can but lower it
-        return unfitted if unfitted < 1.0 / AMPLE else sum(p.linear() for p in pinned) / wanted
+        return unfitted if unfitted < 1.0 / TENFOLD else sum(p.linear() for p in pinned) / wanted
 
     def wanted(self, there: Context, other: Other) -> float:
         """The misfit at which it is no equivalent any more, both runs taken together."""

@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import OUTLIERS
+from trunk_ros.diagnosis.levels import HALF, OUTLIERS, SLIGHT, SOME
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
@@ -23,12 +23,9 @@ MOMENT = 1e-3  # s: too short for a piece of a motion
 BEND = round(10.0 / sqrt(3.0), 4)
 """Peak acceleration of a rest-to-rest quintic, times its time squared over its way."""
 GENTLE = 20.0  # rad/s^2: arms state no limit of acceleration
-UNSEEN = 4.0  # noise over squared sample time: a line between samples is off by half the noise
-ROOM = 0.95  # of a limit
-APART = 0.3  # speeds differ by up to this share, so that no two joints move alike
+BENDS = 8.0 * HALF  # noise over squared sample time: the sagitta between two samples is half the noise
 GOLDEN = round((sqrt(5.0) - 1.0) / 2.0, 3)  # the section whose multiples lie apart most evenly
-CARRIED = 0.3  # of the top speed: a joint that takes its place
-LEAST = 0.03  # of a stretch's first turn: the smallest one
+ROOM = 1.0 - SLIGHT  # of a limit
 
 Movers = Literal["own", "others", "all"]
 
@@ -87,7 +84,7 @@ def limits_of(context: Context) -> Limits:
     first, rows = spans[0]
     done, step = np.quantile(bend, 1.0 - OUTLIERS, axis=0), float(np.median(np.diff(first.grid[rows])))
     noise = np.array([each.std for each in context.noise])
-    shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else UNSEEN * noise / step**2
+    shown = GENTLE * np.ones(len(noise)) if context.stage.name == "servo" else BENDS * noise / step**2
     stated = (arm.lower > -ANY_ANGLE) & (arm.upper < ANY_ANGLE)
     return Limits(
         np.where(stated, arm.lower, seen.min(axis=0)),
@@ -120,19 +117,19 @@ class _Path:
         self.centre, self.reach = (low + high) / 2, (high - low) / 2 * ROOM
         self.top, self.bend = float(limits.speed[joint]) * ROOM, float(limits.acceleration[joint]) * ROOM
         self.side = 1.0 if joint % 2 else -1.0
-        self.pace = 1.0 - APART * (joint * GOLDEN % 1.0)
+        self.pace = 1.0 - SOME * (joint * GOLDEN % 1.0)  # no two joints move alike
         start = 0.0 if self.top > 0.0 and self.bend > 0.0 else self.centre  # what never moved stays
         self.points = [(0.0, start), (LEAD_IN, start)]
         self.begin = LEAD_IN
         if not low <= start <= high:
-            self._go(self.centre, CARRIED, inf)
+            self._go(self.centre, SOME, inf)
             self.begin = self.points[-1][0]
 
     def follow(self, part: Stretch, mine: bool, end: float) -> None:
         """One stretch, until ``end`` s."""
         size, side = part.size, self.side
         if part.movers != "all" and mine != (part.movers == "own"):
-            self._go(self.centre + part.centre * self.reach, CARRIED, end)
+            self._go(self.centre + part.centre * self.reach, SOME, end)
             size = 0.0
         going = size > 0.0
         while going:
@@ -140,7 +137,7 @@ class _Path:
             going = self._go(self.centre + target * self.reach, part.speed * self.pace, end)
             self._stay(min(self.points[-1][0] + part.hold, end))
             size, side = size * part.shrink, -side
-            size = size if size > LEAST * part.size else part.size
+            size = size if size > SLIGHT * part.size else part.size
         self._stay(end)
 
     def _go(self, angle: float, speed: float, end: float) -> bool:

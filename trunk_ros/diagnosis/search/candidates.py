@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.effects import Effect, effect, registry
 
-MOST = 4  # local effects on one joint
+OWN = 4  # local effects on one joint
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
 
 
@@ -83,7 +83,7 @@ def open_kinds(context: Context, hypothesis: Hypothesis, column: int) -> list[ty
     none.
     """
     own = [t for t in hypothesis.on(column) if not effect(t.effect).everywhere]
-    if len(own) >= MOST or any(not effect(t.effect).named for t in own):
+    if len(own) >= OWN or any(not effect(t.effect).named for t in own):
         return []
     return [k for k in local_kinds(context) if is_open(context, hypothesis, k, column)]
 

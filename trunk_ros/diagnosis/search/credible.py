@@ -10,13 +10,13 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
+from trunk_ros.diagnosis.levels import PART
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import LASTING
 from trunk_ros.parameter import GROWN
 
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
-SEEN = 0.1  # of what a joint does in all, before and after a moment that it shows
 
 
 class Shown(IntEnum):
@@ -64,14 +64,14 @@ def ends_within(block: Effect, now: Now) -> bool:
 
 def _moves(signal: Array, part: np.ndarray) -> tuple[bool]:
     """Whether a signal (n,) changes in some rows of it."""
-    return (bool(len(part) and np.ptp(signal[part]) > SEEN * np.ptp(signal)),)
+    return (bool(len(part) and np.ptp(signal[part]) > PART * np.ptp(signal)),)
 
 
 def _ways(signal: Array, part: np.ndarray) -> tuple[bool, bool]:
     """Whether a signal (n,) rises, and whether it falls, in some rows of it."""
     if not len(part):
         return False, False
-    there, least = signal[part], SEEN * np.ptp(signal)
+    there, least = signal[part], PART * np.ptp(signal)
     rise = np.max(there - np.minimum.accumulate(there))
     fall = np.max(np.maximum.accumulate(there) - there)
     return bool(rise > least), bool(fall > least)

@@ -12,19 +12,18 @@ import numpy as np
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
-from trunk_ros.diagnosis.levels import TURNS
+from trunk_ros.diagnosis.levels import HALF, HARDLY, TURNS
 from trunk_ros.diagnosis.pace import paced
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
-from trunk_ros.diagnosis.search.screen import Kept
+from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
 from trunk_ros.diagnosis.search.state import state_of, structure
 from trunk_ros.effects import effect
 
-LARGE = 0.5  # of what is left: what explains so much of it, and much of all, comes before anything is mended
-COARSE = (0.2, 0.01, 0.0)  # of what is left: what a change has to gain then, later, and in the end
-FEW = 2  # steps as large as promised that may follow before a trial is judged
+LARGE = HALF  # of what is left: what explains so much of it, and much of all, comes before anything is mended
+COARSE = (0.2, HARDLY, 0.0)  # of what is left: what a change has to gain then, later, and in the end
 
 
 @dataclass(frozen=True)
@@ -189,7 +188,7 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
                 desk.note(move, group, best, promised)
                 continue
             saved = score(best) - best.total
-            if best.total - FEW * max(promised - saved, 0.0) > desk.goal:
+            if best.total - max(promised - saved, 0.0) / PROMISED > desk.goal:
                 continue
             trials = list(group.trials())
             found = min(trials, key=score, default=best)

@@ -13,11 +13,11 @@ from trunk_ros.effects import effect
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
 ROUNDS = 12
-AGAIN = 3  # looks at links that shake each other: each leaves a tenth of the change before
-SURE = 2  # rounds after which gains only get smaller
+SHAKES = 3  # looks at links that shake each other: each leaves a tenth of the change before
+SETTLED = 2  # rounds after which gains only get smaller
 TRIES = 6  # dampings a round
 DAMPING = 1e-3
-ENOUGH = 0.05  # squared unit-noise residuals: a gain that ends the fit
+GAINED = 0.05  # squared unit-noise residuals: a gain that ends the fit
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf) -> Fit
     if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
         seen = context.seen_with(done.hypothesis)
         done = done if seen is context else _refit(seen, done.hypothesis, goal)
-    for _ in range(AGAIN if hypothesis.shakes else 0):
+    for _ in range(SHAKES if hypothesis.shakes else 0):
         seen = done.context.seen_with(done.hypothesis)
         if seen is done.context:
             break
@@ -195,8 +195,8 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) 
                 x, rest, cost, damping = trial, there, float(there @ there), damping / 5.0
                 break
             damping = max(damping, 1e-6) * 6.0
-        enough = max(ENOUGH, ENOUGH * 1e-4 * cost)
-        hopeless = done > SURE and (rounds - done) * (before - cost) < cost - goal
+        enough = max(GAINED, GAINED * 1e-4 * cost)
+        hopeless = done > SETTLED and (rounds - done) * (before - cost) < cost - goal
         if before - cost < enough or hopeless:
             break
         most = looked - np.clip(looked - _step(normal, slope, 0.0, looked, low, high), low, high)

@@ -10,12 +10,13 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
-from trunk_ros.diagnosis.levels import TOGETHER
+from trunk_ros.diagnosis.levels import FAR_OFF, HALF, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.curve import OVER_TIME, Curve
+from trunk_ros.guards import ROUNDED
 
 SIGNIFICANT = 60.0
 """Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""
@@ -23,13 +24,8 @@ RELEVANT = 0.02
 """Share of the noise power that an effect must remove from a joint, however long the recording is."""
 OWN_STEPS = 0.1
 """Times that of the joint's own encoder, which the other noise shakes loose."""
-SHARE = 0.05
-"""Of what is left above the noise that an effect, a variable or a bank of memory must explain, so that a
-misfit is not cut into slices."""
 SLICE = 0.15
 """The same for each value of what will be said, beside a rest as strong as the noise."""
-SHARED_SLICE = 0.5
-"""The same for what acts on all joints, of all that is left on them."""
 STRONG = 1.0
 """Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
 FURTHER = 20.0
@@ -38,13 +34,11 @@ FORMULAS = 0.001
 """Of a joint's misfit: what the formulas of named effects may be off by, 3 % of their size. On arms that go
 by other laws, what was said beside the right names explained up to 0.0008.
 """
-FAR_OFF = 0.2
-"""Of a ratio: so far off it was not known, and what it makes is no misfit of formulas."""
 CURVE = 2.5
 """Price of a curve without a name, in effects."""
 BETTER = 2.0
 """Squared unit-noise residuals by which a change has to be better."""
-UNSHOWN = 1e12
+UNSHOWN = 1.0 / ROUNDED
 """Price of an effect on a joint whose motion cannot show it: more than any residual."""
 
 
@@ -72,7 +66,7 @@ def need(context: Context, column: int, rest: float = 0.0) -> float:
     """
     if column not in context.least_needs:
         context.least_needs[column] = _least_need(context, column)
-    return max(context.least_needs[column], SHARE * rest)
+    return max(context.least_needs[column], SLIGHT * rest)
 
 
 def _least_need(context: Context, column: int) -> float:
@@ -217,7 +211,7 @@ def _slice(fit: Fit, column: int, values: int) -> float:
 def _shared_slice(fit: Fit, columns: list[int]) -> float:
     rest = sum(map(fit.rest, columns))
     strong = fit.context.claims and rest > STRONG * sum(map(fit.context.count, columns))
-    return SHARED_SLICE * rest if strong else 0.0
+    return HALF * rest if strong else 0.0
 
 
 def measured(first: Fit) -> Context:

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cu
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import NOTABLE, SURE
+from trunk_ros.diagnosis.levels import NOTABLE, PART, SOME, SURE, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.score import measured, need, score
@@ -26,11 +26,8 @@ from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
-TELLS = 0.1  # of a rest, on parts of the recording not seen: what goes with the motion is physics
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
-FAR = 100.0  # of a logarithm: a search for the likeliest noise that goes so far finds none
-FURTHEST = 3.0  # times the noise without it: what goes further is no noise
-SLOWEST = 0.3  # of the recording: what takes longer to forget itself is a drift
+LOST = np.log(np.finfo(float).max) / 4.0  # of a logarithm: the squares of what goes further are no numbers
 
 
 def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
@@ -84,7 +81,7 @@ def likelier(
     known = context.noise[column]
     noise, cost = likeliest_noise(context, less, column)
     gained = unlikely(context, known, hypothesis, column) - need(context, column) - cost
-    alone = gained > 0.0 and noise.std < FURTHEST * known.std and is_plain(context, noise, less, column)
+    alone = gained > 0.0 and noise.std < THREEFOLD * known.std and is_plain(context, noise, less, column)
     return (noise, gained) if alone else None
 
 
@@ -113,11 +110,11 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
     """
     parts = _parts(context, hypothesis, column)
     known = context.noise[column]
-    longest = SLOWEST * max(len(rest) for rest, _, _ in parts)
+    longest = SOME * max(len(rest) for rest, _, _ in parts)
     rest_std = float(np.sqrt(np.mean(np.concatenate([rest[counted] for rest, _, counted in parts]) ** 2)))
 
     def noise_at(x: Array) -> Noise:
-        coloured, forgets, white = np.exp(np.clip(x, -FAR, FAR))
+        coloured, forgets, white = np.exp(np.clip(x, -LOST, LOST))
         correlation = float(np.exp(-1.0 / min(max(forgets, 1.0), longest)))
         return Noise(float(np.hypot(coloured, white)), correlation, float(white))
 
@@ -169,7 +166,7 @@ def _tells(rest: Array, cuts: Cuts, source: Source) -> bool:
     sums = Sums.of([source], rest, cuts)
     nothing = sums.tried([], 1.0).left
     gains = (1.0 - sums.tried([0], worth).left / nothing for worth in WORTHS[::2])
-    return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > TELLS for g in gains)
+    return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > PART for g in gains)
 
 
 def untimed(hypothesis: Hypothesis, column: int) -> Hypothesis:

@@ -7,10 +7,9 @@ from collections.abc import Hashable, Iterable
 import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import SLIGHT
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.guards import TINY
-
-CLOSE = 0.03  # of a column's noise and cost: changes in which what did not pay is not tried again
 
 State = tuple[Hashable, ...]
 
@@ -23,7 +22,7 @@ def state_of(best: Fit, columns: Iterable[int]) -> State:
             c,
             structure(best.hypothesis, c),
             _level(context.noise[c].std),
-            round(context.noise[c].correlation / CLOSE),
+            round(context.noise[c].correlation / SLIGHT),
             _level(best.cost[c]) if c in best.cost else 0,
         )
         for c in columns
@@ -48,4 +47,4 @@ def structure_of(term: Term) -> Hashable:
 
 
 def _level(value: float) -> int:
-    return round(float(np.log(max(value, TINY))) / CLOSE)
+    return round(float(np.log(max(value, TINY))) / SLIGHT)

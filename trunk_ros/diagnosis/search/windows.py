@@ -17,7 +17,7 @@ from trunk_ros.parameter import FROM, GROWN, MANY, UNTIL
 EDGES = 100  # moments of a recording that are looked at
 INSIDE = 0.03  # of a recording: nothing is said of a beginning nearer to its ends
 
-NEAR = 41  # moments around each of those that gain most
+FINE = 41  # moments around each of those that gain most
 
 Reach = tuple[float, float]
 """Least and greatest multiple of itself that a change may be taken at."""
@@ -197,7 +197,7 @@ def best_window(
     first, span = stamp[0], stamp[-1] - stamp[0]
     edges = first + span * np.linspace(INSIDE, 1.0 - INSIDE, EDGES)
     found = _best_at(edges, seen, within, prices, grows, steps)
-    near = (edges[1] - edges[0]) * np.linspace(-1.0, 1.0, NEAR)
+    near = (edges[1] - edges[0]) * np.linspace(-1.0, 1.0, FINE)
     if found is None:
         return None
     moments = np.array([found.moments[m.name] for m in LASTING if m.moment and m.name in found.moments])

@@ -22,7 +22,7 @@ from trunk_ros.recording.signal.resample import longest_gap
 UNITS = {"x": "m", "y": "m", "z": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}
 SIGNALS = tuple(UNITS)
 IN_PLANE = ("y", "z", "roll")
-LEAST = 4  # poses of a recording
+POSES = 4  # poses of a recording
 
 
 @dataclass
@@ -82,12 +82,12 @@ def tip_data(recording: Recording, model: Model, delay: float = 0.0) -> TipData 
         return None
     joints = joints.select(model.arm.joints)
     known = np.isfinite(joints.position).all(axis=1)
-    if known.sum() < LEAST:
+    if known.sum() < POSES:
         return None
     at, pose = joints.stamp[known] - delay, recording.tip
     there, turned = _seen(at, pose.stamp) & np.isfinite(pose.position).all(axis=1), oriented(pose)
     inside = there & turned if turned.any() else there
-    if inside.sum() < LEAST:
+    if inside.sum() < POSES:
         return None
     theta = _theta(recording, model, at, joints.rows(np.asarray(known)), pose.stamp[inside])
     poses = np.column_stack([pose.position[inside], pose.orientation[inside]])

@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import LEAST
 from trunk_ros.diagnosis.data.motion_content import APART
-from trunk_ros.diagnosis.data.noise import LEAST as FINEST
+from trunk_ros.diagnosis.data.noise import FLOOR
 from trunk_ros.diagnosis.evidence.residual_dependence import goes_on
 from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.score import STRONG
@@ -80,7 +80,7 @@ def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
     """How much a fit leaves, whatever the signals' units."""
     problem, done = fitted
     rest = np.concatenate(problem.residual(problem.known | done.values))
-    return float(np.log(np.mean(rest**2, axis=0) + FINEST**2).sum())
+    return float(np.log(np.mean(rest**2, axis=0) + FLOOR**2).sum())
 
 
 def _rms(values: Array) -> float:

@@ -13,11 +13,11 @@ from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import changed
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
-from trunk_ros.diagnosis.data.sensor_faults import BESIDE, FAR, FEW
+from trunk_ros.diagnosis.data.sensor_faults import BESIDE, FEW
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
 from trunk_ros.diagnosis.evidence.evidence import SCATTER
-from trunk_ros.diagnosis.levels import ROUGH, TURNS
-from trunk_ros.diagnosis.search.fit import ENOUGH
+from trunk_ros.diagnosis.levels import ROUGH, TENFOLD, TURNS
+from trunk_ros.diagnosis.search.fit import GAINED
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT, naming
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
 from trunk_ros.diagnosis.tip.linear import Linear, Normal
@@ -120,7 +120,7 @@ class ArmProblem:
         there are any.
         """
         off = [np.abs(rest - median_filter(rest, (2 * BESIDE + 1, 1))) / self.noise for rest in rests]
-        stray = [np.any(each > FAR, axis=1) for each in off]
+        stray = [np.any(each > TENFOLD, axis=1) for each in off]
         self.strays = int(sum(each.sum() for each in stray))
         if self.strays > FEW * self.count:
             self.strays = 0
@@ -225,7 +225,7 @@ class ArmProblem:
         for _ in range(TURNS):
             self.linearise(values)
             before, values = values, self.solve(self.candidates)[0]
-            if self._moved(before, values) < ENOUGH:
+            if self._moved(before, values) < GAINED:
                 break
         return values
 
@@ -240,7 +240,7 @@ class ArmProblem:
         for _ in range(TURNS):
             before, keys = self.origin, self._chosen()
             values, covariance, cost = self.solve(keys)
-            if self._moved(before, values) < ENOUGH:
+            if self._moved(before, values) < GAINED:
                 break
             self.linearise(values)
         power = self.alike * max(1.0, cost / (len(self.signals) * self.count))

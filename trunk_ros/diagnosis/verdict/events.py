@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from trunk_ros.diagnosis.levels import SURE, TOGETHER
+from trunk_ros.diagnosis.levels import PART, SURE, TOGETHER
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
 from trunk_ros.parameter import FROM, GROWN, SPELL_NAMES, UNTIL
@@ -16,7 +16,6 @@ BEGINS, ENDS, GROWS = FROM.name, UNTIL.name, GROWN.name
 WORDS = {BEGINS: "begins at", ENDS: "ends at", GROWS: "has its full size at"}
 CARRIED = {BEGINS: "is taken up at", ENDS: "is put down at"}
 AGAIN = {BEGINS: "comes back at", ENDS: "ends at"}
-ALIKE = 0.1  # of the first size: by so much it changes on several joints alike
 CHANGED = {BEGINS: "is {:.3g} times as large from", ENDS: "ends at"}
 RESTORED = {BEGINS: "is as large as at first from", ENDS: "ends at"}
 CARRIED_AGAIN = {BEGINS: "is carried from", ENDS: "is put down at"}
@@ -99,7 +98,7 @@ def _together(by_joint: dict[str, Times]) -> list[list[str]]:
 
 
 def _same(one: Times, other: Times) -> bool:
-    alike = {SIZE: ALIKE} | dict.fromkeys(WORDS, TOGETHER)
+    alike = {SIZE: PART} | dict.fromkeys(WORDS, TOGETHER)
     return one.keys() == other.keys() and all(
         abs(one[name][0] - other[name][0])
         <= max(alike[name], SURE * (one[name][1] or 0.0), SURE * (other[name][1] or 0.0))

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import LITTLE, MOST, SURE
+from trunk_ros.diagnosis.levels import LITTLE, MOST, SLIGHT, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
@@ -33,7 +33,6 @@ VARIES_WITH: dict[str, list[str]] = {
     "time": ["time"],
 }
 ARM = "arm"
-UNCHANGED = 0.05  # of a value that a model has: a change that is none
 NO_CURVE = "No effect and no curve explains it."
 
 Spreads = dict[tuple[str, str, int | None], float]
@@ -203,7 +202,7 @@ def is_known(context: Context, finding: Finding) -> bool:
 
 def unchanged(found: dict[str, Any], believed: float) -> bool:
     """Whether a value is the one that the model has, within its spread."""
-    near = max(SURE * (found["std"] or 0.0), UNCHANGED * abs(believed))
+    near = max(SURE * (found["std"] or 0.0), SLIGHT * abs(believed))
     return bool(abs(found["value"] - believed) <= near)
 
 

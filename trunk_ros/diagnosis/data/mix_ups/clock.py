@@ -7,15 +7,14 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, correlation
-from trunk_ros.diagnosis.levels import FEWEST
+from trunk_ros.diagnosis.levels import FEWEST, SOME
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.signal.fill import fill
 
-LEAST = 0.6  # s: less is a delay
+DELAY = 0.6  # s: less is a delay
 COARSE = 0.05  # s: as exactly as it is needed
-SAMPLES = 1 << 16  # of the longer topic at most
+FINEST = 1 << 16  # of the longer topic at most
 BANDS = np.linspace(0.02, 0.48, 16)  # half-widths of dead bands, of the motion
-COMMON = 0.3  # of the shorter topic: less of it is no comparison
 
 
 def clock_offset(first: Array, source: Array, second: Array, target: Array) -> float:
@@ -25,10 +24,10 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
     if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > FOLLOWS:
         return 0.0
     usual = max(float(np.median(np.diff(stamp))) for stamp in (first, second))
-    step = max(COARSE, usual, np.ptp(first) / SAMPLES, np.ptp(second) / SAMPLES)
+    step = max(COARSE, usual, np.ptp(first) / FINEST, np.ptp(second) / FINEST)
     lag = _lag(_changes(first, source, step), _changes(second, target, step))
     off = float(second[0] - first[0]) + step * lag
-    if abs(off) <= LEAST:
+    if abs(off) <= DELAY:
         return 0.0
     least = max(FOLLOWS, _alike_by_a_play(first, source, second, target))
     return off if _alike(first + off, source, second, target) > least else 0.0
@@ -58,14 +57,14 @@ def _lag(source: Array, target: Array) -> int:
     lags = np.arange(length)
     lags = np.where(lags < len(target), lags, lags - length)
     overlap = np.minimum(len(source), len(target) - lags) - np.maximum(0, -lags)
-    enough = overlap >= COMMON * min(len(source), len(target))
+    enough = overlap >= SOME * min(len(source), len(target))
     return int(lags[np.argmax(np.where(enough, alike, 0.0))])
 
 
 def _alike(first: Array, source: Array, second: Array, target: Array) -> float:
     """Median |correlation| of the joints that move while both were recorded; 0 where that is too short."""
     both = (second >= first[0]) & (second <= first[-1])
-    if both.sum() < COMMON * len(second):
+    if both.sum() < SOME * len(second):
         return 0.0
     drives = [np.interp(second[both], first, column) for column in fill(source).T]
     pairs = list(zip(drives, fill(target)[both].T, strict=True))

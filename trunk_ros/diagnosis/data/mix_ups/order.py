@@ -8,8 +8,7 @@ from scipy.optimize import linear_sum_assignment
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, correlation, own_correlation
 from trunk_ros.diagnosis.data.motion_content import STILL
-
-STRANGE = 0.7  # correlation of a joint with what cannot be turning it
+from trunk_ros.diagnosis.levels import SOME
 
 
 def swapped(pair: Pair) -> list[MixUp]:
@@ -17,7 +16,7 @@ def swapped(pair: Pair) -> list[MixUp]:
     alike = likeness(pair.driven, pair.target)
     rows, best = linear_sum_assignment(-alike)
     own, other = np.diag(alike), alike[rows, best]
-    wrong = (best != rows) & (own < STRANGE) & (other > FOLLOWS)
+    wrong = (best != rows) & (own < 1.0 - SOME) & (other > FOLLOWS)
     if not wrong.any():
         return []
     how = "; ".join(

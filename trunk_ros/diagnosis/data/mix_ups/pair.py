@@ -9,14 +9,14 @@ import numpy as np
 
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import FEWEST, ROWS
+from trunk_ros.diagnosis.levels import FEWEST, ROWS, SLIGHT
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
-Kind = Literal["unit", "counts", "sign", "order", "clock"]
+FOLLOWS = 1.0 - SLIGHT  # correlation of a joint with what turns it, wide loops and long lags included
 
-FOLLOWS = 0.95  # correlation of a joint with what turns it, wide loops and long lags included
+Kind = Literal["unit", "counts", "sign", "order", "clock"]
 
 
 @dataclass(frozen=True)

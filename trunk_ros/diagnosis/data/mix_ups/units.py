@@ -7,11 +7,11 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, own_correlation
 from trunk_ros.diagnosis.data.sensing.wraps import TURN
+from trunk_ros.diagnosis.levels import TENFOLD
 from trunk_ros.recording.signal.encoder import count
 
 CLOSE, CLOSER = np.log(1.15), np.log(1.03)  # to that factor: where the ratio is known, and where it is not
-SEVERAL = 10.0  # times the limits: no arm goes there
-FAR = 100.0  # rad: a joint that goes so far does not read whole radians only
+WHOLE = 100.0  # rad: a joint that goes so far does not read whole radians only
 TO_DO = "Convert it to rad (unit: deg in a mapping) and diagnose again."
 
 
@@ -33,7 +33,7 @@ def counts(pair: Pair) -> list[MixUp]:
 
 def _is_whole(readings: Array) -> bool:
     """Whether readings (n,) go far in whole numbers; between two of them, interpolated, some are not."""
-    step = count(readings[readings == np.rint(readings)]) if np.ptp(readings) > FAR else 0.0
+    step = count(readings[readings == np.rint(readings)]) if np.ptp(readings) > WHOLE else 0.0
     return step >= 1.0 and float(np.mean(readings == np.rint(readings))) > 0.5
 
 
@@ -50,7 +50,7 @@ def degrees(pair: Pair) -> list[MixUp]:
     large_source = moves & (np.abs(times + degree) < near)
     if not pair.ratio_known:  # one joint with a gear of 57 to 1 is one with a gear
         large_target, large_source = (w & bool((w == moves).all()) for w in (large_target, large_source))
-    both = moves & (np.abs(times) < CLOSE) & (np.abs(pair.target).max(axis=0) > SEVERAL * pair.limit)
+    both = moves & (np.abs(times) < CLOSE) & (np.abs(pair.target).max(axis=0) > TENFOLD * pair.limit)
     return [
         *([_one(pair, large_target, pair.target, *pair.topics[::-1])] if large_target.any() else []),
         *([_one(pair, large_source, pair.driven, *pair.topics)] if large_source.any() else []),

@@ -11,7 +11,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 
-STRETCHES = 256
+PIECES = 256
 ORDERS = 12  # of a wave's course within one: of waves within 16 turns of the middle the rest is rounding
 
 
@@ -32,8 +32,8 @@ class Band:
     @staticmethod
     def of(stamp: Array, signals: Array, middle: float) -> Band:
         """Of signals (n, signals) at rising stamps (n,)."""
-        half = max(float(stamp[-1] - stamp[0]) / (2 * STRETCHES), 1e-9)
-        cell = np.minimum((stamp - stamp[0]) / (2 * half), STRETCHES - 1).astype(int)
+        half = max(float(stamp[-1] - stamp[0]) / (2 * PIECES), 1e-9)
+        cell = np.minimum((stamp - stamp[0]) / (2 * half), PIECES - 1).astype(int)
         starts = np.flatnonzero(np.diff(cell, prepend=-1))
         centres = stamp[0] + (2 * cell[starts] + 1) * half
         sums = np.empty((len(starts), ORDERS, signals.shape[1]), dtype=complex)

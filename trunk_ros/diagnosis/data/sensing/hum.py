@@ -16,7 +16,7 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, apart, basis, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, apart, basis, motion_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, NEARLY, SURE
 from trunk_ros.guards import BLIND, TINY
@@ -24,9 +24,9 @@ from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
 JOINTS = 3  # of which one size says something
-NEAR, FAR = 2, 16  # bins of the spectrum beside a tone that show what else there is
+LINE, BINS = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
-TURNS = 5.0  # in the recording: what comes back less often may be what happened to the arm, such as a payload
+COMES_BACK = 5.0  # times: what comes back less often may have happened to the arm, such as a payload
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     """The tones in the readings of all joints, of series with the same joints."""
     driven = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
     shown = shown.rows(driven)
-    if len(shown.stamp) < FEWEST or len(shown.joints) < JOINTS:
+    if len(shown.stamp) < CLOCKED or len(shown.joints) < JOINTS:
         return []
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return []
@@ -107,7 +107,7 @@ def _tone(motion: Motion, off: Array) -> Hum | None:
     twice = Band.of(stamp, np.ones((len(stamp), 1)), 2.0 * first)
     waves = _Waves(own, mixes, twice, len(stamp))
     frequency = _shared(stamp, waves, np.array([float(rest @ rest) for rest in rests]), first)
-    if frequency * float(np.ptp(stamp)) < TURNS:
+    if frequency * float(np.ptp(stamp)) < COMES_BACK:
         return None
     seen, std = _lines(frequency, stamp, waves)
     sizes = np.hypot(*seen)
@@ -160,7 +160,7 @@ def _lines(frequency: float, stamp: Array, waves: _Waves) -> tuple[Array, Array]
     """Cosine and sine (2, signals) of a frequency in signals beside features, and the std of each (signals,),
     by what there is of frequencies next to it.
     """
-    bins = [k for k in range(-FAR, FAR + 1) if abs(k) > NEAR]
+    bins = [k for k in range(-BINS, BINS + 1) if abs(k) > LINE]
     near = [at for k in bins if (at := frequency + k / float(np.ptp(stamp))) > 0.0]
     power = np.mean([waves.power(at) for at in near], axis=0) / 2.0
     inverse = [(np.linalg.inv(square), both) for square, both in waves.at(frequency)]

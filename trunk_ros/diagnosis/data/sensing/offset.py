@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import (
-    FEWEST,
+    CLOCKED,
     FRICTION,
     Motion,
     basis,
@@ -22,13 +22,11 @@ from trunk_ros.diagnosis.data.sensing.physics import (
     motion_of,
     scaled,
 )
-from trunk_ros.diagnosis.levels import CERTAIN, MOST, NEARLY, ROUGH, ROWS, SEVERAL, SURE
-from trunk_ros.diagnosis.levels import FEWEST as AROUND
+from trunk_ros.diagnosis.levels import CERTAIN, FEWEST, MOST, NEARLY, PART, ROUGH, ROWS, SEVERAL, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
-ALIKE = 0.1  # of an offset: so far off a joint may surely be from what all say
 QUICK = 0.6  # s: a wire that creeps back so soon leads for a while
 
 
@@ -69,7 +67,7 @@ def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offse
     if motion is None:
         return None
     gain = _gains(motion)
-    gain[:FEWEST] = gain[len(gain) - FEWEST :] = 0.0  # of fewer samples nothing is told
+    gain[:CLOCKED] = gain[len(gain) - CLOCKED :] = 0.0  # of fewer samples nothing is told
     if not gain.any():
         return None
     near, at = motion.stamp[gain > NEARLY * gain.max()], float(motion.stamp[np.argmax(gain)])
@@ -86,7 +84,7 @@ def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offse
 def _motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
     """Of some rows, where there is enough of it."""
     shown = shown.rows((shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1]))
-    if len(shown.stamp) < FEWEST or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
+    if len(shown.stamp) < CLOCKED or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return None
     shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
     motion = motion_of(gearbox, shown, arm)
@@ -108,7 +106,7 @@ def _lag(motion: Motion, joint: int) -> tuple[float, float]:
     fades = -late * float(np.sqrt(np.mean(speed**2))) < band - float(motion.arm.dead_band[joint])
     creep = lowpassed(motion.stamp, motion.asked[:, joint], QUICK)
     beside, unsure = (each[0] for each in fitted(np.column_stack([features, creep]), off))
-    creeps = abs(beside - late) > SURE * np.hypot(std, unsure) + ALIKE * abs(late)
+    creeps = abs(beside - late) > SURE * np.hypot(std, unsure) + PART * abs(late)
     return late, np.inf if fades or creeps else std
 
 
@@ -123,7 +121,7 @@ def _together(told: list[tuple[float, float]], fewest: float, later: bool = Fals
             return None
         mean = float(weight @ size / weight.sum())
         able, off = SURE * std < abs(mean), np.abs(size - mean)
-        if np.all((off < np.maximum(SURE * std, ALIKE * abs(mean)))[able]):
+        if np.all((off < np.maximum(SURE * std, PART * abs(mean)))[able]):
             differ = np.sqrt(np.mean((off / std)[able] ** 2)) if able.any() else 1.0
             spread = float(weight.sum() ** -0.5 * max(differ, 1.0))
             sure = able.sum() >= fewest and CERTAIN * spread < abs(mean)
@@ -171,20 +169,20 @@ def in_stamps(stamp: Array, found: Offset, near: Array) -> Offset | None:
     """The offset as the stamps (n,) have it, where they jump by it, beside samples that were lost, between
     the first and the last of the times near (k,).
     """
-    if len(stamp) < FEWEST:
+    if len(stamp) < CLOCKED:
         return None
     between = np.diff(stamp)
     period = float(np.median(between))
     even = stamp - period * np.arange(len(stamp))
     jitter = float(np.median(np.abs(np.diff(between)))) / 6**0.5
-    at = np.arange(AROUND, len(stamp) - AROUND)
+    at = np.arange(FEWEST, len(stamp) - FEWEST)
     at = at[(stamp[at] >= near[0] - period) & (stamp[at] <= near[-1] + period)]
     if not len(at):
         return None
-    middle = np.median(np.lib.stride_tricks.sliding_window_view(even, AROUND), axis=1)
-    jump = middle[at] - middle[at - AROUND]
-    known = max(jitter / AROUND**0.5, ROUGH * period)
-    beside = SURE * np.hypot(found.std, known) + ALIKE * abs(found.size)
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(even, FEWEST), axis=1)
+    jump = middle[at] - middle[at - FEWEST]
+    known = max(jitter / FEWEST**0.5, ROUGH * period)
+    beside = SURE * np.hypot(found.std, known) + PART * abs(found.size)
     if abs(found.size - period * np.rint(found.size / period)) > beside:  # no samples that are lost do that
         jump -= period * np.maximum(np.rint((jump - found.size) / period), 0.0)
     there = (np.abs(jump - found.size) < beside) & (np.abs(jump) > beside)

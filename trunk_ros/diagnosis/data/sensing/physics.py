@@ -18,9 +18,9 @@ CREEPS = (2.0, 8.0)  # s
 PLAY = 1e-3  # rad, where the model has none
 SLOWLY = 0.05  # rad/s, at which friction may have fallen
 MOVES = 0.02  # rad
-FEWEST = 500  # samples: of fewer nothing is told of clocks
 FRICTION = 3  # features that come first where friction does not wear
 BLOCK = 50  # samples may depend on each other
+CLOCKED = 10 * BLOCK  # samples: the scatter of fewer blocks tells nothing of clocks
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,13 @@ from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import FEWEST, Motion, basis, fitted, motion_of
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, NEARLY, ROWS, SURE
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, basis, fitted, motion_of
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, MOST, NEARLY, PART, ROUGHLY, ROWS, SURE
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
 LARGEST = 5e-3  # s/s: no clock is worse
-ALIKE, ALIKER = 0.25, 0.1  # of the skew: so far off a joint may surely be from what all say
-IN_TURN, APART = 4, 0.4  # joints that move at times so far apart, of the recording
+IN_TURN = 4  # joints that move one after the other, whose lags lie on a line over their times
 WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
 
 
@@ -46,7 +45,7 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     friction (and its wear), coupling and inertia do to a joint. Where joints go at one speed each, wear and
     skew look alike on one of them; then three joints of different speeds have to say the same.
     """
-    if min(len(gearbox.stamp), len(shown.stamp)) < FEWEST or one_clock(gearbox.stamp, shown.stamp):
+    if min(len(gearbox.stamp), len(shown.stamp)) < CLOCKED or one_clock(gearbox.stamp, shown.stamp):
         return None
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return None
@@ -93,7 +92,7 @@ class _Told:
     @property
     def agree(self) -> bool:
         """Whether those that can tell say the same, and it is a clock's way to grow."""
-        alike = (ALIKE if self.wear else ALIKER) * abs(self.together[0])
+        alike = (ROUGHLY if self.wear else PART) * abs(self.together[0])
         near = (self.off < np.maximum(SURE * self.std, alike))[self.able]
         share = self.together**2 * WINDING
         sure = CERTAIN * self.skew.std < abs(self.together[0]) < LARGEST
@@ -106,7 +105,7 @@ def _said(motion: Motion) -> Skew | None:
     whole, bare = _told(motion, True), _told(motion, False)
     if whole.agree and whole.able.sum() >= min(2, len(motion.joints)):
         return whole.skew
-    both = SURE * np.hypot(whole.skew.std, bare.skew.std) + ALIKE * abs(bare.skew.rate)
+    both = SURE * np.hypot(whole.skew.std, bare.skew.std) + ROUGHLY * abs(bare.skew.rate)
     if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
         return _from_joint_to_joint(motion)
     speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
@@ -128,7 +127,7 @@ def _from_joint_to_joint(motion: Motion) -> Skew | None:
     found = covariance @ (line.T @ (lag / std))
     rate, spread, off = float(found[1]), float(np.sqrt(covariance[1, 1])), lag / std - line @ found
     on_line = float(off @ off) < chdtri(len(lag) - 2, CHANCE)
-    apart = np.ptp(when) > APART * np.ptp(motion.stamp)
+    apart = np.ptp(when) > (1.0 - MOST) * np.ptp(motion.stamp)
     return Skew(rate, spread) if on_line and apart and CERTAIN * spread < abs(rate) < LARGEST else None
 
 

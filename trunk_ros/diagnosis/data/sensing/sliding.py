@@ -12,16 +12,15 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.data.sensing.physics import FEWEST, MOVES, apart
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, apart
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
-from trunk_ros.diagnosis.levels import MOST, ROWS
+from trunk_ros.diagnosis.levels import MOST, PART, ROWS
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.servo_course import servo_course
 
-LEAST = 0.1  # of the setpoints' period: rms of lags that a saw may be in; its own is 0.29
 SLIDES = (0.5, 60.0)  # s for one period
 PHASES = 16
 
@@ -45,11 +44,11 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     It is told from how far the gearbox is from the nominal servo's course, over the speed, on all joints at
     once, less what is constant and what a servo of other bandwidth, under load or at its top speed does.
     """
-    if min(len(setpoints.stamp), len(gearbox.stamp)) < FEWEST:
+    if min(len(setpoints.stamp), len(gearbox.stamp)) < CLOCKED:
         return None
     period = float(np.median(np.diff(setpoints.stamp)))
     late = _late(setpoints, gearbox, model)
-    if late is None or late.able < (LEAST * period) ** 2 * late.weight.sum():
+    if late is None or late.able < (PART * period) ** 2 * late.weight.sum():
         return None
     found = _over_all(late, period)
     if found is None:
@@ -136,7 +135,7 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     at = np.searchsorted(gearbox.stamp, stamp)
     off = fill(gearbox.position)[at] - said
     moving = np.ptp(said, axis=0) > MOVES
-    if len(stamp) < FEWEST or not moving.any():
+    if len(stamp) < CLOCKED or not moving.any():
         return None
     speed, off, said = np.gradient(said, stamp, axis=0)[:, moving], off[:, moving], said[:, moving]
     pairs = list(zip(speed.T, said.T, strict=True))

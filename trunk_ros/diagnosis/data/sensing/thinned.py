@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter1d
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, THREEFOLD
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
@@ -18,7 +18,6 @@ from trunk_ros.recording.signal.fill import fill, finer
 from trunk_ros.servo_course import servo_course
 
 TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
-STEPS = 3.0  # times as much of the stairs that the kept ones alone would make
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ def thinned(
         (_stairs(each, gearbox, model, period), times, each) for times, each in _fuller(setpoints, guide)
     ]
     least = min(stairs for stairs, _, _ in tried)
-    if kept < STEPS * least:
+    if kept < THREEFOLD * least:
         return None
     shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
     _, times, whole = min(tried, key=lambda one: (one[0] > CLEARLY * least, one[1] != shown, one[0]))

@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.levels import PART
 from trunk_ros.recording.recording import JointSeries
 
 TURN = 2.0 * np.pi
-NEAR = 0.1  # of a turn that a jump may be off one
-CALM = 0.2  # of a turn: what a joint moves between samples as a rule has to be less, or nothing can be told
 
 
 def unwrapped(readings: Array) -> tuple[Array, int]:
@@ -22,8 +21,8 @@ def unwrapped(readings: Array) -> tuple[Array, int]:
     known = np.isfinite(readings)
     steps = np.diff(readings[known])
     turns = np.rint(steps / TURN)
-    jumps = (turns != 0.0) & (np.abs(steps - TURN * turns) < NEAR * TURN)
-    if not jumps.any() or np.quantile(np.abs(steps[~jumps]), 0.999) > CALM * TURN:
+    jumps = (turns != 0.0) & (np.abs(steps - TURN * turns) < PART * TURN)
+    if not jumps.any() or np.quantile(np.abs(steps[~jumps]), 0.999) > 2.0 * PART * TURN:
         return readings, 0
     out = readings.copy()
     out[known] -= TURN * np.concatenate([[0.0], np.cumsum(np.where(jumps, turns, 0.0))])
@@ -48,4 +47,4 @@ def whole_turns(apart: Array) -> float:
     known = apart[np.isfinite(apart)]
     middle = float(np.median(known)) if len(known) else 0.0
     turns = TURN * round(middle / TURN)
-    return float(turns) if abs(middle - turns) < NEAR * TURN else 0.0
+    return float(turns) if abs(middle - turns) < PART * TURN else 0.0

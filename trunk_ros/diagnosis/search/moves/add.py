@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import MOST, REFITTED
+from trunk_ros.diagnosis.levels import MOST, REFITTED, SOME
 from trunk_ros.diagnosis.search.candidates import (
     Candidate,
     breaking_kinds,
@@ -26,13 +26,10 @@ from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_what_it_stood_for
-from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
 from trunk_ros.effects import Effect
-
-EXPECTED = 0.3  # of its own size: what an effect on all joints must explain on a joint
 
 
 class Tried(NamedTuple):
@@ -212,7 +209,7 @@ def shown_again(best: Fit, desk: Desk, trial: Fit, name: str) -> Fit:
     """
     others = [term for term in trial.hypothesis.values() if term.effect != name]
     if priced(trial) < score(best) and any(hidden(trial.context, term) for term in others):
-        return descend_with(trial, (SWAP_ALL, SWAP_MANY, DROP), desk)
+        return descend_with(trial, (SWAP_ALL, DROP), desk)
     return trial
 
 
@@ -229,7 +226,7 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
         if size > need(context, column, best.rest(column)):
             gain = best.cost[column] - trial.cost[column]
             left = best.cost[column] - context.count(column)
-            sides.append(gain > EXPECTED * size or gain > MOST * left)
+            sides.append(gain > SOME * size or gain > MOST * left)
     return sum(sides) > MOST * len(sides)
 
 

@@ -12,16 +12,14 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, promised
-from trunk_ros.diagnosis.levels import LITTLE
-from trunk_ros.diagnosis.search.candidates import MOST, own_effects
+from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
+from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_at_least
 from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.diagnosis.search.state import state_of
 from trunk_ros.effects import effect
-
-FEW = 2  # effects of a joint's own from which on a curve may do instead
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -45,7 +43,7 @@ def _hopeless(best: Fit, column: int) -> bool:
         return False
     nominal = best.context.whitened(best.context.known, column)
     explained = float(nominal @ nominal) - best.cost[column]
-    reached = best.rest(column) - (MOST - len(local)) * explained / len(local)
+    reached = best.rest(column) - (OWN - len(local)) * explained / len(local)
     if reached <= 0.0:
         return False
     return promised(best.context, best.hypothesis.less(local, column), column) < reached
@@ -84,7 +82,7 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
 
 def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
     """Whether a curve may explain what several names do, by a linear look."""
-    if len(local) < FEW:
+    if len(local) < SEVERAL:
         return False
     bare = now.hypothesis.less(local, column)
     saved = priced(replace(now, cost={})) - priced(Fit(bare, {}, now.context))
@@ -94,7 +92,7 @@ def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
 
 def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:
     """Whether a curve explains clearly more than one or two names do, if it is to take their place."""
-    if not local or len(local) > FEW:
+    if not local or len(local) > SEVERAL:
         return True
     without = fit(now.context, now.hypothesis.less(local, column), [column]).cost[column]
     return now.cost[column] - trial.cost[column] > LITTLE * (without - now.cost[column])
