@@ -149,9 +149,15 @@ def run_servo(
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
+    numbers = (_seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH)
+    kp, tau_v, v_max, delay, feedforward = numbers
     none = np.zeros((1, columns))
     core = Core(
-        **{name: _seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH},
+        kp=kp,
+        tau_v=tau_v,
+        v_max=v_max,
+        delay=delay,
+        feedforward=feedforward,
         pull=none,
         rub=none,
         reach=reach(arm, now),
@@ -176,9 +182,8 @@ def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:
         return setpoints
     share = core.feedforward / core.kp
     if len(share) > 1:  # what changes in mid-run, of past rows as it is at first
-        share = np.concatenate(
-            [np.broadcast_to(share[:1], (len(stamps) - len(share), share.shape[1])), share]
-        )
+        past = np.repeat(share[:1], len(stamps) - len(share), axis=0)
+        share = np.concatenate([past, share])
     fed = setpoints.copy()
     fed[1:] += (share[1:] if len(share) > 1 else share) * speeds(setpoints, stamps)
     return fed

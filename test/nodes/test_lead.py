@@ -16,8 +16,8 @@ AT = np.arange(0, 3, STEP)
 
 
 def led(wanted, most=np.inf, fed=0.0):
-    """Where the servo goes (n,) rad, ``wanted`` of a time [s]; setpoints change by ``most`` at once, and it is
-    ``fed`` some of their speed.
+    """Where the servo goes (n,) rad, ``wanted`` of a time [s]; setpoints change by ``most`` at once, and it
+    is ``fed`` some of their speed.
     """
     last = np.full(5, wanted(0.0))
     lead = Lead(last, *SERVO, fed)

@@ -115,7 +115,9 @@ def _fed(model: Model, recordings: Sequence[Recording]) -> Model:
 
 
 def _moved(model: Model, recordings: Sequence[Recording]) -> Iterator[tuple[Context, int, int]]:
-    """A look at the servos, and the place in it and in the arm of each joint that was asked to move, and did."""
+    """A look at the servos, and the place in it and in the arm of each joint that was asked to move, and
+    did.
+    """
     unlimited = with_room(model, recordings)
     context = first_look(ServoStage([excerpt(servo_span(r, unlimited)) for r in recordings], unlimited))
     for column in context.columns:
@@ -203,8 +205,8 @@ def _loop(context: Context, column: int, told: Array) -> tuple[Array, float]:
 
 
 def _told_speed(context: Context, column: int, found: Array) -> Array:
-    """(5,) numbers of a servo that is told how fast its setpoints move, where that explains more than what was
-    ``found`` (5,) without.
+    """(5,) numbers of a servo that is told how fast its setpoints move, where that explains more than what
+    was ``found`` (5,) without.
     """
     loop, fastest = Loop.of(context, column), np.log(found[TOP_SPEED][0])
     starts = [
