@@ -149,13 +149,15 @@ def run_servo(
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
-    kp, tau_v, v_max, delay = (_seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH)
+    numbers = (_seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH)
+    kp, tau_v, v_max, delay, feedforward = numbers
     none = np.zeros((1, columns))
     core = Core(
         kp=kp,
         tau_v=tau_v,
         v_max=v_max,
         delay=delay,
+        feedforward=feedforward,
         pull=none,
         rub=none,
         reach=reach(arm, now),
@@ -168,8 +170,29 @@ def run_servo(
             _set(e, core, now)
     out, state = np.empty((n, columns)), start.copy()
     skip = len(stamps) - n
-    _step(core, setpoints, stamps, skip, state, out)
+    _step(core, fed_forward(core, setpoints, stamps), stamps, skip, state, out)
     return out, state
+
+
+def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:
+    """What the position loop would have to be asked for (m, columns) to go as one that is told, beside its
+    ``setpoints`` (m, columns) at ``stamps`` (m,), how fast these move.
+    """
+    if not core.feedforward.any():
+        return setpoints
+    share = core.feedforward / core.kp
+    if len(share) > 1:  # what changes in mid-run, of past rows as it is at first
+        past = np.repeat(share[:1], len(stamps) - len(share), axis=0)
+        share = np.concatenate([past, share])
+    fed = setpoints.copy()
+    fed[1:] += (share[1:] if len(share) > 1 else share) * speeds(setpoints, stamps)
+    return fed
+
+
+def speeds(setpoints: Array, stamps: Array) -> Array:
+    """(m - 1, columns) rad/s at which setpoints (m, columns) came to each but the first."""
+    time = np.diff(stamps)[:, None]
+    return np.where(time > 0.0, np.diff(setpoints, axis=0) / np.where(time > 0.0, time, 1.0), 0.0)
 
 
 def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:

@@ -135,6 +135,29 @@ def test_setpoints_sampled_beside_the_shaft_move_on_between_the_samples() -> Non
     assert held.setpoints == "held"
 
 
+def test_a_drive_that_is_fed_the_speed_of_its_profile_is_found_so_and_predicted_elsewhere() -> None:
+    """A table of a profile that moves on between its rows, and of a shaft that is ahead of it."""
+
+    def table(seed: int) -> Recording:
+        t = np.arange(0.0, 30.0, STEP)
+        kp, share, slow = 40.0, 1.2, 0.3 + 0.1 * seed
+        asked = 0.5 * (1.0 - np.cos(slow * t) * np.cos(6.0 * t))[:, None]
+        fed = asked[:, 0] + share / kp * np.gradient(asked[:, 0], STEP)
+        went = np.array(reference(fed, 1, kp, 5e-3, 9.0))[:, None]
+        went = went + NOISE * np.random.default_rng(seed).standard_normal(went.shape)
+        some = np.arange(0, len(t), round(PERIOD / STEP))
+        series = {
+            "setpoints": JointSeries(t[some], JOINTS[:1], asked[some]),
+            "gearbox_states": JointSeries(t[some], JOINTS[:1], went[some]),
+        }
+        return Recording("profile", 0, float(t[-1]), series)
+
+    found = diagnose(table(1), model="direct")
+    assert found.findings == []
+    assert float(found.model.arm.feedforward[0]) == pytest.approx(1.2, abs=0.05)
+    assert _left(found.model, table(2)).max() < 2 * NOISE
+
+
 @pytest.mark.parametrize(
     ("name", "servo", "effect", "expected"),
     [

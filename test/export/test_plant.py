@@ -89,9 +89,10 @@ def test_what_cannot_be_is_refused_in_one_line() -> None:
         {"tau_v": 2e-4},
         {"kp": 400.0, "tau_v": 1e-3},
         {"delay": 0.03},
+        {"feedforward": 0.7, "delay": 0.01},
         {"kp": np.array([8.0, 20.0, 20.0, 20.0, 60.0]), "delay": np.array([0.0, 0.05, 0.0, 0.0, 0.01])},
     ],
-    ids=["quick", "stiff", "late", "apart"],
+    ids=["quick", "stiff", "late", "fed", "apart"],
 )
 def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) -> None:
     model = Model(replace(ARM, **servo))

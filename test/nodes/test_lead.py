@@ -1,5 +1,7 @@
 """Setpoints that have the servo be in time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,17 +15,20 @@ STEP = 0.01
 AT = np.arange(0, 3, STEP)
 
 
-def led(wanted, most=np.inf):
-    """Where the servo goes (n,) rad, ``wanted`` of a time [s]; setpoints change by ``most`` at once."""
+def led(wanted, most=np.inf, fed=0.0):
+    """Where the servo goes (n,) rad, ``wanted`` of a time [s]; setpoints change by ``most`` at once, and it
+    is ``fed`` some of their speed.
+    """
     last = np.full(5, wanted(0.0))
-    lead = Lead(last, *SERVO)
+    lead = Lead(last, *SERVO, fed)
     out = []
     for k, now in enumerate(AT):
         lead.elapse(STEP if k else 0.0)
         goes = lead.setpoint(np.full(5, wanted(now + lead.sight)))
         last = lead.sent(last + np.clip(goes - last, -most, most))
         out.append(last)
-    return Chain(NOMINAL, "servo").run(np.array(out), AT)[0][:, 0]
+    servo = replace(NOMINAL, arm=replace(NOMINAL.arm, feedforward=fed))
+    return Chain(servo, "servo").run(np.array(out), AT)[0][:, 0]
 
 
 def plain(wanted):
@@ -39,6 +44,10 @@ def test_a_step_is_there_sooner_and_not_overshot():
     there, usual = led(leap(0.01)), plain(wanted)
     assert np.abs(there - wanted).sum() < 0.8 * np.abs(usual - wanted).sum()
     assert there.max() < 0.01 * 1.001 < 0.01 * 1.01 < usual.max()
+
+
+def test_a_servo_that_is_fed_the_speed_of_its_setpoints_is_led_to_the_same_place():
+    np.testing.assert_allclose(led(leap(0.01), fed=0.6), led(leap(0.01)), atol=1e-9)
 
 
 @pytest.mark.parametrize("size", [0.02, 0.1, 0.5])

@@ -15,7 +15,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 
 GRAVITY = 9.81  # m/s^2, along -z
-SERVO_OF_EACH = ("kp", "tau_v", "v_max", "delay")
+SERVO_OF_EACH = ("kp", "tau_v", "v_max", "delay", "feedforward")
 LOADS = ("weight", "weight_and_inertia", "effort")
 
 
@@ -49,6 +49,7 @@ class Arm:
     tau_v: float | Array = 0.02
     v_max: float | Array = 1.5
     delay: float | Array = 0.0
+    feedforward: float | Array = 0.0
     counts_per_rev: float = 131072.0
     wire: Wire | None = field(default=None)
     load_from: str = "weight"

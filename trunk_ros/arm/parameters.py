@@ -53,6 +53,7 @@ SERVO = {
     "tau_v": (0.02, "s", "time constant of the velocity loop"),
     "v_max": (1.5, "rad/s", "top speed of the gearbox shaft"),
     "delay": (0.0, "s", "age of a setpoint when it acts"),
+    "feedforward": (0.0, "1", "share of the setpoint's speed that the velocity loop gets beside the error"),
     "counts_per_rev": (131072.0, "1", "encoder counts per turn of the gearbox shaft"),
 }
 

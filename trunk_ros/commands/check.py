@@ -128,6 +128,8 @@ def _servo(arm: Arm, given: dict[str, Any]) -> str:
     units = {"kp": " 1/s", "tau_v": " s", "v_max": " rad/s"}
     if np.any(arm.delay):
         units["delay"] = " s"
+    if np.any(arm.feedforward):
+        units["feedforward"] = ""
     numbers = ", ".join(f"{name} {_listed(getattr(arm, name))}{unit}" for name, unit in units.items())
     if not arm.servo_stated:
         return f"not given: a diagnosis finds it in the recording, a simulation takes {numbers}"

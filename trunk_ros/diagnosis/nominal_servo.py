@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Literal
@@ -34,7 +34,8 @@ TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reache
 TOP_SPEED = np.array(SERVO_OF_EACH) == "v_max"
 METHODS: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")  # one goes on where the other stands
 VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s: a loop that is stepped is best at some delays
-STEPS = np.array([0.01, 0.01, 0.01, 1e-3])  # of logarithms, and s
+FED = (0.3, 1.0)  # shares of the setpoint's speed that are tried first
+STEPS = np.array([0.01, 0.01, 0.01, 1e-3, 0.01])  # of logarithms, s, and a share
 
 
 @dataclass(frozen=True)
@@ -67,13 +68,14 @@ class Servos:
 
 
 def _numbers_of(arm: Arm) -> Array:
-    """(4, joints), as in SERVO_OF_EACH."""
+    """(5, joints), as in SERVO_OF_EACH."""
     return np.array([np.full(len(arm.joints), getattr(arm, name)) for name in SERVO_OF_EACH])
 
 
 def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos | None = None) -> Model:
-    """The model with the first-order loop that each joint's servo is: its gain, velocity loop, top speed and
-    delay. What is found beyond is what such a loop cannot do.
+    """The model with the first-order loop that each joint's servo is: its gain, velocity loop, top speed,
+    delay, and how much of the setpoint's speed it is told, where setpoints move smoothly. What is found
+    beyond is what such a loop cannot do.
 
     Setpoints may be samples that were taken beside the shaft's angle, of what moves on between them: so they
     are where the shaft is clearly nearer to what follows from that. ``known``: found in other recordings.
@@ -82,9 +84,9 @@ def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos 
         return _identified(known.on(model), recordings, known.numbers)[0]
     held, left = _identified(model, recordings)
     if model.setpoints == SAMPLED:
-        return held
+        return _fed(held, recordings)
     sampled, less = _identified(replace(model, setpoints=SAMPLED), recordings)
-    return sampled if CLEARLY * less < left else held
+    return _fed(sampled, recordings) if CLEARLY * less < left else held
 
 
 def _identified(
@@ -93,17 +95,39 @@ def _identified(
     """The model with its servos, but for those of ``known`` joints, and what these leave, rms [rad]."""
     if set(servo_joints(recordings[0], model)) <= set(known):
         return model, 0.0
+    numbers, squares = _numbers_of(model.arm), 0.0
+    for context, column, joint in _moved(model, recordings):
+        if context.joints[column] in known:
+            continue
+        numbers[:, joint], cost = _loop(context, column, numbers[:, joint])
+        squares += cost * context.noise[column].std ** 2 / context.count(column)
+    return _with(model, numbers), float(np.sqrt(squares))
+
+
+def _fed(model: Model, recordings: Sequence[Recording]) -> Model:
+    """The model with servos that are told the speed of their setpoints, where they go like that: a drive that
+    follows a profile.
+    """
+    numbers = _numbers_of(model.arm)
+    for context, column, joint in _moved(model, recordings):
+        numbers[:, joint] = _told_speed(context, column, numbers[:, joint])
+    return _with(model, numbers)
+
+
+def _moved(model: Model, recordings: Sequence[Recording]) -> Iterator[tuple[Context, int, int]]:
+    """A look at the servos, and the place in it and in the arm of each joint that was asked to move, and
+    did.
+    """
     unlimited = with_room(model, recordings)
     context = first_look(ServoStage([excerpt(servo_span(r, unlimited)) for r in recordings], unlimited))
-    numbers, squares = _numbers_of(model.arm), 0.0
     for column in context.columns:
-        fastest, joint = _fastest(context, column), model.arm.index(context.joints[column])
-        if fastest == 0.0 or context.joints[column] in known:
-            continue
-        numbers[:, joint], cost = _loop(context, column, fastest, numbers[:, joint])
-        squares += cost * context.noise[column].std ** 2 / context.count(column)
+        if _fastest(context, column) > 0.0:
+            yield context, column, model.arm.index(context.joints[column])
+
+
+def _with(model: Model, numbers: Array) -> Model:
     own = dict(zip(SERVO_OF_EACH, numbers, strict=True))
-    return replace(model, arm=replace(model.arm, **own, servo_stated=True)), float(np.sqrt(squares))
+    return replace(model, arm=replace(model.arm, **own, servo_stated=True))
 
 
 def _fastest(context: Context, column: int) -> float:
@@ -115,47 +139,87 @@ def _fastest(context: Context, column: int) -> float:
     return max((float(np.quantile(s, 1.0 - OUTLIERS)) for s in speeds if len(s)), default=0.0)
 
 
-def _loop(context: Context, column: int, fastest: float, told: Array) -> tuple[Array, float]:
-    """(4,) numbers of the servo of a joint that went as ``fastest`` rad/s, as in SERVO_OF_EACH, and what is
-    left of its squared residual. What the recording does not show stays what it was ``told`` to be (4,).
+@dataclass(frozen=True)
+class Loop:
+    """What is fitted of a joint's servo: logarithms of kp, kp tau_v and the top speed, the delay s, and the
+    share of the setpoint's speed where it has five numbers.
     """
-    low = np.array([*np.log([0.5, 1e-3, 0.3 * fastest]), 0.0])
-    high = np.array([*np.log([STIFFEST, SWINGS, 20.0 * fastest]), 0.5])
-    some = moving([view.span for view in context.views], column)
-    part = context.over(some) if some else context
 
-    def fitted(seen: Context, start: Array, method: Literal["dogbox", "trf"]) -> Any:
+    context: Context
+    column: int
+    low: Array
+    high: Array
+
+    @staticmethod
+    def of(context: Context, column: int) -> Loop:
+        """Of a joint that went at some speed."""
+        fastest = _fastest(context, column)
+        low = np.array([*np.log([0.5, 1e-3, 0.3 * fastest]), 0.0, 0.0])
+        high = np.array([*np.log([STIFFEST, SWINGS, 20.0 * fastest]), 0.5, 2.0])
+        return Loop(context, column, low, high)
+
+    def left(self, numbers: Array) -> float:
+        """Squared whitened residual."""
+        return float(np.sum(_residual(self.context, self.column, numbers) ** 2))
+
+    def fitted(self, start: Array, method: Literal["dogbox", "trf"] = "trf") -> Any:
+        """From a start, (4,) or (5,)."""
+        usual, low, high = STEPS[: len(start)], self.low[: len(start)], self.high[: len(start)]
+
         def residual(x: Array) -> Array:
-            return _residual(seen, column, _numbers(x))
+            return _residual(self.context, self.column, _numbers(x))
 
         def slopes(x: Array) -> Array:
             base = residual(x)
-            steps = np.where(x + STEPS < high, STEPS, -STEPS)
-            return np.column_stack([(residual(x + np.eye(4)[k] * h) - base) / h for k, h in enumerate(steps)])
+            steps = np.where(x + usual < high, usual, -usual)
+            return np.column_stack([(residual(x + h) - base) / h.sum() for h in np.diag(steps)])
 
         return least_squares(residual, start, slopes, (low, high), method, x_scale="jac", max_nfev=60)
 
-    def left(numbers: Array, seen: Context = context) -> float:
-        return float(np.sum(_residual(seen, column, numbers) ** 2))
 
+def _loop(context: Context, column: int, told: Array) -> tuple[Array, float]:
+    """(5,) numbers of the servo of a joint, as in SERVO_OF_EACH, and what is left of its squared residual.
+    What the recording does not show stays what it was ``told`` to be (5,).
+    """
+    fastest, whole = _fastest(context, column), Loop.of(context, column)
+    some = moving([view.span for view in context.views], column)
+    part = replace(whole, context=context.over(some)) if some else whole
     fits = []
     for top in TOPS:  # a limit that is reached, and one that is not, hide each other
         starts = [
             np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
         ]
-        starts.sort(key=lambda x: left(_numbers(x), part))
-        near = min((fitted(part, x, method) for x in starts[:SEVERAL] for method in METHODS), key=_cost)
-        fits.append(near if part is context else fitted(context, near.x, "trf"))
+        starts.sort(key=lambda x: part.left(_numbers(x)))
+        near = min((part.fitted(x, method) for x in starts[:SEVERAL] for method in METHODS), key=_cost)
+        fits.append(near if part is whole else whole.fitted(near.x))
     at, nearest = np.inf, min(fits, key=_cost)
     while nearest.cost < (1.0 - LITTLE) * at:
         at = nearest.cost
-        beside = [fitted(context, _later(nearest.x, by, low, high), "trf") for by in VALLEYS]
+        beside = [whole.fitted(_later(nearest.x, by, whole.low[:4], whole.high[:4])) for by in VALLEYS]
         nearest = min([nearest, *beside], key=_cost)
     best = _numbers(nearest.x)
-    cost = left(best)
+    cost = whole.left(best)
     open_top = np.maximum(told, TOPS[-1] * fastest)
     shown = (np.where(TOP_SPEED, open_top, numbers) for numbers in (told, best))
-    return next((n for n in shown if left(n) - cost <= SIGNIFICANT), best), cost
+    return next((n for n in shown if whole.left(n) - cost <= SIGNIFICANT), best), cost
+
+
+def _told_speed(context: Context, column: int, found: Array) -> Array:
+    """(5,) numbers of a servo that is told how fast its setpoints move, where that explains more than what
+    was ``found`` (5,) without.
+    """
+    loop, fastest = Loop.of(context, column), np.log(found[TOP_SPEED][0])
+    starts = [
+        np.array([np.log(kp), np.log(swings), fastest, 0.0, share])
+        for kp, swings, share in product(*STARTS[:2], FED)
+    ]
+    starts = [np.clip(x, loop.low, loop.high) for x in starts]
+    starts.sort(key=lambda x: loop.left(_numbers(x)))
+    best = min((_numbers(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left)
+    if loop.left(best) > loop.left(found) - SIGNIFICANT:
+        return found
+    open_top = np.where(TOP_SPEED, found, best)
+    return open_top if loop.left(open_top) - loop.left(best) <= SIGNIFICANT else best
 
 
 def _cost(fit: Any) -> float:
@@ -176,6 +240,7 @@ def _residual(context: Context, column: int, numbers: Array) -> Array:
 
 
 def _numbers(x: Array) -> Array:
-    """kp, tau_v, v_max and delay of what is fitted."""
+    """(5,) as in SERVO_OF_EACH of what is fitted, without the share of the speed (4,) or with it (5,)."""
     kp, swings, fastest = np.exp(x[:3])
-    return np.array([kp, swings / kp, fastest, x[3]])
+    share = float(x[4]) if len(x) > 4 else 0.0
+    return np.array([kp, swings / kp, fastest, x[3], share])

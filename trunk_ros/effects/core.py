@@ -40,6 +40,7 @@ class Core:
     tau_v: Array = field(default_factory=lambda: NONE)
     v_max: Array = field(default_factory=lambda: NONE)
     delay: Array = field(default_factory=lambda: NONE)
+    feedforward: Array = field(default_factory=lambda: NONE)
     pull: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad added to the setpoint; the other numbers of the loop likewise."""
     rub: Array = field(default_factory=lambda: NONE)

@@ -43,13 +43,15 @@ class Servo:
         self.held: Array | None = None
         late = spread(core.delay + arm.delay)
         self.past = Past(late) if np.any(late > 0.0) else None
+        self.early = spread(np.asarray(arm.feedforward)) / (self.gain * self.kp)
+        self.asked: Array | None = None
         self.before: Array | None = None
         self.low: Array = np.zeros(columns)
         self.stuck: Array | None = None
 
     def step(self, command: Array, scene: Scene, now: float, anew: np.ndarray | None) -> Array:
         """The command (environments, joints) as it reaches the simulator's servo."""
-        if not self.blocks and not self.behind and self.past is None:
+        if not self.blocks and not self.behind and self.past is None and not self.early.any():
             return command
         shape = command.shape
         x: Array = command.reshape(-1)
@@ -62,7 +64,7 @@ class Servo:
             self.before, self.low = x.copy(), x.copy()
         elif columns is not None:
             self.before[columns] = self.low[columns] = x[columns]
-        x = self._shaped(x, scene.dt).reshape(shape)
+        x = self._fed(self._shaped(x, scene.dt), scene.dt, columns).reshape(shape)
         core = core_of(x)
         for block in self.blocks:
             block.adjust(core, scene)
@@ -75,6 +77,14 @@ class Servo:
         for block in self.behind:
             x = block.run(x, scene, anew)
         return x
+
+    def _fed(self, x: Array, dt: float, anew: np.ndarray | None) -> Array:
+        """As far ahead as a loop would have to be asked that is told how fast commands move."""
+        if not self.early.any():
+            return x
+        before = x if self.asked is None else self.asked if anew is None else np.where(anew, x, self.asked)
+        self.asked = x.copy()
+        return x + self.early * (x - before) / dt
 
     def _shaped(self, x: Array, dt: float) -> Array:
         """No faster than the top speed, and K'/K + (1 - K'/K) lag of 1/K' in the place of what K leaves."""

@@ -38,7 +38,8 @@ class Compensation:
     def _begin(self, at: Array) -> Lead:
         """The motors stand ``at`` (joints,) rad."""
         self._aim = self.out = at
-        self._lead = Lead(at, self.gain, self.model.arm.tau_v, self.top_speed)
+        arm = self.model.arm
+        self._lead = Lead(at, self.gain, arm.tau_v, self.top_speed, arm.feedforward)
         return self._lead
 
     def _use(self, model: Model) -> None:
@@ -47,7 +48,7 @@ class Compensation:
         self.lower, self.upper = gearbox_limits(model.arm)
         self.top_speed, self.gain = top_speed(model), position_gain(model)
         if self._lead is not None:
-            self._lead.use(self.gain, model.arm.tau_v, self.top_speed)
+            self._lead.use(self.gain, model.arm.tau_v, self.top_speed, model.arm.feedforward)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 

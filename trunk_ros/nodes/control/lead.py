@@ -22,16 +22,21 @@ class Lead:
     under the setpoints that really went out: what a limit held back is caught up with, not overshot.
     """
 
-    def __init__(self, at: Array, gain: Array, tau_v: float | Array, top_speed: Array):
+    def __init__(
+        self, at: Array, gain: Array, tau_v: float | Array, top_speed: Array, fed: float | Array = 0.0
+    ):
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
-        self._wanted = self._sent = at
+        self._wanted = self._sent = self._last = at
         self._slope = np.zeros_like(at)
         self._servo = np.array([at, self._slope, at])
         self._period, self._periods, self._seen = 0.0, 0, 0.0
-        self.use(gain, tau_v, top_speed)
+        self.use(gain, tau_v, top_speed, fed)
 
-    def use(self, gain: Array, tau_v: float | Array, top_speed: Array) -> None:
-        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` (joints,) rad/s."""
+    def use(self, gain: Array, tau_v: float | Array, top_speed: Array, fed: float | Array = 0.0) -> None:
+        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` (joints,) rad/s, and the
+        share of the setpoints' speed that the loop is ``fed``.
+        """
+        self._early = np.asarray(fed / gain)  # s of the setpoints' motion that it sees beforehand
         self.pace = QUICKER * np.sqrt(gain / tau_v)
         none, row = np.zeros_like(gain), np.zeros((1, len(gain)))
         self._late, self._answered = 2.0 / self.pace, 0.0
@@ -74,7 +79,9 @@ class Lead:
         goal = np.empty((2, len(wanted)))
         filtered(self._servo, self._began, self._slope, self.pace, self._period, goal)
         comes = self._after(self._servo, goal[0], self._period)[:2]
-        return np.asarray(goal[0] + (self._answer() * (goal - comes)).sum(0))
+        asked = goal[0] + (self._answer() * (goal - comes)).sum(0)
+        early = self._early / self._period
+        return np.asarray((asked + early * self._last) / (1.0 + early))
 
     def _answer(self) -> Array:
         """(2, joints): what a setpoint that is to change angle [rad] and speed [rad/s] in a period has to be
@@ -93,7 +100,8 @@ class Lead:
 
     def sent(self, setpoint: Array) -> Array:
         """What goes out."""
-        self._sent = setpoint
+        moved = (setpoint - self._last) / self._period if self._period > 0.0 else np.zeros_like(setpoint)
+        self._sent, self._last = setpoint + self._early * moved, setpoint
         return setpoint
 
     def _after(self, servo: Array, setpoint: Array, dt: float) -> Array:
