@@ -27,8 +27,10 @@ def holding(stamp: Array, values: Array) -> float:
     apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])
     usual = float(np.median(apart))
     low, high = np.quantile(steps, (0.1, 0.9))
-    clocked = REPEATED * np.quantile(apart, 0.1) > usual and high > VARIED * low
-    return usual if clocked and usual > REPEATED * np.median(np.diff(stamp)) else 0.0
+    tick = float(np.median(np.diff(stamp)))
+    least = float(np.quantile(apart, 0.1))  # what comes evenly is published at one of two ticks
+    clocked = least > min(usual / REPEATED, usual - REPEATED * tick) and high > VARIED * low
+    return usual if clocked and usual > REPEATED * tick else 0.0
 
 
 def asked(stamp: Array, usual: float, tick: float) -> Array:
