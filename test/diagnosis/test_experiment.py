@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -22,9 +23,11 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import evidence
 from trunk_ros.diagnosis.experiment.design import Experiment, experiment, proposals
+from trunk_ros.diagnosis.experiment.discrimination import Other, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -252,6 +255,21 @@ def test_a_joint_that_never_moved_is_left_where_it_stood(speed: float) -> None:
     path = _Path(limits, 0)
     path.follow(Stretch("all", 0.5, 0.5, 0.5), True, 8.0)
     assert {angle for _, angle in path.points} == {0.3}
+
+
+def test_what_joints_share_is_held_in_a_motion_that_only_others_show(
+    designed: tuple[Context, Experiment],
+) -> None:
+    """An arm that sags had ended in an error where a stretch moved a joint that does not."""
+    context, done = designed
+    terms = [Term("sensor_delay", shared={"delay": 0.004}, own={0: {}, 1: {}})]
+    late = Other(context, Hypothesis({term.effect: term for term in terms}), 0.0)
+    span = span_of(context, done.motion)
+    there = context.over([replace(span, valid=np.tile(np.arange(5) == 4, (len(span.target), 1)))])
+    assert there.columns == [4]
+    (pinned,) = late.pinned(there, [0, 1])
+    assert [f.parameter.name for f in pinned.free] == ["delay"]
+    assert pinned.unfitted() == pytest.approx(pinned.linear()) == 0.0
 
 
 def test_units_are_those_of_the_joints(designed: tuple[Context, Experiment]) -> None:

@@ -15,7 +15,7 @@ from test.concealed.nominal import COMPLIANCE, JOINTS, RATIO
 from test.concealed.sensing import Run, Sensing, record
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.repeated_readings import asked, new_readings
+from trunk_ros.diagnosis.data.repeated_readings import asked, holding, new_readings
 from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
 from trunk_ros.diagnosis.data.sensing.skew import Skew, one_clock, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
@@ -290,3 +290,19 @@ def test_repeats_are_left_out_of_all_joints_alike(model: Model) -> None:
     new, period = new_readings(held)
     assert period == pytest.approx(0.04, abs=1e-6)
     assert len(new.stamp) == pytest.approx(len(held.stamp) / 4, rel=0.02)
+
+
+@pytest.mark.parametrize("rate", [14.0, 37.0, 40.0, 61.0], ids=lambda rate: f"{rate:g}_hz")
+def test_a_sensor_of_any_pace_below_its_topics_is_seen_to_repeat_itself(rate: float) -> None:
+    stamp = np.arange(0.0, 60.0, 0.01)
+    read = np.floor(stamp * rate) / rate
+    shown = 0.4 * np.sin(1.3 * read) + 0.1 * np.sin(2.3 * read)
+    assert holding(stamp, shown) == pytest.approx(1.0 / rate, abs=0.006)
+
+
+@pytest.mark.parametrize("step", [3e-4, 1e-3, 1e-2], ids=lambda step: f"{step:g}_rad")
+def test_a_coarse_sensor_repeats_nothing(step: float) -> None:
+    stamp = np.arange(0.0, 60.0, 0.01)
+    angle = 0.4 * np.sin(1.3 * stamp) + 0.1 * np.sin(2.3 * stamp)
+    noise = np.random.default_rng(0).normal(0.0, 3e-4, len(stamp))
+    assert holding(stamp, np.round((angle + noise) / step) * step) == 0.0

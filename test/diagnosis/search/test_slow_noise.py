@@ -10,12 +10,12 @@ from scipy.signal import lfilter
 
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.discrepancy.curves import curve_fit
+from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, smoothed, with_curve
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
-from trunk_ros.diagnosis.search.slow_noise import told_from_noise
+from trunk_ros.diagnosis.search.slow_noise import likeliest_noise, told_from_noise, wandering_in
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 
@@ -92,6 +92,19 @@ def test_a_curve_that_only_follows_such_readings_gives_way_to_their_noise() -> N
     found = steadied(curve)
     assert not found.hypothesis
     assert set(found.context.wanders) == {1}
+
+
+def test_such_a_curve_gives_way_also_where_a_noise_was_told_beside_it() -> None:
+    """Half of the noise of a resting arm was jumps that had come first, and stayed."""
+    fit = left()
+    over_time = Place("unknown", "time", *ends(fit.context, 1, "time"))
+    design = design_of(fit.context, 1, over_time)
+    values = smoothed(design, fit.context.whitened(fit.hypothesis, 1), over_time.curve.bend())[0]
+    curve = with_curve(fit.hypothesis, over_time, 1, values)
+    beside = likeliest_noise(fit.context, curve, 1)[0]
+    found = steadied(costed(wandering_in(fit.context, {1: beside}), curve))
+    assert not found.hypothesis
+    assert found.context.wanders[1].std > beside.std
 
 
 def test_a_curve_of_what_swings_stays() -> None:

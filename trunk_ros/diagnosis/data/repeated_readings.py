@@ -24,8 +24,10 @@ def holding(stamp: Array, values: Array) -> float:
     apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])
     usual = float(np.median(apart))
     low, high = np.quantile(steps, (0.1, 0.9))
-    clocked = CLEARLY * np.quantile(apart, 0.1) > usual and high > THREEFOLD * low
-    return usual if clocked and usual > CLEARLY * np.median(np.diff(stamp)) else 0.0
+    tick = float(np.median(np.diff(stamp)))
+    least = float(np.quantile(apart, 0.1))  # what comes evenly is published at one of two ticks
+    clocked = least > min(usual / CLEARLY, usual - CLEARLY * tick) and high > THREEFOLD * low
+    return usual if clocked and usual > CLEARLY * tick else 0.0
 
 
 def asked(stamp: Array, usual: float, tick: float) -> Array:

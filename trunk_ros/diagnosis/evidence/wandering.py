@@ -32,9 +32,11 @@ def steadied(now: Fit) -> Fit:
     context, bare, found = now.context, now.hypothesis, dict[int, Noise]()
     if context.step >= SLOW:
         return now
-    for column in [c for c in context.columns if c not in context.wanders]:
+    for column in context.columns:
         less = untimed(now.hypothesis, column)
         timed = less is not now.hypothesis
+        if column in context.wanders and not timed:
+            continue
         if timed or not is_plain(context, context.noise[column], less, column):
             likely = likelier(context, less, now.hypothesis, column)
             if likely is not None and (timed or not told(context, less, column)):

@@ -45,10 +45,13 @@ class Difference:
 class Pinned(Residuals):
     """Residuals on a new motion; the values are held as firmly as earlier recordings hold them."""
 
-    def __init__(self, there: Context, hypothesis: Hypothesis, columns: list[int], normal: Array):
-        """``normal`` (free, free): curvature of half the cost of the earlier recordings."""
-        super().__init__(there, hypothesis, columns)
-        self.at = np.clip(hypothesis.get(self.free), *bounds(self.free))
+    def __init__(self, there: Context, earlier: Residuals, normal: Array):
+        """``normal`` (free, free): curvature of half the cost of the ``earlier`` recordings. What they free
+        is free, also where the new motion hardly moves a joint that shares it.
+        """
+        super().__init__(there, earlier.hypothesis, earlier.columns)
+        self.free, self.scale = earlier.free, earlier.scale
+        self.at = np.clip(self.hypothesis.get(self.free), *bounds(self.free))
         values, directions = np.linalg.eigh(normal)
         self.root = np.sqrt(np.maximum(values, 0.0))[:, None] * directions.T
 
@@ -96,20 +99,19 @@ class Other:
     """By how much it explains them worse, in squared unit noise."""
 
     @cached_property
-    def groups(self) -> list[tuple[list[int], Array]]:
-        """Joints that are refitted together, with how firmly the recordings at hand hold their values."""
+    def groups(self) -> list[tuple[Residuals, Array]]:
+        """What is refitted together, with how firmly the recordings at hand hold its values."""
         context, out = self.context.seen_with(self.hypothesis), []
         for group in groups(context, self.hypothesis):
             residuals = Residuals(context, self.hypothesis, group)
             x = np.clip(self.hypothesis.get(residuals.free), *bounds(residuals.free))
             jacobian = residuals.jacobian(x)
-            out.append((group, jacobian.T @ jacobian))
+            out.append((residuals, jacobian.T @ jacobian))
         return out
 
     def pinned(self, there: Context, columns: list[int]) -> list[Pinned]:
         """The rival on an expected recording, by groups of joints."""
-        held = [(group, normal) for group, normal in self.groups if set(group) & set(columns)]
-        return [Pinned(there, self.hypothesis, group, normal) for group, normal in held]
+        return [Pinned(there, one, normal) for one, normal in self.groups if set(one.columns) & set(columns)]
 
     def refitted(self, there: Context, columns: list[int]) -> tuple[float, Hypothesis]:
         """Squared misfit after a full refit in the joint angles that it predicts itself, and the values

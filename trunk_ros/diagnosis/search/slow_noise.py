@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import NOTABLE, PART, SOME, SURE, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed
-from trunk_ros.diagnosis.search.score import measured, need, score
+from trunk_ros.diagnosis.search.score import CURVE, measured, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.trial import PROMISING, looks
 from trunk_ros.effects import effect
@@ -76,11 +76,12 @@ def likelier(
 ) -> tuple[Noise, float] | None:
     """The noise that is all that is left of a column with ``less``, and by how much more than the price of a
     name it is likelier than what a hypothesis leaves in the noise as it is known; None where it is not, or
-    goes too far.
+    goes too far. One that wanders beside a curve has its name already: without it the curve's price is saved.
     """
-    known = context.noise[column]
+    known, name = context.noise[column], need(context, column)
     noise, cost = likeliest_noise(context, less, column)
-    gained = unlikely(context, known, hypothesis, column) - need(context, column) - cost
+    saved = CURVE * name if column in context.wanders else -name
+    gained = unlikely(context, known, hypothesis, column) + saved - cost
     alone = gained > 0.0 and noise.std < THREEFOLD * known.std and is_plain(context, noise, less, column)
     return (noise, gained) if alone else None
 
