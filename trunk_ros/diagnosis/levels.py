@@ -2,14 +2,14 @@
 
 CHANCE = 0.01
 """Probability with which chance may pass for something, over all places where it was looked for."""
+CLEARLY = 1.5
+"""Times as much as a level: clearly more than that."""
 NOTABLE = 2.0
 """Standard deviations that chance seldom makes: enough where little is lost by an error."""
 SURE = 4.0
 """Standard deviations that chance does not make, also where they are only roughly known."""
-CERTAIN = 6.0
+CERTAIN = CLEARLY * SURE
 """Standard deviations from which on a recording is changed: nobody looks at it unchanged afterwards."""
-OUTLIERS = 0.01
-"""Share of samples at an end of a range that may be outliers."""
 FEWEST = 20
 """Readings: of fewer nothing is told of a sensor."""
 ENOUGH = 100
@@ -36,6 +36,8 @@ SLIGHT = 0.05
 """Share of something: what is less, or differs by less, makes no difference."""
 HARDLY = 0.01
 """Share of something that is hardly any of it: rounded, guessed or interpolated."""
+OUTLIERS = HARDLY
+"""Share of samples at an end of a range that may be outliers."""
 SOME = 0.3
 """Share of something: what is less tells nothing of the whole."""
 HALF = 0.5
@@ -44,8 +46,6 @@ ROUGHLY = 0.25
 """Share by which two looks at one thing may differ, where each is rough."""
 FAR_OFF = 0.2
 """Of a ratio: so far off it was not known, and what it makes is no misfit of formulas; or it is a gear."""
-CLEARLY = 1.5
-"""Times as much as a level: clearly more than that."""
 THREEFOLD = 3.0
 """Times as much: no more a matter of how it was measured."""
 TENFOLD = 10.0
