@@ -21,7 +21,7 @@ ROUGH = 1e-3
 LITTLE = 0.02
 """Of a misfit: forms of the same physics differ by so much."""
 SEVERAL = 2
-"""Joints that show the same, each by itself: from then on it may be of all joints."""
+"""Of joints, effects or waves that each show something by themselves: so many are no accident."""
 REFITTED = 3
 """Of the best by a first look that are fitted in full, where a fit is dear."""
 TURNS = 4
