@@ -9,10 +9,13 @@ from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.determined import AtBound, Determined, Place, correlation, determined
+from trunk_ros.diagnosis.evidence.evidence import UNNAMED
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.verdict.findings import believable
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects import effect
 from trunk_ros.model import load_model
 
 
@@ -53,6 +56,31 @@ def test_a_value_that_the_data_push_against_its_bound_is_said_to_be_there() -> N
     assert beyond.at_bound == [AtBound(Place("zero_offset", "offset", joint), "upper", 10.0, "rad")]
     inside, _ = told(hidden=9.7, start=9.9)
     assert inside.at_bound == []
+
+
+@pytest.mark.parametrize(
+    ("parameter", "joints", "sure"),
+    [
+        ("threshold", ("elbow", "wrist"), UNNAMED),
+        ("threshold", ("wrist",), 1.0),
+        ("softness", ("elbow", "wrist"), 1.0),
+    ],
+)
+def test_an_effect_whose_size_is_at_its_bound_wherever_it_is_is_no_surer_than_one_without_a_name(
+    parameter: str, joints: tuple[str, ...], sure: float
+) -> None:
+    """A loop with feedforward had come out as one ten times as fast, the bound, at 0.95."""
+    term = Term("wire_slack", "smooth", own={1: {"threshold": 1e-3}, 2: {"threshold": 1e-3}})
+    at_bound = [AtBound(Place("wire_slack", parameter, joint), "lower", 1e-3, "N*m") for joint in joints]
+    arm = ("shoulder", "elbow", "wrist")
+    assert believable(effect("wire_slack"), term, arm, Determined([], at_bound)) == sure
+
+
+def test_a_size_that_all_joints_share_has_one_bound() -> None:
+    term = Term("servo_bandwidth", "alike", shared={"relative": 9.0}, own={0: {}, 1: {}})
+    at_bound = [AtBound(Place("servo_bandwidth", "relative", "arm"), "upper", 9.0, "1")]
+    assert believable(effect("servo_bandwidth"), term, ("a", "b"), Determined([], at_bound)) == UNNAMED
+    assert believable(effect("servo_bandwidth"), term, ("a", "b"), Determined()) == 1.0
 
 
 def test_a_diagnosis_says_both_of_each_finding() -> None:

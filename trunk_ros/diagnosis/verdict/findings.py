@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -71,7 +72,9 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         stage=kind.stage,
         joints=joints,
         regime=regime,
-        confidence=round(min(found.confidence, settled(kind, term, std)), 3),
+        confidence=round(
+            min(found.confidence, settled(kind, term, std), believable(kind, term, context.joints, told)), 3
+        ),
         equivalents=found.equivalents,
         parameters=parameters,
         depends_on=varies,
@@ -108,6 +111,16 @@ def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
         if lead.name in values and lead.name not in term.given
     ]
     return 1.0 if not sizes or max(sizes) > SURE else 0.5
+
+
+def believable(kind: type[Effect], term: Term, joints: Sequence[str], told: Determined) -> float:
+    """1, or no more than of what has no name where the effect's size would go beyond its bounds wherever it
+    is: what is there is not this alone, however much of it follows.
+    """
+    lead = kind.own_parameters(term.form)[0].name
+    where = {ARM} if lead in term.shared else {joints[c] for c in term.columns}
+    beyond = {bound.place.joint for bound in told.at_bound if bound.place.parameter == lead}
+    return UNNAMED if where <= beyond else 1.0
 
 
 def _varies_with(kind: type[Effect], term: Term) -> list[str]:

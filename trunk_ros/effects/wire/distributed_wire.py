@@ -8,6 +8,7 @@ from trunk_ros.arm import Wire
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.wire_pair import WirePair
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
@@ -62,9 +63,10 @@ class DistributedWire(Effect):
         if core.wire is None:
             raise ModelError("effects.distributed_wire wants the wire's formula: wire.shaft_radius and so on")
         soft, grip = self._pieces(core.wire)
-        core.rounding = WirePair(
+        pair = WirePair(
             self["pretension"], core.wire.cylinder_radius, soft, grip, core.nominal_width, now.load
         )
+        core.rounding = beside(core.rounding, pair, self["pretension"] > 0.0)
 
     def _pieces(self, wire: Wire) -> tuple[Array, Array]:
         """The wire's stretches, worked out once."""

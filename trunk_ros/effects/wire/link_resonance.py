@@ -13,6 +13,7 @@ from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.filters import oscillator, rate
 from trunk_ros.effects.now import View
 from trunk_ros.effects.periods import periods
+from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_link import HeldLink
 from trunk_ros.effects.wire.swing import free_swings, stops
 from trunk_ros.effects.wire.swinging_links import Links
@@ -98,7 +99,8 @@ class LinkResonance(Effect):
         return self.CORE if self.form == "held" else self.place
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.rounding = HeldLink(self._omega, self["damping"], now.dt)
+        link = HeldLink(self._omega, self["damping"], now.dt)
+        core.rounding = beside(core.rounding, link, self._omega > 0.0)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         arm = Links.arm_of(self, now)

@@ -10,6 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Motion, Now
+from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.play import JITTER
 from trunk_ros.parameter import Parameter
 
@@ -68,7 +69,7 @@ class PreslidingHysteresis(Effect):
 
     def adjust(self, core: Core, now: Now) -> None:
         if self._element is not None:
-            core.rounding = self._element
+            core.rounding = beside(core.rounding, self._element, self["width"] != 0.0)
 
     @cached_property
     def _element(self) -> RoundedPlay | None:
