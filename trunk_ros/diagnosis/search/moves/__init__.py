@@ -9,10 +9,12 @@ from trunk_ros.diagnosis.search.moves.form import FORM, SHAKE
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import ONSET
 from trunk_ros.diagnosis.search.moves.option import OPTION
+from trunk_ros.diagnosis.search.moves.restart import RESTART
 from trunk_ros.diagnosis.search.moves.source import SOURCE
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap import SWAP
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL
+from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 
 MOVES = (
     ONSET,
@@ -26,9 +28,11 @@ MOVES = (
     DROP,
     EARLY_CURVE,
     SWAP_ALL,
+    SWAP_MANY,
     SWAP,
     SHAKE,
     ADD,
+    RESTART,
     CURVE,
 )
 """In the order in which they are tried: what mends before what adds, what all joints share before

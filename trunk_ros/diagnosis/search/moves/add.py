@@ -26,6 +26,7 @@ from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_what_it_stood_for
+from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
@@ -209,7 +210,7 @@ def shown_again(best: Fit, desk: Desk, trial: Fit, name: str) -> Fit:
     """
     others = [term for term in trial.hypothesis.values() if term.effect != name]
     if priced(trial) < score(best) and any(hidden(trial.context, term) for term in others):
-        return descend_with(trial, (SWAP_ALL, DROP), desk)
+        return descend_with(trial, (SWAP_ALL, SWAP_MANY, DROP), desk)
     return trial
 
 

@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.search.moves.form import FORM
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import OPTION
+from trunk_ros.diagnosis.search.moves.swap_many import on_most
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
@@ -34,13 +35,6 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
         some = [k for k in kinds if on_most(best, name) or (several and k.regime == effect(name).regime)]
         if some:
             yield Group(name, best.context.columns, partial(_swapped, best, desk, name, some))
-
-
-def on_most(best: Fit, name: str) -> bool:
-    """Whether an effect acts on all joints, or is on most of them."""
-    columns = best.context.columns
-    there = set(best.hypothesis[name].columns) & set(columns)
-    return effect(name).everywhere or 2 * len(there) > len(columns)
 
 
 def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:

@@ -1,0 +1,55 @@
+"""An effect in the place of one that most joints have and that it is confused with, on all of them at once:
+what the arm shares moves along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from trunk_ros.diagnosis.search.candidates import local_kinds
+from trunk_ros.diagnosis.search.credible import unshown
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.moves.drop import DROP
+from trunk_ros.diagnosis.search.trial import begun_on
+from trunk_ros.effects import Effect, confused, effect
+
+
+def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Each effect of most joints, by each that it is confused with."""
+    if not any(effect(name).everywhere for name in best.hypothesis):
+        return
+    for name in [name for name in best.hypothesis if on_most(best, name)]:
+        for rival in map(effect, sorted(confused(name))):
+            if rival in local_kinds(best.context):
+                yield Group(
+                    (name, rival.id), best.context.columns, partial(_on_the_same, best, desk, name, rival)
+                )
+
+
+def on_most(best: Fit, name: str) -> bool:
+    """Whether an effect acts on all joints, or is on most of them."""
+    columns = best.context.columns
+    there = set(best.hypothesis[name].columns) & set(columns)
+    return effect(name).everywhere or 2 * len(there) > len(columns)
+
+
+def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterator[Fit]:
+    """An effect in the place of another on all of its joints, and of all that these have of its regime."""
+    columns, less = best.hypothesis[name].columns, best.hypothesis.without(name)
+    alone = less
+    for other in [t.effect for t in less.values() if effect(t.effect).regime == kind.regime]:
+        alone = alone.without(other)
+    for bare in (less, alone) if len(alone) < len(less) else (less,):
+        form = bare[kind.id].form if kind.id in bare else kind.forms[0]
+        there = bare[kind.id].own if kind.id in bare else {}
+        new = [c for c in columns if c in best.context.columns and c not in there]
+        out = begun_on(best.context, bare, kind, form, new)
+        if out is not None:
+            trial = refit(best.context, out)
+            if not unshown(trial.context, trial.hypothesis):
+                yield descend_with(trial, (DROP,), desk)
+
+
+SWAP_MANY = Move("swap_many", groups, descends=True)
