@@ -52,6 +52,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "gaussian": {
         "stribeck_friction": {"amplitude": on(2, 4e-3), "velocity": on(2, 0.04), "form": "gaussian"}
     },
+    "creeping under friction": {
+        "viscoelastic_creep": {
+            "gain": on(3, 0.004),
+            "rubbing": on(3, 0.05),
+            "time_constant": 4.5,
+            "form": "upstream",
+        }
+    },
     "oiled": {
         "stribeck_friction": {
             "amplitude": on(2, 4e-3),

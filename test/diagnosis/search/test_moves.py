@@ -81,6 +81,13 @@ def test_add_exchanges_what_does_not_show_any_more_beside_what_is_added() -> Non
     assert set(best.hypothesis) == {"sensor_delay", "load_elasticity"}
 
 
+def test_add_knows_that_creep_may_pass_through_the_friction() -> None:
+    best = best_of(MOVE["add"], fitted("creeping under friction"))
+    assert best is not None
+    assert best.hypothesis["viscoelastic_creep"].form == "upstream"
+    assert best.hypothesis["viscoelastic_creep"].own[2]["gain"] == pytest.approx(0.004, rel=0.2)
+
+
 def test_form_finds_the_law_that_was_at_work() -> None:
     term = Term("stribeck_friction", "exponential", own={1: {"amplitude": 3e-3, "velocity": 0.04}})
     assert improved("form", "gaussian", term).hypothesis["stribeck_friction"].form == "gaussian"

@@ -30,7 +30,7 @@ class ViscoelasticCreep(Effect):
         "22(6). upstream: it in series with dry friction."
     )
     forms = ("one_mode", "two_modes", "upstream")
-    refined = ("two_modes", "upstream")
+    refined = ("two_modes",)
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
         Parameter(
