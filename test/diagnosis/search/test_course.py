@@ -49,3 +49,22 @@ def test_each_moment_may_be_left_out() -> None:
 def test_the_least_sizes_may_be_none() -> None:
     fewer = list(Course((0.0, 1.0, 0.04, 0.5), (1.0, 2.0, 3.0)).without_the_least())
     assert fewer == [Course((0.0, 1.0, 0.0, 0.5), (1.0, 2.0, 3.0)), Course((0.0, 1.0, 0.0), (1.0, 2.0))]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_whatever_moments_a_fit_led_to_a_course_is_what_the_effect_does_and_can_be_said(seed: int) -> None:
+    """Out of order, at the recording's beginning, or after its end."""
+    rng = np.random.default_rng(seed)
+    moments = ("from", "until", "from_2", "until_2", "from_3", "until_3")
+    at = np.where(rng.random(6) < 0.3, 0.0, rng.uniform(0.0, 40.0, 6))
+    said = {name: float(t) for name, t in zip(moments, at, strict=True) if rng.random() < 0.7}
+    said |= {f"times_{k}": float(rng.uniform(-2.0, 2.0)) for k in (2, 3) if f"from_{k}" in said}
+    course = Course.of(said)
+    stamp = np.arange(0.05, 45.0, 0.1)
+    far = np.all([np.abs(stamp - t) > 0.1 for t in said.values()] or [stamp > 0.0], axis=0)
+    assert np.allclose(course.at(stamp)[far], share(stamp, said, 1)[far, 0])
+    assert all(t > 0.0 for t in course.moments)
+    values = course.values()
+    if values is not None:
+        assert all(f"from_{k}" in values for k in (2, 3) if f"times_{k}" in values)
+        assert np.allclose(Course.of(values).at(stamp) * course.first, course.at(stamp))

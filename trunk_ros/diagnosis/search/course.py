@@ -20,17 +20,28 @@ class Course:
 
     @staticmethod
     def of(values: Mapping[str, float], prefix: str = "") -> Course:
-        """As values say, whose names begin with ``prefix``; the effect's own value is for size 1."""
-        begins = values.get(prefix + FROM.name, FROM.null)
-        sizes, moments = ([1.0], []) if begins <= 0.0 else ([0.0, 1.0], [begins])
-        for k, (again, until, times) in enumerate(SPELL_NAMES):
-            if k and prefix + again in values:
-                sizes.append(values.get(prefix + times, 1.0))
-                moments.append(values[prefix + again])
-            if values.get(prefix + until, NEVER) < _next(values, prefix, k):
-                sizes.append(0.0)
-                moments.append(values[prefix + until])
-        return Course(tuple(sizes), tuple(moments))
+        """As values say, whose names begin with ``prefix``; the effect's own value is for size 1. What begins
+        before the recording, or before what comes first has ended, is what ``effects.lasting`` makes of it.
+        """
+        spells = [
+            (
+                values.get(prefix + begins, NEVER if k else FROM.null),
+                values.get(prefix + ends, NEVER),
+                values.get(prefix + times, 1.0),
+            )
+            for k, (begins, ends, times) in enumerate(SPELL_NAMES)
+            if not k or prefix + begins in values
+        ]
+        moments = sorted({t for begins, ends, _ in spells for t in (begins, ends) if 0.0 < t < NEVER})
+
+        def size(at: float) -> float:
+            now = 0.0
+            for begins, ends, times in spells:
+                now = times if at >= begins else now
+                now = 0.0 if at >= ends else now
+            return now
+
+        return Course(tuple(size(at) for at in (0.0, *moments)), tuple(moments)).plain()
 
     @property
     def first(self) -> float:
@@ -105,8 +116,3 @@ class Course:
                 simpler = Course(self.sizes[:lost] + self.sizes[lost + 1 :], moments).plain()
                 if simpler.first:
                     yield simpler
-
-
-def _next(values: Mapping[str, float], prefix: str, spell_: int) -> float:
-    """When the spell after one begins: what should end later does not."""
-    return min((values.get(prefix + names[0], NEVER) for names in SPELL_NAMES[spell_ + 1 :]), default=NEVER)

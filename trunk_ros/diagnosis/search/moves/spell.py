@@ -131,14 +131,14 @@ def _changed(now: Fit, one: Sized, seen: Callable[[], Window | None]) -> Iterato
         yield from _otherwise_grown(now, one)
         return
     course = one.course(now.hypothesis)
-    others = [*course.simpler(), course.rounded()]
+    others = [course, *course.simpler(), course.rounded()]
     if (window := seen()) is not None:
         more = course.plus(window.size, *window.ends)
         others += [more, more.rounded()]
     trials = []
     for other in dict.fromkeys(others):
-        there = one.taking(now.hypothesis, other) if other.first and other != course else None
-        if there is not None:
+        there = one.taking(now.hypothesis, other) if other.first else None
+        if there is not None and there != now.hypothesis:
             trials.append(_refitted(now, one, there))
     yield from trials
     best = min(trials, key=score, default=now)
