@@ -63,6 +63,7 @@ def parser() -> argparse.ArgumentParser:
     asked.add_argument(
         "--after", type=int, default=0, help="leave out so many of that order: those that a version has seen"
     )
+    asked.add_argument("--kinds", nargs="+", default=(), choices=(*CONCEALED, *CLEAN), help="only these")
     asked.add_argument("--page", action="store_true", help="only put the last table and figures into docs/")
     return asked
 
@@ -181,7 +182,7 @@ def _apart(output: Path, console: Console) -> None:
 def _cases(asked: argparse.Namespace, console: Console) -> list[dict[str, Any]]:
     for left in ("open", "sealed", "answers"):  # of a round that was stopped
         shutil.rmtree(asked.output / left, ignore_errors=True)
-    order = in_turn(asked.full)[asked.after :][: asked.cases]
+    order = in_turn(asked.full, asked.kinds)[asked.after :][: asked.cases]
     tasks = [Task(kind, seed, asked.output) for kind, seed in order]
     usual = float("inf") if asked.full else PART_SECONDS
     seconds = usual if asked.seconds is None else asked.seconds
@@ -200,7 +201,7 @@ def main(argv: list[str] | None = None) -> int:
     asked.output.mkdir(parents=True, exist_ok=True)
     try:
         cases = _cases(asked, console)
-        if asked.full and asked.cases is None:
+        if asked.full and asked.cases is None and not asked.kinds:
             _apart(asked.output, console)
     except ProofError as error:
         console.print(str(error))

@@ -47,6 +47,13 @@ def test_the_part_is_the_beginning_of_everything_and_holds_every_kind() -> None:
     assert {kind for kind, _ in part} == {*CONCEALED, *CLEAN}
 
 
+def test_the_proof_may_be_of_some_kinds_only() -> None:
+    assert set(in_turn(True, ("masses", "clean_masses"))) == {
+        *(("masses", seed) for seed in CONCEALED["masses"]),
+        *(("clean_masses", seed) for seed in CLEAN["clean_masses"]),
+    }
+
+
 def test_cases_that_a_version_has_seen_can_be_left_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
