@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects.servo.loop import servo_loop, servo_loops
-from trunk_ros.model import Model
+from trunk_ros.model import Model, load_model
+from trunk_ros.nodes.bus import SimulatedBus
+from trunk_ros.stage import speeds
 
 STEP = 0.002  # s
 OVER_TIME = (2, 3, 4, 5, 7, 10)  # arguments of a loop that may change
@@ -201,3 +204,38 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float) -> None:
         servo_loop(*some, 0, state, alone)
         assert np.array_equal(alone[:, 0], together[:, j])
         assert np.array_equal(state[:, 0], after[:, j])
+
+
+@pytest.mark.parametrize("later", [0.0, 0.002, 0.009])
+def test_a_setpoint_has_one_speed_whatever_rows_it_stands_in(later: float) -> None:
+    """Rows between setpoints: the speed is that from the one before, until the next is due."""
+    stamp = 0.01 * np.arange(200)
+    asked = 0.5 * np.minimum(stamp, 1.0)[:, None]
+    rows = np.unique(np.concatenate([stamp, stamp + later]))
+    held = asked[np.searchsorted(stamp, rows + 1e-9, side="right") - 1]
+    told, moves = speeds(held, rows)[:, 0], rows[1:] < 1.0
+    assert np.allclose(told[moves & (rows[1:] >= 0.0100001 - 1e-6)], 0.5)
+    assert np.all(told[rows[1:] > 1.0101] == 0.0)
+
+
+def test_a_stand_does_not_slow_the_first_setpoint_after_it() -> None:
+    stamp = 0.01 * np.arange(300)
+    asked = 0.5 * (np.minimum(stamp, 1.0) + np.maximum(stamp - 2.0, 0.0))[:, None]
+    told = speeds(asked, stamp)[:, 0]
+    assert told[200] == pytest.approx(0.5)
+
+
+def test_a_servo_in_pieces_feeds_forward_as_in_one() -> None:
+    model = load_model("trunk")
+    model = replace(model, arm=replace(model.arm, feedforward=0.8))
+    stamp = 0.01 * np.arange(300)
+    asked = np.tile(0.1 * (1.0 - np.cos(2.0 * stamp))[:, None], (1, len(model.arm.joints)))
+    whole, _ = Chain(model, "servo").run(asked, stamp)
+    bus = SimulatedBus(model)
+    read = []
+    for at, setpoint in zip(stamp, asked, strict=True):
+        read.append(bus.read(at).position)
+        bus.write(setpoint, at)
+    late = np.array(read)[1:] - whole[1:]
+    plain, _ = Chain(load_model("trunk"), "servo").run(asked, stamp)
+    assert np.abs(late).max() < 0.1 * np.abs(plain - whole).max()

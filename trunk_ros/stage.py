@@ -19,6 +19,7 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.servo.loop import SEVERAL, servo_loop, servo_loops
 from trunk_ros.effects.wire.play import SharpPlay
 
+LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
 SENSOR = 700  # wire effects from this place on change the reading, not the joint
 
 LOOP = (*SERVO_OF_EACH, "pull", "rub", "dead_zone", "cogging")
@@ -190,9 +191,21 @@ def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:
 
 
 def speeds(setpoints: Array, stamps: Array) -> Array:
-    """(m - 1, columns) rad/s at which setpoints (m, columns) came to each but the first."""
-    time = np.diff(stamps)[:, None]
-    return np.where(time > 0.0, np.diff(setpoints, axis=0) / np.where(time > 0.0, time, 1.0), 0.0)
+    """(m - 1, columns) rad/s at which setpoints (m, columns) came to each but the first. One may stand in
+    several rows: its speed is that from the setpoint before, and lasts until the next one is due.
+    """
+    out = np.zeros_like(setpoints[1:])
+    moved = np.flatnonzero(np.diff(setpoints, axis=0).any(axis=1)) + 1
+    apart = np.diff(stamps[np.concatenate([[0], moved])])
+    if not (apart > 0.0).any():
+        return out
+    period = float(np.median(apart[apart > 0.0]))
+    apart = np.where((apart > 0.0) & (apart < LATE * period), apart, period)  # else it stood before
+    came = np.diff(setpoints[np.concatenate([[0], moved])], axis=0) / apart[:, None]
+    last = np.searchsorted(moved, np.arange(1, len(stamps)), side="right") - 1
+    lasts = (last >= 0) & (stamps[1:] < stamps[moved[last]] + (1.0 - EARLY) * apart[last])
+    out[lasts] = came[last[lasts]]
+    return out
 
 
 def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:

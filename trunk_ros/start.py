@@ -24,6 +24,7 @@ NEAR, FAR, STEPS = 1e-3, 2.0, 7  # rad, either side: distances that are tried fi
 SETTLED = 0.02  # of the squared errors: a round that takes no more off them is the last
 CLOSE = 0.02  # of a distance: as exactly as that it is looked for
 SMALL = 1e-5  # rad: errors below it are none
+BEYOND = 0.1  # of the range that a model was fitted on: as far beyond it, it is as good as within
 STAYS = 6.0  # of squared errors: one zero in twenty moves between two recordings
 ZERO_ROUNDS = 8
 USUAL = 0.5  # rad: how far motors go where a model does not say
@@ -80,11 +81,12 @@ def _zero(chain: Chain, driven: Driven, places: Array, size: Array) -> Array:
 
 
 def _is_new(chain: Chain, driven: Driven) -> bool:
-    """Whether an arm begins at angles that its model was not fitted on."""
+    """Whether an arm begins well beyond the angles that its model was fitted on."""
     model, first = chain.model, driven.phi[driven.rows[0]] * chain.arm.ratio
-    if not len(model.lowest):
+    if not (len(model.lowest) and len(model.highest)):
         return False
-    new = (first < model.lowest) | (first > model.highest)
+    room = BEYOND * (model.highest - model.lowest)
+    new = (first < model.lowest - room) | (first > model.highest + room)
     return bool((new & (model.error > 0.0)).any())
 
 

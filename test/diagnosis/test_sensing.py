@@ -306,3 +306,11 @@ def test_a_coarse_sensor_repeats_nothing(step: float) -> None:
     angle = 0.4 * np.sin(1.3 * stamp) + 0.1 * np.sin(2.3 * stamp)
     noise = np.random.default_rng(0).normal(0.0, 3e-4, len(stamp))
     assert holding(stamp, np.round((angle + noise) / step) * step) == 0.0
+
+
+@pytest.mark.parametrize("slow", [0.3, 0.5, 0.7])
+def test_a_coarse_sensor_that_moves_slowly_for_a_while_repeats_nothing(slow: float) -> None:
+    """Steps: fast and slow ways one after the other, without noise."""
+    fast = (np.arange(6000) // 500) % 2 == 0
+    counts = np.cumsum(np.where(fast, 6.3, slow))
+    assert holding(0.01 * np.arange(6000.0), np.floor(counts)) == 0.0

@@ -56,9 +56,16 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
         if name not in model.effects and name not in (*PLAY, "ratio_error"):
             remarks.append(EXCESS.format(name, "the arm has none"))
     servo = replace(theirs, arm=model.arm).number("kp")
-    own_delay = 0.0 if simulation is None else theirs.arm.delay
-    delay = np.maximum(model.arm.delay - own_delay, 0.0)
-    arm = replace(model.arm, ratio=ratio_of(theirs), dead_band=0.0 * wider, wire=None, kp=servo, delay=delay)
+    there = replace(theirs.arm, delay=0.0, feedforward=0.0) if simulation is None else theirs.arm
+    arm = replace(
+        model.arm,
+        ratio=ratio_of(theirs),
+        dead_band=0.0 * wider,
+        wire=None,
+        kp=servo,
+        delay=np.maximum(model.arm.delay - there.delay, 0.0),
+        feedforward=np.maximum(model.arm.feedforward - there.feedforward, 0.0),
+    )
     return Missing(replace(model, arm=arm, effects=effects), tuple(remarks))
 
 

@@ -133,12 +133,12 @@ def price(fit: Fit, term: Term) -> float:
 
 
 def _further(context: Context, free: list[Free], columns: list[int], paid: int) -> float:
-    """Of the values beyond so many that are ``paid`` for, the dearest: each by the chance on its own joint,
+    """Of all values but so many of the cheapest, which are ``paid`` for: each by the chance on its own joint,
     one of all joints by the worst of theirs. So a further joint makes none of the others cheaper.
     """
     most = max(chance(context, c) for c in columns)
     each = [most if f.column is None else chance(context, f.column) for f in free]
-    return FURTHER * sum(sorted(each, reverse=True)[paid:])
+    return FURTHER * sum(sorted(each)[paid:])
 
 
 def with_curves_at_least(now: Fit, bare: Hypothesis, columns: list[int]) -> float:

@@ -80,7 +80,7 @@ class Servo:
 
     def _fed(self, x: Array, dt: float, anew: np.ndarray | None) -> Array:
         """As far ahead as a loop would have to be asked that is told how fast commands move."""
-        if not self.early.any():
+        if dt <= 0.0 or not self.early.any():
             return x
         before = x if self.asked is None else self.asked if anew is None else np.where(anew, x, self.asked)
         self.asked = x.copy()

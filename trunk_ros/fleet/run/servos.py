@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from trunk_ros.arm.arm import SERVO_OF_EACH
 from trunk_ros.diagnosis.against import SERVO
 from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.put_right import put_right
@@ -58,6 +59,10 @@ def _kept(file: Path, setting: str) -> dict[str, Servos]:
     try:
         known = json.loads(file.read_text())
         if known["model"] != setting:
+            return {}
+        if any(
+            len(n) != len(SERVO_OF_EACH) for each in known["arms"].values() for n in each["numbers"].values()
+        ):
             return {}
         return {
             arm: Servos({joint: tuple(n) for joint, n in each["numbers"].items()}, each["setpoints"])
