@@ -16,7 +16,7 @@ from trunk_ros.recording.signal.fill import fill
 from trunk_ros.resistance import load_cells, tells
 
 BEFORE, LATEST = 0.1, 0.4  # s from a reversal: what turns over has, and the posture is as it was
-REVERSALS = 6  # reversals, fewer cannot tell
+REVERSALS = 6  # fewer cannot tell
 
 
 def cell_remarks(recording: Recording, model: Model) -> list[str]:
