@@ -196,15 +196,16 @@ def speeds(setpoints: Array, stamps: Array) -> Array:
     """
     out = np.zeros_like(setpoints[1:])
     moved = np.flatnonzero(np.diff(setpoints, axis=0).any(axis=1)) + 1
-    apart = np.diff(stamps[np.concatenate([[0], moved])])
+    came = np.concatenate([[0], moved])
+    apart = np.diff(stamps[came])
     if not (apart > 0.0).any():
         return out
     period = float(np.median(apart[apart > 0.0]))
     apart = np.where((apart > 0.0) & (apart < LATE * period), apart, period)  # else it stood before
-    came = np.diff(setpoints[np.concatenate([[0], moved])], axis=0) / apart[:, None]
+    speed = np.diff(setpoints[came], axis=0) / apart[:, None]
     last = np.searchsorted(moved, np.arange(1, len(stamps)), side="right") - 1
     lasts = (last >= 0) & (stamps[1:] < stamps[moved[last]] + (1.0 - EARLY) * apart[last])
-    out[lasts] = came[last[lasts]]
+    out[lasts] = speed[last[lasts]]
     return out
 
 

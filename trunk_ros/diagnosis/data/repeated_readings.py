@@ -27,9 +27,10 @@ def holding(stamp: Array, values: Array) -> float:
     tick = float(np.median(np.diff(stamp)))
     least = float(np.quantile(apart, 0.1))  # what comes evenly is published at one of two ticks
     clocked = least > min(usual / CLEARLY, usual - CLEARLY * tick) and high > THREEFOLD * low
-    waited = [float(apart[some].mean()) for some in (steps[1:] <= low, steps[1:] >= high) if some.any()]
-    # a sensor with a clock waits no longer for a small step than for a large one
-    clocked = clocked and waited[0] < CLEARLY * waited[-1]
+    small, large = (apart[some].mean() for some in (steps[1:] <= low, steps[1:] >= high))
+    clocked = (
+        clocked and small < CLEARLY * large
+    )  # a clock waits no longer for a small step than for a large one
     return usual if clocked and usual > CLEARLY * tick else 0.0
 
 

@@ -62,8 +62,10 @@ class Sized(NamedTuple):
                 return None
         for moment in LASTING:
             values.pop(self.prefix + moment.name, None)
-        size = lead.null + (values[lead.name] - lead.null) * course.first
-        values |= moments | {lead.name: float(np.clip(size, *lead.bounds))}
+        values |= moments
+        if course.first != 1.0:  # else it stays to the last digit, and is known for what is there
+            size = lead.null + (values[lead.name] - lead.null) * course.first
+            values[lead.name] = float(np.clip(size, *lead.bounds))
         return out
 
     def without(self, hypothesis: Hypothesis) -> Hypothesis:
