@@ -119,6 +119,25 @@ def test_friction_that_the_motor_pulls_holds_the_shaft_back_on_either_side() -> 
         assert phi - weight == pytest.approx(asked[-1] - side * 0.02 * droop["friction"], abs=1e-4)
 
 
+def test_a_wire_that_sticks_keeps_a_load_that_changes_from_the_motor() -> None:
+    """What the wire of the first joint bears moves its motor only once its friction has given way."""
+    arm, stamp = arm_of(3), stamps(10, 100)
+    asked = np.zeros((len(stamp), 3))
+    asked[:, 1] = np.interp(stamp, [0.0, 2.0, 8.0], [0.0, 0.0, 0.5])
+    bears = {"gain": 0.02, "form": "weight_and_friction"}
+    change = arm.load(asked * 0.625)[-1, 0]
+    holds = servo(asked, stamp, load_droop={**bears, "friction": 1.2 * abs(change)})[:, 0]
+    assert np.abs(holds).max() < 1e-9
+    gives = servo(asked, stamp, load_droop={**bears, "friction": 0.4 * abs(change)})[:, 0]
+    assert gives[-1] == pytest.approx(0.02 * 0.6 * change, rel=0.02)
+    blocks, state, chain = [], None, Chain(Model(arm, {"load_droop": {**bears, "friction": 0.03}}), "servo")
+    for rows in np.array_split(np.arange(len(stamp)), 7):
+        out, state = chain.run(asked[rows], stamp[rows], state)
+        blocks.append(out)
+    whole = servo(asked, stamp, load_droop={**bears, "friction": 0.03})
+    assert np.concatenate(blocks) == pytest.approx(whole, abs=1e-6)
+
+
 def test_cogging_shifts_where_the_shaft_stands() -> None:
     stamp = stamps(5, 100)
     setpoint = np.tile(np.linspace(-0.3, 0.3, 5), (len(stamp), 1))
@@ -194,7 +213,7 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float) -> None:
         np.full(setpoint.shape, held) * (each > 1.0), np.array([1e-3 * each, 22.0 * each, each]),
     ]  # fmt: skip
     arguments[2][1] = 300.0  # stiff: stepped finer than the others
-    together, start = np.empty_like(setpoint), rng.normal(size=(3, columns))
+    together, start = np.empty_like(setpoint), rng.normal(size=(4, columns))
     after = start.copy()
     servo_loops(*arguments, 0, after, together)
     for j in range(columns):

@@ -264,7 +264,7 @@ class Chain:
         """Gearbox angle (twice) and state: passes until load and gearbox angle agree."""
         at_joints = self.arm.driven
         past, asked, start = (
-            state.core if state else (stamp[:0], x[:0], np.vstack([x[0], np.zeros_like(x[0]), x[0]]))
+            state.core if state else (stamp[:0], x[:0], np.vstack([x[0], np.zeros_like(x[0]), x[0], np.full_like(x[0], np.nan)]))
         )
         stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
         last = at_joints(state.x) if state else None

@@ -40,7 +40,8 @@ class ServoStage(Stage):
         payload, blocks = payload_of(pairs[0][0]), bind_together(pairs)
         now = joined([sight.now(index, column, payload) for column in columns])
         source = np.ascontiguousarray(span.source[:, columns])
-        start = np.array([now.gearbox[0], now.speed[0] / now.ratio, now.gearbox[0]])
+        none = np.full(len(columns), np.nan)
+        start = np.array([now.gearbox[0], now.speed[0] / now.ratio, now.gearbox[0], none])
         out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start)
         for block in blocks:
             if block.acts_at > block.CORE:

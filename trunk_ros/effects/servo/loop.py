@@ -42,22 +42,26 @@ def servo_loop(
     """Gearbox angle at each stamp, before the setpoint of that stamp acts.
 
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need;
-    ``out`` (m - skip, columns); ``state`` (3, columns) is angle, speed and where the wire stuck at row
-    ``skip - 1``. The numbers of the loop (1 or m - skip, columns), ``cogging`` (3, likewise), ``reach``
-    (columns,). A wire that slides holds the shaft back by ``rub``, from ``reach``
-    beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own gain.
+    ``out`` (m - skip, columns); ``state`` (4, columns) is angle, speed, where the wire stuck and what the
+    load pulled (NaN: nothing yet) at row ``skip - 1``. The numbers of the loop (1 or m - skip, columns),
+    ``cogging`` (3, likewise), ``reach`` (columns,). A wire that slides holds the shaft back by ``rub``, from
+    ``reach`` beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own
+    gain. A wire that sticks keeps its tension: a load that changes meanwhile only brings it nearer to sliding.
     Within a step that a late setpoint falls into, its time-weighted mean acts: the result is smooth in the
     delay.
     """
     rows, columns = setpoint.shape
     for j in range(columns):
-        phi, v, stuck = state[0, j], state[1, j], state[2, j]
+        phi, v, stuck, bore = state[0, j], state[1, j], state[2, j], state[3, j]
         held, smooth, known, lag = 0, 0.0, -1.0, -1.0
         for k in range(skip, rows):
             r = k - skip
             gain, tau, most, late = at(kp, r, j), at(tau_v, r, j), at(v_max, r, j), at(delay, r, j)
             pulled, rubs, zone = at(pull, r, j), at(rub, r, j), at(dead_zone, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
+            if rubs != 0.0 and bore == bore:
+                stuck -= (pulled - bore) * reach[j] / rubs
+            bore = pulled
             if k > 0:
                 span = min(stamp[k] - stamp[k - 1], LONGEST)
                 substeps = max(1, int(np.round(span / min(STEP, CLOSE / gain))))
@@ -91,6 +95,7 @@ def servo_loop(
         state[0, j] = phi
         state[1, j] = v
         state[2, j] = stuck
+        state[3, j] = bore
 
 
 @compiled
@@ -112,7 +117,7 @@ def servo_loops(
 ) -> None:
     """The same as ``servo_loop``, to the last bit, with the columns in the innermost loop."""
     rows, columns = setpoint.shape
-    phi, v, stuck = state[0], state[1], state[2]
+    phi, v, stuck, bore = state[0], state[1], state[2], state[3]
     held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
     step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
     known, asked = np.full(columns, -1.0), np.zeros((BLOCK, columns))
@@ -135,6 +140,10 @@ def servo_loops(
                 smooth[j] = -np.expm1(-h[j] / tau_v[j]) if tau_v[j] < h[j] else h[j] / tau_v[j]
             most = max(most, substeps[j])
             zones = zones or dead_zone[k - skip, j] > 0.0
+        for j in range(columns):
+            if rub[j] != 0.0 and bore[j] == bore[j]:
+                stuck[j] -= (pull[k - skip, j] - bore[j]) * reach[j] / rub[j]
+            bore[j] = pull[k - skip, j]
         for first in range(0, most, BLOCK):
             last = min(first + BLOCK, most)
             _ask(

@@ -72,7 +72,7 @@ class Servo:
         if self.cogging is not None:
             size, cycles, phase = self.cogging
             x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
-        x = self._held_back(x, columns)
+        x = self._held_back(x, core.pull, columns)
         x = self._stopped_short(x, core.dead_zone, columns)
         for block in self.behind:
             x = block.run(x, scene, anew)
@@ -93,16 +93,18 @@ class Servo:
         shape_commands(x, dt, self.fastest, self.gain, self.kp, self.before, self.low, out)
         return out
 
-    def _held_back(self, x: Array, anew: np.ndarray | None) -> Array:
-        """Behind a command by what wires that slide pull."""
+    def _held_back(self, x: Array, pull: Array, anew: np.ndarray | None) -> Array:
+        """Behind a command by what wires that slide pull; one that sticks keeps what the load pulls away."""
         if not self.rub.any():
             return x
-        flat = x.reshape(1, -1)
-        if self.held is not None and anew is not None:
-            self.held = np.where(anew, flat[0], self.held)
-        stuck, self.held = SharpPlay().run(flat, self.reach[None], self.held)
         share = self.rub / np.where(self.reach > 0.0, self.reach, 1.0)
-        return (flat - share * (flat - stuck)).reshape(x.shape)
+        more = np.divide(1.0, share, out=np.ones_like(share), where=share > 0.0) - 1.0
+        flat = x.reshape(1, -1)
+        leans = flat + more * (pull + np.zeros_like(x)).reshape(1, -1)
+        if self.held is not None and anew is not None:
+            self.held = np.where(anew, leans[0], self.held)
+        stuck, self.held = SharpPlay().run(leans, self.reach[None], self.held)
+        return (flat - share * (leans - stuck)).reshape(x.shape)
 
     def _stopped_short(self, x: Array, zone: Array, anew: np.ndarray | None) -> Array:
         """What a loop makes of errors that it does not answer to: it stops short by the zone."""

@@ -28,7 +28,7 @@ class Lead:
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
         self._wanted = self._sent = self._last = at
         self._slope = np.zeros_like(at)
-        self._servo = np.array([at, self._slope, at])
+        self._servo = np.array([at, self._slope, at, np.full_like(at, np.nan)])
         self._period, self._periods, self._seen = 0.0, 0, 0.0
         self.use(gain, tau_v, top_speed, fed)
 
