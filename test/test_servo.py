@@ -19,7 +19,7 @@ from trunk_ros.nodes.bus import SimulatedBus
 from trunk_ros.stage import speeds
 
 STEP = 0.002  # s
-OVER_TIME = (2, 3, 4, 5, 7, 10)  # arguments of a loop that may change
+OVER_TIME = (2, 3, 4, 5, 8, 9, 12)  # arguments of a loop that may change
 
 
 def reference(setpoint: Array, rows: int, kp: float = 20.0, tau: float = 0.02, v_max: float = 1.5) -> Array:
@@ -138,6 +138,21 @@ def test_a_wire_that_sticks_keeps_a_load_that_changes_from_the_motor() -> None:
     assert np.concatenate(blocks) == pytest.approx(whole, abs=1e-6)
 
 
+def test_a_torque_slows_a_shaft_that_the_limit_of_its_speed_holds() -> None:
+    """Not so what acts before the limit."""
+    arm, stamp = arm_of(3), stamps(2, 500)
+    asked = np.zeros((len(stamp), 3))
+    asked[50:, 0] = 2.0
+    speed = {}
+    for share in (0.0, 1.0):
+        out = servo(asked, stamp, load_droop={"gain": 0.05, "as_torque": share})[:, 0]
+        speed[share] = (out[600] - out[500]) / (stamp[600] - stamp[500]), out[500:600]
+    pulled = arm.kp * 0.05 * arm.load(np.column_stack([speed[1.0][1], *np.zeros((2, 100))]) * 0.625)[:, 0]
+    assert speed[0.0][0] == pytest.approx(arm.v_max, rel=1e-3)
+    assert speed[1.0][0] == pytest.approx(arm.v_max + pulled.mean(), rel=1e-2)
+    assert abs(pulled.mean()) > 0.02
+
+
 def test_cogging_shifts_where_the_shaft_stands() -> None:
     stamp = stamps(5, 100)
     setpoint = np.tile(np.linspace(-0.3, 0.3, 5), (len(stamp), 1))
@@ -209,7 +224,8 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float) -> None:
     delay = np.array([0.0, 0.013, 0.013, 0.2, 0.2, 0.0])
     arguments: list[Array] = [
         setpoint, stamp, 20.0 * each, 0.02 * each, 1.5 * each, delay,
-        rng.normal(scale=1e-3, size=setpoint.shape), held * each, reach * each,
+        rng.normal(scale=1e-3, size=setpoint.shape), rng.normal(scale=1e-3, size=setpoint.shape),
+        0.3 * each, held * each, reach * each,
         np.full(setpoint.shape, held) * (each > 1.0), np.array([1e-3 * each, 22.0 * each, each]),
     ]  # fmt: skip
     arguments[2][1] = 300.0  # stiff: stepped finer than the others

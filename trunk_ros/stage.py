@@ -22,7 +22,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
 SENSOR = 700  # wire effects from this place on change the reading, not the joint
 
-LOOP = (*SERVO_OF_EACH, "pull", "rub", "dead_zone", "cogging")
+LOOP = (*SERVO_OF_EACH, "pull", "load", "torque", "rub", "dead_zone", "cogging")
 
 Memory = dict[str, Any]
 
@@ -146,7 +146,7 @@ def back(y: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory
 def run_servo(
     arm: Arm, effects: Sequence[Effect], now: Now, setpoints: Array, stamps: Array, start: Array
 ) -> tuple[Array, Array]:
-    """Gearbox angle (n, columns) and the loop's state (3, columns) after it; ``setpoints`` may begin with
+    """Gearbox angle (n, columns) and the loop's state (4, columns) after it; ``setpoints`` may begin with
     past rows.
     """
     n, columns = len(now.stamp), len(now.ratio)
@@ -160,6 +160,8 @@ def run_servo(
         delay=delay,
         feedforward=feedforward,
         pull=none,
+        load=none,
+        torque=none,
         rub=none,
         reach=reach(arm, now),
         dead_zone=none,
@@ -211,18 +213,20 @@ def speeds(setpoints: Array, stamps: Array) -> Array:
 
 def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
     """Step the loops, side by side where that pays and nothing of them changes."""
-    numbers = core.kp, core.tau_v, core.v_max, core.delay, core.pull, core.rub
+    numbers = core.kp, core.tau_v, core.v_max, core.delay, core.pull, core.load, core.torque, core.rub
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
-    steady = all(len(one) == 1 for one in (*numbers[:4], core.rub, core.cogging))
+    steady = all(len(one) == 1 for one in (*numbers[:4], core.torque, core.rub, core.cogging))
     cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
     if out.shape[1] < SEVERAL or not steady:
         servo_loop(setpoints, stamps, *numbers, reached, core.dead_zone, cogging, skip, state, out)
         return
-    kp, tau_v, v_max, delay, _, rub = (number[0] for number in numbers)
-    pull, zone = (np.zeros_like(out) + over_time for over_time in (core.pull, core.dead_zone))
+    kp, tau_v, v_max, delay, _, _, torque, rub = (number[0] for number in numbers)
+    over_time = core.pull, core.load, core.dead_zone
+    pull, load, zone = (np.zeros_like(out) + number for number in over_time)
     cogging = np.ascontiguousarray(cogging[:, 0])
     servo_loops(
-        setpoints, stamps, kp, tau_v, v_max, delay, pull, rub, reached, zone, cogging, skip, state, out
+        setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, zone, cogging, skip,
+        state, out,
     )  # fmt: skip
 
 

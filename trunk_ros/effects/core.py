@@ -43,6 +43,10 @@ class Core:
     feedforward: Array = field(default_factory=lambda: NONE)
     pull: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad added to the setpoint; the other numbers of the loop likewise."""
+    load: Array = field(default_factory=lambda: NONE)
+    """(1 or n, columns) rad of the setpoint by which the load on the joint pulls the servo."""
+    torque: Array = field(default_factory=lambda: NONE)
+    """(1 or n, columns) the share of load and friction that acts past the top speed that the loop asks for."""
     rub: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad by which the friction of wires that slide holds the servo back."""
     reach: Array = field(default_factory=lambda: NONE)

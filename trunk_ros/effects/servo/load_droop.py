@@ -10,7 +10,9 @@ from trunk_ros.parameter import Parameter
 
 
 class LoadDroop(Effect):
-    """setpoint += gain tau - abs(gain) friction s, s from -1 to 1 being the place in the dead band."""
+    """setpoint += gain tau - abs(gain) friction s, s from -1 to 1 being the place in the dead band; the share
+    as_torque of it acts past the top speed that the position loop may ask for.
+    """
 
     id = "load_droop"
     sizes = ("gain",)
@@ -23,17 +25,23 @@ class LoadDroop(Effect):
     parameters = (
         Parameter("gain", "rad/(N*m)", (-5.0, 5.0), "standing error per moment", typical=1e-3, shared=True),
         Parameter("friction", "N*m", (0.0, 50.0), "dry friction that the motor pulls as well", typical=0.1),
-    )
+        Parameter(
+            "as_torque", "1", (0.0, 1.0), "share of it that acts past the speed limit, as a torque does",
+            typical=1.0, shared=True, optional=True,
+        ),
+    )  # fmt: skip
     needs = ("load",)
     everywhere = begins = True
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.pull = core.pull + self["gain"] * now.load
+        core.load = core.load + self["gain"] * now.load
+        core.torque = core.torque + self["as_torque"]
         if self.form == "weight_and_friction":
             core.rub = core.rub + np.abs(self["gain"]) * self["friction"]
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        gain, friction, torque = cls.parameters
         if form == cls.apart:
-            return cls.of_each()[:1]
-        return cls.parameters if form == "weight_and_friction" else cls.parameters[:1]
+            return (cls.of_each()[0], torque)
+        return cls.parameters if form == "weight_and_friction" else (gain, torque)

@@ -31,6 +31,8 @@ def servo_loop(
     v_max: Array,
     delay: Array,
     pull: Array,
+    load: Array,
+    torque: Array,
     rub: Array,
     reach: Array,
     dead_zone: Array,
@@ -46,7 +48,9 @@ def servo_loop(
     load pulled (NaN: nothing yet) at row ``skip - 1``. The numbers of the loop (1 or m - skip, columns),
     ``cogging`` (3, likewise), ``reach`` (columns,). A wire that slides holds the shaft back by ``rub``, from
     ``reach`` beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own
-    gain. A wire that sticks keeps its tension: a load that changes meanwhile only brings it nearer to sliding.
+    gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
+    brings it nearer to sliding. Of what wires pull the share ``torque`` acts past the top speed that the
+    position loop may ask for, the rest before it.
     Within a step that a late setpoint falls into, its time-weighted mean acts: the result is smooth in the
     delay.
     """
@@ -58,10 +62,11 @@ def servo_loop(
             r = k - skip
             gain, tau, most, late = at(kp, r, j), at(tau_v, r, j), at(v_max, r, j), at(delay, r, j)
             pulled, rubs, zone = at(pull, r, j), at(rub, r, j), at(dead_zone, r, j)
+            bears, past = at(load, r, j), at(torque, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
             if rubs != 0.0 and bore == bore:
-                stuck -= (pulled - bore) * reach[j] / rubs
-            bore = pulled
+                stuck -= (bears - bore) * reach[j] / rubs
+            bore = bears
             if k > 0:
                 span = min(stamp[k] - stamp[k - 1], LONGEST)
                 substeps = max(1, int(np.round(span / min(STEP, CLOSE / gain))))
@@ -81,14 +86,15 @@ def servo_loop(
                     target += pulled
                     if size != 0.0:
                         target += size * sine(cycles * phi + phase)
+                    tension = bears
                     if reach[j] > 0.0:
                         stuck = min(max(stuck, phi - reach[j]), phi + reach[j])
                         if rubs != 0.0:
-                            target -= rubs * (phi - stuck) / reach[j]
-                    error = target - phi
+                            tension -= rubs * (phi - stuck) / reach[j]
+                    error = target + (1.0 - past) * tension - phi
                     if zone > 0.0:
                         error *= min(max((abs(error) / zone - 1.0) / EDGE + 0.5, 0.0), 1.0)
-                    v_ref = min(max(gain * error, -most), most)
+                    v_ref = min(max(gain * error, -most), most) + gain * past * tension
                     v += smooth * (v_ref - v)
                     phi += h * v
             out[k - skip, j] = phi
@@ -107,6 +113,8 @@ def servo_loops(
     v_max: Array,
     delay: Array,
     pull: Array,
+    load: Array,
+    torque: Array,
     rub: Array,
     reach: Array,
     dead_zone: Array,
@@ -119,7 +127,9 @@ def servo_loops(
     rows, columns = setpoint.shape
     phi, v, stuck, bore = state[0], state[1], state[2], state[3]
     held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
-    step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
+    step, h, smooth, tension = (
+        np.empty(columns), np.empty(columns), np.empty(columns), np.empty(columns)
+    )  # fmt: skip
     known, asked = np.full(columns, -1.0), np.zeros((BLOCK, columns))
     clocked = np.zeros(columns, np.bool_)  # as the column before
     for j in range(columns):
@@ -142,8 +152,8 @@ def servo_loops(
             zones = zones or dead_zone[k - skip, j] > 0.0
         for j in range(columns):
             if rub[j] != 0.0 and bore[j] == bore[j]:
-                stuck[j] -= (pull[k - skip, j] - bore[j]) * reach[j] / rub[j]
-            bore[j] = pull[k - skip, j]
+                stuck[j] -= (load[k - skip, j] - bore[j]) * reach[j] / rub[j]
+            bore[j] = load[k - skip, j]
         for first in range(0, most, BLOCK):
             last = min(first + BLOCK, most)
             _ask(
@@ -166,13 +176,15 @@ def servo_loops(
                 if cogs:
                     for j in range(columns):
                         error[j] += cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
+                for j in range(columns):
+                    tension[j] = load[k - skip, j]
                 if rubs:
                     for j in range(columns):
                         if rub[j] != 0.0 and i < substeps[j]:
                             stuck[j] = min(max(stuck[j], phi[j] - reach[j]), phi[j] + reach[j])
-                            error[j] -= rub[j] * (phi[j] - stuck[j]) / reach[j]
+                            tension[j] -= rub[j] * (phi[j] - stuck[j]) / reach[j]
                 for j in range(columns):
-                    error[j] -= phi[j]
+                    error[j] = error[j] + (1.0 - torque[j]) * tension[j] - phi[j]
                 if zones:
                     for j in range(columns):
                         zone = dead_zone[k - skip, j]
@@ -183,6 +195,7 @@ def servo_loops(
                     v_ref = kp[j] * error[j]
                     v_ref = v_max[j] if v_ref > v_max[j] else v_ref  # not min, which could not be vectorised
                     v_ref = -v_max[j] if v_ref < -v_max[j] else v_ref
+                    v_ref += kp[j] * torque[j] * tension[j]
                     v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - v[j])
                     phi[j] += (h[j] if goes_on else 0.0) * v[j]
         for j in range(columns):

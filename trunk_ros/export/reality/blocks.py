@@ -82,7 +82,8 @@ def core_of(like: Array) -> Core:
     """A core without play, dead zone, pull or cogging, shaped like (environments, joints)."""
     zero, one = np.zeros_like(like), np.ones(1)
     return Core(
-        nominal_width=zero, width=zero, middle=zero, pull=zero, rub=0.0 * one, dead_zone=zero, kp=one,
+        nominal_width=zero, width=zero, middle=zero, pull=zero, load=zero, torque=0.0 * one,
+        rub=0.0 * one, dead_zone=zero, kp=one,
         tau_v=one, v_max=one * np.inf, delay=one * 0.0, cogging=np.zeros((3, 1, 1)),
     )  # fmt: skip
 

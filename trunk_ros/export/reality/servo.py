@@ -68,11 +68,11 @@ class Servo:
         core = core_of(x)
         for block in self.blocks:
             block.adjust(core, scene)
-        x = x + core.pull
+        x = x + core.pull + core.load
         if self.cogging is not None:
             size, cycles, phase = self.cogging
             x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
-        x = self._held_back(x, core.pull, columns)
+        x = self._held_back(x, core.load, columns)
         x = self._stopped_short(x, core.dead_zone, columns)
         for block in self.behind:
             x = block.run(x, scene, anew)
@@ -93,14 +93,14 @@ class Servo:
         shape_commands(x, dt, self.fastest, self.gain, self.kp, self.before, self.low, out)
         return out
 
-    def _held_back(self, x: Array, pull: Array, anew: np.ndarray | None) -> Array:
+    def _held_back(self, x: Array, load: Array, anew: np.ndarray | None) -> Array:
         """Behind a command by what wires that slide pull; one that sticks keeps what the load pulls away."""
         if not self.rub.any():
             return x
         share = self.rub / np.where(self.reach > 0.0, self.reach, 1.0)
         more = np.divide(1.0, share, out=np.ones_like(share), where=share > 0.0) - 1.0
         flat = x.reshape(1, -1)
-        leans = flat + more * (pull + np.zeros_like(x)).reshape(1, -1)
+        leans = flat + more * (load + np.zeros_like(x)).reshape(1, -1)
         if self.held is not None and anew is not None:
             self.held = np.where(anew, leans[0], self.held)
         stuck, self.held = SharpPlay().run(leans, self.reach[None], self.held)
