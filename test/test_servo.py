@@ -138,6 +138,34 @@ def test_a_wire_that_sticks_keeps_a_load_that_changes_from_the_motor() -> None:
     assert np.concatenate(blocks) == pytest.approx(whole, abs=1e-6)
 
 
+def test_a_run_begins_with_friction_where_it_holds_the_shaft() -> None:
+    """What the first angle and setpoint leave of the load is borne by friction, as far as it goes."""
+    arm, stamp = arm_of(3), stamps(4, 100)
+    asked = np.tile([0.4, 0.2, -0.1], (len(stamp), 1))
+    load = arm.load(asked * 0.625)[0]
+    for share in (0.5, 1.5):
+        droop = {"gain": 0.02, "friction": share * np.abs(load), "form": "weight_and_friction"}
+        moved = servo(asked, stamp, load_droop=droop)[-1] - asked[-1]
+        assert moved == pytest.approx(0.02 * max(1.0 - share, 0.0) * load, rel=0.1, abs=1e-9)
+
+
+def test_servos_bear_the_load_of_joints_that_sag() -> None:
+    """And not that of where the gearboxes alone would have them; in one go as in blocks."""
+    arm, stamp = arm_of(3), stamps(4, 100)
+    asked = np.tile([0.4, 0.2, -0.1], (len(stamp), 1)) * np.minimum(stamp, 1.0)[:, None]
+    effects = {"load_droop": {"gain": 0.05}, "load_elasticity": {"compliance": 0.2}}
+    model = Model(arm, effects)
+    phi = Chain(model, "servo").run(asked, stamp)[0]
+    joints = Chain(model, "wire").angles(phi, stamp)
+    assert phi[-1] == pytest.approx(asked[-1] + 0.05 * arm.load(joints)[-1], abs=1e-6)
+    assert np.abs(arm.load(joints) - arm.load(phi * 0.625))[-1].max() > 1e-3
+    chain, state, blocks = Chain(model, "servo"), None, []
+    for rows in np.array_split(np.arange(len(stamp)), 5):
+        out, state = chain.run(asked[rows], stamp[rows], state)
+        blocks.append(out)
+    assert np.concatenate(blocks) == pytest.approx(phi, abs=1e-6)
+
+
 def test_a_torque_slows_a_shaft_that_the_limit_of_its_speed_holds() -> None:
     """Not so what acts before the limit."""
     arm, stamp = arm_of(3), stamps(2, 500)

@@ -65,6 +65,10 @@ class Chain:
         self.effects = model.bound(stage)
         self.order = Order.of(self.effects)
         self.duration = model.duration if hold_time else None
+        bears = any("load" in e.needs for e in self.effects)
+        hung = Chain(model, "wire", hold_time) if stage == "servo" and bears else None
+        self.wires = hung if hung is not None and hung.effects else None
+        """What hangs on servos that bear its load, where it is not just where they are."""
         self._inner = [e for e in self.order.after if e.acts_at < STOP]
         self._outer = [e for e in self.effects if e.acts_at >= STOP]
         self._rows = max(BLOCK // len(self.arm.joints), 1)
@@ -262,17 +266,17 @@ class Chain:
 
     def _servo(self, x: Array, stamp: Array, state: State | None, given: Given) -> tuple[Array, Array, State]:
         """Gearbox angle (twice) and state: passes until load and gearbox angle agree."""
-        at_joints = self.arm.driven
-        past, asked, start = (
-            state.core if state else (stamp[:0], x[:0], np.vstack([x[0], np.zeros_like(x[0]), x[0], np.full_like(x[0], np.nan)]))
-        )
+        at_joints, none = self.arm.driven, np.zeros_like(x[0])
+        begun = np.vstack([x[0], none, x[0], none + np.nan])
+        past, asked, start, hung = state.core if state else (stamp[:0], x[:0], begun, None)
         stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
         last = at_joints(state.x) if state else None
         phi = np.broadcast_to(start[0], x.shape)
         passes, settled = Passes(state), False
         while not settled:
             now = self._look(stamp, at_joints(phi), last, state, given)
-            now.see(phi, at_joints(phi))
+            angles, hangs = self._hanging(phi, stamp, hung, given)
+            now.see(phi, angles)
             better, after = run_servo(self.arm, self.effects, now, setpoints, stamps, start)
             moves = now.asked or now.has_told("speed")
             settled = not moves or passes.agree(better, phi)
@@ -280,8 +284,17 @@ class Chain:
         out, behind = phi, self.order.after + self.order.sensor
         if behind or now.swing is not None:
             now = self._look(stamp, at_joints(phi), last, state, given)
-            now.see(phi, at_joints(phi))
+            now.see(phi, self._hanging(phi, stamp, hung, given)[0])
             out = through(phi, behind, now, {}, {})
         kept = max(int(stamps.searchsorted(stamps[-1] - REMEMBERED)) - 1, 0)
-        core = stamps[kept:], setpoints[kept:], after
+        core = stamps[kept:], setpoints[kept:], after, hangs
         return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], {}, core, 0.0, passes.calm, now.swing)
+
+    def _hanging(
+        self, phi: Array, stamp: Array, state: State | None, given: Given
+    ) -> tuple[Array, State | None]:
+        """Where the joints (n, joints) are that hang on gearboxes at ``phi``, and their wires' state."""
+        if self.wires is None:
+            return self.arm.driven(phi), None
+        led = self.wires._led(phi, None, stamp, state, given.resistance)
+        return self.wires._wire(*led)[1:]

@@ -149,8 +149,8 @@ class Diagnoser:
         spans = [servo_span(r, self.model) for r in recorded]
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
-        arm = replace(self.model, effects={**self.model.effects, **self.effects}).loaded_arm()
-        self._stage(ServoStage(spans, replace(self.model, arm=arm), self.recordings[0].units))
+        found = replace(self.model, effects={**self.model.effects, **self.effects})
+        self._stage(ServoStage(spans, found, self.recordings[0].units))
 
     def found_servos(self) -> Servos:
         """Those of joints of which the model says nothing and the recordings tell."""

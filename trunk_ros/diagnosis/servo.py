@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from trunk_ros.chain import run_servo
+from trunk_ros.chain import Chain, run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.noise import Noise
-from trunk_ros.diagnosis.data.surroundings import joined
+from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.surroundings import View, joined
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
@@ -21,6 +22,15 @@ class ServoStage(Stage):
 
     name = "servo"
     joint_by_joint = False
+
+    def _view(self, span: Span) -> View:
+        """The joints are where their wires take them, not just where the gearboxes are."""
+        wires = Chain(self.model.only(self.joints), "wire")
+        if not wires.effects:
+            return super()._view(span)
+        return (
+            super()._view(span).turned(wires.angles(span.gearbox, span.grid, span.velocity, span.resistance))
+        )
 
     def noises(self, found: list[Noise]) -> list[Noise]:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""

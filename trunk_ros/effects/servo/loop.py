@@ -45,7 +45,7 @@ def servo_loop(
 
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need;
     ``out`` (m - skip, columns); ``state`` (4, columns) is angle, speed, where the wire stuck and what the
-    load pulled (NaN: nothing yet) at row ``skip - 1``. The numbers of the loop (1 or m - skip, columns),
+    load pulled (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or m - skip, columns),
     ``cogging`` (3, likewise), ``reach`` (columns,). A wire that slides holds the shaft back by ``rub``, from
     ``reach`` beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own
     gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
@@ -66,6 +66,8 @@ def servo_loop(
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
             if rubs != 0.0 and bore == bore:
                 stuck -= (bears - bore) * reach[j] / rubs
+            elif rubs != 0.0:  # the run begins: friction holds what the loop does not
+                stuck = phi - reach[j] * min(max((bears + setpoint[0, j] - phi - v / gain) / rubs, -1.0), 1.0)
             bore = bears
             if k > 0:
                 span = min(stamp[k] - stamp[k - 1], LONGEST)
@@ -153,6 +155,9 @@ def servo_loops(
         for j in range(columns):
             if rub[j] != 0.0 and bore[j] == bore[j]:
                 stuck[j] -= (load[k - skip, j] - bore[j]) * reach[j] / rub[j]
+            elif rub[j] != 0.0:
+                held_by = (load[k - skip, j] + setpoint[0, j] - phi[j] - v[j] / kp[j]) / rub[j]
+                stuck[j] = phi[j] - reach[j] * min(max(held_by, -1.0), 1.0)
             bore[j] = load[k - skip, j]
         for first in range(0, most, BLOCK):
             last = min(first + BLOCK, most)
