@@ -46,7 +46,7 @@ class Core:
     load: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad of the setpoint by which the load on the joint pulls the servo."""
     torque: Array = field(default_factory=lambda: NONE)
-    """(1 or n, columns) the share of load and friction that acts past the top speed that the loop asks for."""
+    """(1 or n, columns) share of load and friction that acts past the top speed that the loop asks for."""
     rub: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad by which the friction of wires that slide holds the servo back."""
     reach: Array = field(default_factory=lambda: NONE)

@@ -41,7 +41,7 @@ class LoadDroop(Effect):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        gain, friction, torque = cls.parameters
+        gain, _, torque = cls.parameters
         if form == cls.apart:
             return (cls.of_each()[0], torque)
         return cls.parameters if form == "weight_and_friction" else (gain, torque)
