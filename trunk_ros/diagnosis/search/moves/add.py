@@ -231,4 +231,10 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
     return sum(sides) > MOST * len(sides)
 
 
+def _of_joints(best: Fit, desk: Desk) -> Iterator[Group]:
+    """What joints have of their own."""
+    yield Group("joints", best.context.columns, partial(on_joints, best, desk))
+
+
 ADD = Move("add", groups, grows=True, descends=True)
+ADD_ON_JOINTS = Move("add_on_joints", _of_joints, grows=True)
