@@ -59,6 +59,15 @@ def only(move: Move, *what: Hashable) -> Move:
     return replace(move, groups=lambda best, desk: (g for g in move.groups(best, desk) if g.what in what))
 
 
+def of(move: Move, name: str) -> Move:
+    """A move on one effect, on any of its joints."""
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        return (g for g in move.groups(best, desk) if isinstance(g.what, tuple) and g.what[0] == name)
+
+    return replace(move, groups=groups)
+
+
 @dataclass
 class Desk:
     """What a search remembers between moves: what was tried in vain, and in which state."""

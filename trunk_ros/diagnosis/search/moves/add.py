@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.candidates import (
     usable,
 )
 from trunk_ros.diagnosis.search.credible import hidden, unshown
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, of
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
@@ -183,8 +183,9 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         trial = dated(refit(context, there), candidate.effect)
         if score(trial) < score(best) and not shared_by_most(best, trial, candidate.effect):
             trial = with_what_it_stood_for(best, trial)
+        own = of(EVENT, candidate.effect), of(SPELL, candidate.effect)
         trial = descend_with(
-            shown_again(best, desk, trial, candidate.effect), (MEMBER, EVENT, SPELL), desk, score(leader)
+            shown_again(best, desk, trial, candidate.effect), (MEMBER, *own), desk, score(leader)
         )
         if candidate.effect not in trial.hypothesis or shared_by_most(best, trial, candidate.effect):
             leader = min(leader, trial, key=score)
