@@ -178,15 +178,17 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) 
     of them stays true. It ends where a round gained too little, or as much as its linear look had promised:
     then the next would.
 
-    Few values against many samples: the normal equations cost a tenth of the decompositions that
+    A value that would move no residual over its usual size stays about where it is: by its own slope, which
+    is rounding, it would leap from bound to bound, and no step would pay. Few values against many samples: the normal equations cost a tenth of the decompositions that
     ``scipy.optimize.least_squares`` makes of the whole derivative.
     """
     low, high = bounds(residuals.free)
     rest = residuals(x)
     cost, damping = float(rest @ rest), DAMPING
-    first, start = cost, x
+    first, start, held = cost, x, np.diag(residuals.scale**-2.0)
     for done in range(1, rounds + 1):
         slope, normal = residuals.normal(x)
+        normal = normal + held
         before, looked = cost, x
         for _ in range(TRIES):
             trial = np.clip(x - _step(normal, slope, damping, x, low, high), low, high)
