@@ -134,17 +134,21 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     bent to do without them.
     """
     newest: list[str] = []
+    stale = False
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
         best = told_from_noise(best, partial(desk.looks_at, best)) if steady else best
         while _is_large(best, desk.share):
             better = first_that_pays(best, _ordered(now, best, desk.share, newest), desk)
+            if better is None and stale and not best.context.work.over:
+                best, stale = renewed(best), False  # what was mended may have been most of the noise
+                continue
             if better is None:
                 break
             move, found = better
             if move.grows:
                 newest = [name for name in found.hypothesis if name not in best.hypothesis]
-            best = renewed(found) if move.grows else relooked(found)
+            best, stale = (renewed if move.grows else relooked)(found), not move.grows
             desk.say(f"so far {describe(best.hypothesis)}")
     return best
 
