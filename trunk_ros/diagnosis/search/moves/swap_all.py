@@ -130,11 +130,13 @@ def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -
 
 
 def _polished(best: Fit, desk: Desk, trial: Fit, name: str, goal: float, again: bool) -> Fit:
-    """With what usually follows: options and members of the new one, the old one back where it is needed."""
+    """With what usually follows: options and members of the new one, the old one back where it is needed, and
+    without what is no longer shown beside it, or with what that had stood for.
+    """
     trial = descend_with(trial, (OPTION, MEMBER), desk, goal)
     if again:
         trial = descend_with(_with_some_back(best, trial, name), (only(FORM, name),), desk)
-    return descend_with(trial, (DROP,), desk) if trial.total < goal else trial
+    return with_what_it_stood_for(trial, descend_with(trial, (DROP,), desk)) if trial.total < goal else trial
 
 
 def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:
