@@ -75,7 +75,7 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
     if kind.own_parameters(form)[0].name == "low":
         with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters[2:]}
     with_lead_at_null |= {
-        more: np.zeros(5) for more in ("gain_2", "gain_3", "drag", "rubbing") if more in values
+        more: np.zeros(5) for more in ("gain_2", "gain_3", "drag", "rubbing", "bend") if more in values
     }
     if kind.stage == "arm":  # a shift has no leading direction
         nulls = {p.name: p.null if p.shared else np.full(5, p.null) for p in kind.parameters}

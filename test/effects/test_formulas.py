@@ -256,6 +256,25 @@ def test_a_rounded_loop_lags_by_half_its_width_once_it_slides(form: str) -> None
     assert (up - got)[-1, 0] == pytest.approx(-1e-3 - 2e-3, abs=1e-5)
 
 
+def test_bristles_on_an_elastic_wire_are_the_law_of_dahl() -> None:
+    """Integrated in small steps: the wire's stretch z grows by (W - sign z)/bend with the joint's way."""
+    half_width, bend, stamp = 3e-3, 8e-4, np.arange(4000.0) * 1e-3
+    u = 0.01 * np.sin(2 * np.pi * stamp) * (1.0 + 0.5 * np.sin(0.9 * stamp))
+    model = Model(
+        arm_of(1, 1e-3),
+        {"presliding_hysteresis": {"form": "bristles", "width": half_width - 1e-3, "bend": bend}},
+    )
+    got = Chain(model, "wire").run(u[:, None] / 0.625, stamp)[0][:, 0]
+    z, theta = 0.0, [u[0]]
+    for moved in np.diff(u):
+        for _ in range(200):
+            stiff = (half_width - np.sign(moved) * z) / bend
+            z += moved / 200 * stiff / (1.0 + stiff)
+        theta.append(theta[-1] + moved - (z - (u[len(theta) - 1] - theta[-1])))
+    assert np.ptp(u - np.array(theta)) > 5.5e-3
+    assert got == pytest.approx(np.array(theta), abs=3e-6)
+
+
 def test_plays_spread_over_a_width_slide_fully_after_twice_that_travel() -> None:
     """The definition of ``width``; at half of the travel half of the plays have turned."""
     down = np.concatenate([np.linspace(0, 0.5, 500), 0.5 - np.linspace(0, 0.02, 2001)[1:]])[:, None]

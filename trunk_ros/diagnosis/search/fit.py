@@ -179,8 +179,9 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) 
     then the next would.
 
     A value that would move no residual over its usual size stays about where it is: by its own slope, which
-    is rounding, it would leap from bound to bound, and no step would pay. Few values against many samples: the normal equations cost a tenth of the decompositions that
-    ``scipy.optimize.least_squares`` makes of the whole derivative.
+    is rounding, it would leap from bound to bound, and no step would pay. Few values against many samples:
+    the normal equations cost a tenth of the decompositions that ``scipy.optimize.least_squares`` makes of the
+    whole derivative.
     """
     low, high = bounds(residuals.free)
     rest = residuals(x)

@@ -17,8 +17,16 @@ from trunk_ros.parameter import Parameter
 PLAYS = 20
 REACHED = 1e-12  # rad
 LEAST = 0.02  # of the nominal dead band
-SPREAD, BOUC_WEN, BOUC_WEN_2, DAHL = range(4)
-KIND = {"spread": SPREAD, "compliant": SPREAD, "bouc_wen": BOUC_WEN, "bouc_wen_2": BOUC_WEN_2, "dahl": DAHL}
+SPREAD, BOUC_WEN, BOUC_WEN_2, DAHL, BRISTLES = range(5)
+KIND = {
+    "spread": SPREAD,
+    "compliant": SPREAD,
+    "bouc_wen": BOUC_WEN,
+    "bouc_wen_2": BOUC_WEN_2,
+    "dahl": DAHL,
+    "bristles": BRISTLES,
+}
+SOLVED = 20  # Newton steps, from the side on which none overshoots; a few do
 
 
 class PreslidingHysteresis(Effect):
@@ -29,7 +37,9 @@ class PreslidingHysteresis(Effect):
     compliant: the same, and a share of the motion, ``through``, gets past contacts that stick: they shear;
     bouc_wen, bouc_wen_2: h' = u' (1 - abs(h/H)^n (1 + sign(u' h))/2) with n = 1, 2; dahl: n = 1 with half
     the stiffness;
-    H = width/2 behind a play of half-width w.
+    H = width/2 behind a play of half-width w;
+    bristles: the friction of the joint itself, which gives by ``bend`` before it slides (Dahl), on an elastic
+    wire: theta = u - z, dz/dtheta = (W - sign(theta') z)/bend, with the stretch W = w + width that slides.
     """
 
     id = "presliding_hysteresis"
@@ -40,7 +50,7 @@ class PreslidingHysteresis(Effect):
         "never slips beside them; "
         "Bouc-Wen: Ismail et al. (2009), eq. (2); Dahl (1968)."
     )
-    forms = ("spread", "bouc_wen", "bouc_wen_2", "dahl", "compliant")
+    forms = ("spread", "bouc_wen", "bouc_wen_2", "dahl", "compliant", "bristles")
     beyond = "backlash"
     parameters = (
         Parameter(
@@ -56,6 +66,7 @@ class PreslidingHysteresis(Effect):
             null=1.0, scale="log",
         ),
         Parameter("through", "1", (0.0, 0.9), "share of the motion that gets past what sticks", typical=0.2),
+        Parameter("bend", "rad", (0.0, 3.0), "travel of the joint that its friction gives by", typical=5e-4),
     )  # fmt: skip
     confused_with = (
         ("backlash", "reverse with small amplitudes: backlash lets nothing through"),
@@ -65,17 +76,23 @@ class PreslidingHysteresis(Effect):
     def credible(self, now: Now, beside: bool = False) -> bool:
         """What is rounded has some width: past that the dead band itself gives way."""
         width = now.arm.dead_band[list(now.columns)] if now.arm is not None else np.zeros(1)
-        return bool(np.all(self["width"] > LEAST * width))
+        rounded = self["bend"] if self.form == "bristles" else self["width"]
+        return bool(np.all(rounded > LEAST * width))
 
     def adjust(self, core: Core, now: Now) -> None:
         if self._element is not None:
-            core.rounding = beside(core.rounding, self._element, self["width"] != 0.0)
+            core.rounding = beside(core.rounding, self._element, self._acts)
+
+    @property
+    def _acts(self) -> np.ndarray:
+        return np.asarray((self["width"] != 0.0) | (self["bend"] != 0.0))
 
     @cached_property
     def _element(self) -> RoundedPlay | None:
-        if not np.any(self["width"] != 0.0):
+        if not self._acts.any():
             return None
-        return RoundedPlay(self["width"], self["shape"], self["through"], KIND[self.form])
+        gives = self["bend"] if self.form == "bristles" else self["through"]
+        return RoundedPlay(self["width"], self["shape"], gives, KIND[self.form])
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
@@ -85,13 +102,16 @@ class PreslidingHysteresis(Effect):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return cls.parameters[: {"spread": 2, "compliant": 3}.get(form, 1)]
+        width, shape, through, bend = cls.parameters
+        more = {"spread": (shape,), "compliant": (shape, through), "bristles": (bend,)}
+        return (width, *more.get(form, ()))
 
 
 class RoundedPlay:
     """A friction element with a rounded zone, in the place of the sharp play."""
 
     def __init__(self, width: Array, shape: Array, through: Array, kind: int):
+        """(columns,) each; ``through``: of bristles the ``bend`` [rad]."""
         self.width = width
         self.through = through
         self.kind = kind
@@ -137,6 +157,8 @@ def step(u: float, w: float, width: float, zone: Array, through: float, kind: in
             memory[k] = min(max(memory[k], u - w - zone[k]), u + w + zone[k])
             total += memory[k]
         return through * u + (1.0 - through) * total / PLAYS
+    if kind == BRISTLES:
+        return float(bent(u, w + width, through, memory))
     before = memory[0]
     memory[0] = min(max(before, u - w), u + w)
     travel = memory[0] - before
@@ -160,6 +182,27 @@ def step(u: float, w: float, width: float, zone: Array, through: float, kind: in
             toward = limit * np.tanh(np.arctanh(min(toward / limit, 1.0 - 1e-12)) + left / limit)
     memory[2] = toward * side
     return float(memory[0] - memory[2])
+
+
+@compiled
+def bent(u: float, w: float, bend: float, memory: Array) -> float:
+    """The joint whose friction gives by ``bend`` on a wire that it stretches by ``w``; ``memory`` is input
+    and stretch.
+    """
+    moved, memory[0] = u - memory[0], u
+    side = 1.0 if moved > 0.0 else -1.0
+    lacks, way, x = max(w - side * memory[2], 0.0), abs(moved), 0.0
+    if bend <= 0.0:
+        memory[2] = min(max(memory[2] + moved, -w), w)
+        return u - memory[2]
+    for _ in range(SOLVED):
+        decay = np.exp(-x / bend)
+        off = way - x - lacks * (1.0 - decay)
+        if off < REACHED:
+            break
+        x += off / (1.0 + lacks / bend * decay)
+    memory[2] = min(max(side * (w - lacks * np.exp(-x / bend)), -w), w)
+    return float(u - memory[2])
 
 
 @compiled
