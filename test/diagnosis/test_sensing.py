@@ -22,6 +22,7 @@ from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
 from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
+from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.pace import paced
@@ -125,6 +126,23 @@ def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(clean: Run
     assert paced(found, NONE) is found
     alone = _seen(off, model)
     assert paced(alone, NONE) is alone
+
+
+@pytest.mark.parametrize("delay", [0.0, 1e-3])
+def test_a_skew_that_only_shows_beside_the_physics_is_told_from_a_late_sensor(
+    clean: Run, model: Model, delay: float
+) -> None:
+    """12 ppm, half a millisecond at the end; and a sensor that is late on an arm of two clocks that agree."""
+    recording = _recording(clean)
+    shown = recording.series["joint_states"]
+    stamp = shown.stamp + delay if delay else shown.stamp * (1.0 + 12e-6)
+    recording = replace(recording, series={**recording.series, "joint_states": replace(shown, stamp=stamp)})
+    assert _right(recording, model)[1] == []
+    result = Diagnoser([recording], model, None, lambda _: None, experiments=False).run()
+    assert [f.effect for f in result.findings] == (["sensor_delay"] if delay else [])
+    observed = result.quality["made"]["observed"]
+    assert [(one["kind"], one["corrected"]) for one in observed] == ([] if delay else [("skew", True)])
+    assert delay or observed[0]["value"] == pytest.approx(12.0, abs=3 * observed[0]["std"])
 
 
 def test_friction_that_grows_is_no_skew(model: Model) -> None:
