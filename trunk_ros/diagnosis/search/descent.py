@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.levels import HALF, HARDLY, TURNS
 from trunk_ros.diagnosis.pace import paced, with_unseen_skew
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.hummed import told_from_hum
 from trunk_ros.diagnosis.search.score import BETTER, beats, naming, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
@@ -127,6 +128,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     newest: list[str] = []
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
+        best = told_from_hum(best) if steady else best
         best = told_from_noise(best, partial(desk.looks_at, best)) if steady else best
         best = told_from_clocks(best) if steady and desk.share == 0.0 else best
         while _is_large(best, desk.share):
