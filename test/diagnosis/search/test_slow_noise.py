@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from test.concealed.awkward import slow_noise
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, smoothed, with_curve
@@ -46,6 +47,21 @@ def test_it_is_found_where_it_is_and_has_its_size() -> None:
     assert set(found.wanders) == {1}
     assert found.noise[1].std == pytest.approx(np.hypot(WANDERS, NOISE), rel=0.3)
     assert found.noise[0] == fit.context.noise[0]
+
+
+def test_what_wanders_over_all_times_at_once_has_a_slower_part() -> None:
+    one = left()
+    assert likeliest_noise(one.context, one.hypothesis, 1)[0].slow == (0.0, 0.0)
+    fit = left(wanders=0.0)
+    span = fit.context.views[0].span
+    wander = slow_noise(np.random.default_rng(5), len(span.stamp), WANDERS) * (np.arange(5) == 1)
+    views = (replace(fit.context.views[0], span=replace(span, target=span.target + wander)),)
+    (found,) = told_from_noise(
+        costed(replace(fit.context, views=views), fit.hypothesis), lambda column: {}
+    ).context.wanders.values()
+    size, stays = found.slow
+    assert size > NOISE
+    assert stays > found.correlation
 
 
 def test_it_stays_as_it_is_told_while_the_search_goes_on() -> None:
