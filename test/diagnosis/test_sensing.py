@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from test.concealed.awkward import Awkward, acting, spoiled
+from test.concealed.draws import sign
 from test.concealed.everyday import draw_motion
 from test.concealed.masses import run_masses
 from test.concealed.masses_arm import Arm, having, soft
@@ -227,6 +228,20 @@ def test_a_latency_that_slides_is_taken_out_but_for_its_mean(model: Model, kind:
     assert right.observed[0].value == pytest.approx(0.01)
     assert np.ptp(right.series["setpoints"].stamp - recording.series["setpoints"].stamp[:1]) > 0
     assert (np.diff(right.series["setpoints"].stamp) > 0).all()
+
+
+def test_a_latency_that_slides_is_followed_from_few_motions(model: Model) -> None:
+    """An arm that mostly rests shows few of its teeth; how long one takes is that of what was drawn."""
+    rng, drawn = np.random.default_rng(16), np.random.default_rng(16)
+    slower = float(drawn.uniform(1e-3, 6e-3)) * sign(drawn)
+    reference = draw_motion(rng, "resting", np.arange(6000, dtype=np.float64) * 0.01)
+    motion = run_masses([(0.0, Arm())], acting(np.random.default_rng(16), reference / RATIO, True))
+    run = record(rng, "resting", reference, reference / RATIO, motion, Sensing(phase=2))
+    series = _recording(run).series
+    found = sliding(series["setpoints"], series["gearbox_states"], model)
+    assert found is not None
+    assert found.takes == pytest.approx(0.01 * (1.0 + slower) / slower, rel=1e-3)
+    assert abs(found.phase - round(found.phase)) < 0.01
 
 
 def test_a_slow_servo_does_not_slide(model: Model) -> None:

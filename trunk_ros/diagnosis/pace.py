@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.skew import unseen_skew
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SCATTER, SLIGHT
+from trunk_ros.diagnosis.levels import SCATTER, SLIGHT, SURE
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
@@ -59,6 +59,12 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
         target = view.span.target + np.column_stack(late)
         views.append(replace(view, span=replace(view.span, target=target, pace=tuple(pace))))
     return replace(context, views=tuple(views), shown_before={}, _cache={})
+
+
+def differ(context: Context, hypothesis: Hypothesis) -> bool:
+    """Whether a recording's clocks go at different paces for sure."""
+    found = [_likeliest(context, hypothesis, k) for k in range(len(context.views))]
+    return any(abs(pace[0]) > SURE * SCATTER * std[0] for pace, std in found)
 
 
 def skew_told(context: Context, hypothesis: Hypothesis, index: int) -> Observed | None:

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.levels import HALF, HARDLY, TURNS
-from trunk_ros.diagnosis.pace import paced, with_unseen_skew
+from trunk_ros.diagnosis.pace import differ, paced, with_unseen_skew
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.hummed import told_from_hum
@@ -157,7 +157,8 @@ def told_from_clocks(now: Fit) -> Fit:
             break
         trial = renewed(refit(context, hypothesis))
         alike = score(costed(replace(trial.context, noise=now.context.noise), trial.hypothesis))
-        best, least = (trial, alike) if alike < least else (best, least)
+        if alike < least and differ(trial.context, trial.hypothesis):
+            best, least = trial, alike
     return best
 
 
