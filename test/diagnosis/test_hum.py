@@ -9,10 +9,16 @@ import pytest
 
 from test.real.features import play
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.band import Band
 from trunk_ros.diagnosis.data.sensing.hum import hums
 from trunk_ros.diagnosis.data.sensing.physics import apart
+from trunk_ros.diagnosis.diagnoser import Diagnoser
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.search.hummed import told_from_hum
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -104,6 +110,24 @@ def test_a_clean_recording_has_no_hum_and_few_joints_tell_of_none(model: Model) 
 def test_what_comes_back_four_times_may_have_happened_to_the_arm(model: Model) -> None:
     slow = _recording(model, _tone(4.0 / STAMP[-1], np.full(5, 2.0 * SIZE))).series
     assert hums(slow["gearbox_states"], slow["joint_states"], model.arm) == []
+
+
+def test_what_comes_back_three_times_is_hum_where_nothing_else_is_left(model: Model) -> None:
+    recording = _recording(model, _tone(3.0 / STAMP[-1], np.full(5, 2.0 * SIZE)))
+    result = Diagnoser([recording], model, None, lambda _: None, experiments=False).run()
+    assert result.findings == []
+    (observed,) = result.quality["hum"]["observed"]
+    assert observed["kind"] == "hum"
+    assert observed["value"] == pytest.approx(2.0 * SIZE, rel=0.05)
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0, 0.0, 1.0, 1.0), (1.0, 1.6, 0.6, 1.3, 0.8)])
+def test_what_comes_back_three_times_in_sizes_of_its_own_is_no_hum(
+    model: Model, sizes: tuple[float, ...]
+) -> None:
+    recording = _recording(model, _tone(3.0 / STAMP[-1], 2.0 * SIZE * np.array(sizes)))
+    first = begun(first_look(WireStage([wire_span(recording, model)], model)))
+    assert told_from_hum(first) is first
 
 
 def test_sums_over_stretches_of_time_give_what_waves_near_by_share_with_signals() -> None:

@@ -55,6 +55,22 @@ def test_coloured_noise_under_an_encoders_steps_leaves_no_memory_either(white: f
     np.testing.assert_allclose(np.std(out[~follows]), 1.0, rtol=0.4)
 
 
+def test_noise_that_wanders_over_two_times_leaves_no_memory_either() -> None:
+    steps = np.random.default_rng(3).normal(size=(2, N))
+    parts = (0.8, 1e-4), (0.995, 2e-4)
+    fast, slow = (
+        std * lfilter([np.sqrt(1.0 - a**2)], [1.0, -a], each)
+        for (a, std), each in zip(parts, steps, strict=True)
+    )
+    noise = fast + slow + 1e-4 * np.random.default_rng(4).normal(size=N)
+    known = Noise(1e-4 * np.sqrt(6.0), 0.8, 1e-4, (2e-4, 0.995))
+    out = known.whiten(noise, np.arange(N) % 2000 > 0)
+    assert np.std(out) == pytest.approx(1.0, rel=0.03)
+    lags = [np.corrcoef(out[lag:], out[:-lag])[0, 1] for lag in (1, 2, 5, 20, 100)]
+    assert np.abs(lags).max() < 0.03
+    assert known.goes_on == pytest.approx(1e-8 * (0.8 + 4 * 0.995))
+
+
 def test_a_signal_without_noise_gets_a_floor_that_can_be_divided_by() -> None:
     assert noise_of([np.zeros(N)], [EVERYWHERE]).std > 0.0
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from test.concealed.awkward import Awkward, acting, spoiled
+from test.concealed.draws import sign
 from test.concealed.everyday import draw_motion
 from test.concealed.masses import run_masses
 from test.concealed.masses_arm import Arm, having, soft
@@ -22,6 +23,7 @@ from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
 from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
+from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.pace import paced
@@ -127,6 +129,23 @@ def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(clean: Run
     assert paced(alone, NONE) is alone
 
 
+@pytest.mark.parametrize("delay", [0.0, 1e-3])
+def test_a_skew_that_only_shows_beside_the_physics_is_told_from_a_late_sensor(
+    clean: Run, model: Model, delay: float
+) -> None:
+    """12 ppm, half a millisecond at the end; and a sensor that is late on an arm of two clocks that agree."""
+    recording = _recording(clean)
+    shown = recording.series["joint_states"]
+    stamp = shown.stamp + delay if delay else shown.stamp * (1.0 + 12e-6)
+    recording = replace(recording, series={**recording.series, "joint_states": replace(shown, stamp=stamp)})
+    assert _right(recording, model)[1] == []
+    result = Diagnoser([recording], model, None, lambda _: None, experiments=False).run()
+    assert [f.effect for f in result.findings] == (["sensor_delay"] if delay else [])
+    observed = result.quality["made"]["observed"]
+    assert [(one["kind"], one["corrected"]) for one in observed] == ([] if delay else [("skew", True)])
+    assert delay or observed[0]["value"] == pytest.approx(12.0, abs=3 * observed[0]["std"])
+
+
 def test_friction_that_grows_is_no_skew(model: Model) -> None:
     arm = soft(replace(Arm(), balanced=True), EVERY, COMPLIANCE, 1.0)
     grown = [
@@ -209,6 +228,20 @@ def test_a_latency_that_slides_is_taken_out_but_for_its_mean(model: Model, kind:
     assert right.observed[0].value == pytest.approx(0.01)
     assert np.ptp(right.series["setpoints"].stamp - recording.series["setpoints"].stamp[:1]) > 0
     assert (np.diff(right.series["setpoints"].stamp) > 0).all()
+
+
+def test_a_latency_that_slides_is_followed_from_few_motions(model: Model) -> None:
+    """An arm that mostly rests shows few of its teeth; how long one takes is that of what was drawn."""
+    rng, drawn = np.random.default_rng(16), np.random.default_rng(16)
+    slower = float(drawn.uniform(1e-3, 6e-3)) * sign(drawn)
+    reference = draw_motion(rng, "resting", np.arange(6000, dtype=np.float64) * 0.01)
+    motion = run_masses([(0.0, Arm())], acting(np.random.default_rng(16), reference / RATIO, True))
+    run = record(rng, "resting", reference, reference / RATIO, motion, Sensing(phase=2))
+    series = _recording(run).series
+    found = sliding(series["setpoints"], series["gearbox_states"], model)
+    assert found is not None
+    assert found.takes == pytest.approx(0.01 * (1.0 + slower) / slower, rel=1e-3)
+    assert abs(found.phase - round(found.phase)) < 0.01
 
 
 def test_a_slow_servo_does_not_slide(model: Model) -> None:

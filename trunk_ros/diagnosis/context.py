@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.levels import HARDLY
 from trunk_ros.diagnosis.machine import CELLS, KEPT
 from trunk_ros.diagnosis.side_by_side import Seen
 from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.thrown import thrown
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -225,7 +226,8 @@ class Context:
     def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) measured less predicted, 0 where nothing counts."""
         seen = self.views[index].columns[column]
-        return np.where(seen.valid, seen.target - self.predict(index, hypothesis, column), 0.0)
+        predicted = thrown(self.views[index], hypothesis, column, self.predict(index, hypothesis, column))
+        return np.where(seen.valid, seen.target - predicted, 0.0)
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
@@ -234,8 +236,9 @@ class Context:
     def whitened_each(self, pairs: Sequence[Seen]) -> list[Array]:
         """The same of several hypotheses, each of one joint."""
         out = []
-        for (_, column), each in zip(pairs, self.predictions_each(pairs), strict=True):
+        for (hypothesis, column), each in zip(pairs, self.predictions_each(pairs), strict=True):
             seen = [view.columns[column] for view in self.views]
+            each = [thrown(v, hypothesis, column, p) for v, p in zip(self.views, each, strict=True)]
             rests = [np.where(s.valid, s.target - p, 0.0) for s, p in zip(seen, each, strict=True)]
             out.append(self.whiten(rests, column))
         return out

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.diagnosis.against import SERVO, Simulator
+from trunk_ros.diagnosis.beside import put_right_beside
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import Span, common_joints, servo_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp
@@ -22,6 +23,7 @@ from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
 from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
+from trunk_ros.diagnosis.pace import with_its_clocks
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
@@ -70,7 +72,11 @@ class Diagnoser:
         self.wires = [uncoupled(r, model)[0] for r in recordings]
         """The recordings with a path of its own to each joint."""
         path = replace(model, arm=model.arm.uncoupled())
-        spans = [] if servo_alone or tip_alone else [wire_span(r, path) for r in self.wires]
+        spans = (
+            []
+            if servo_alone or tip_alone
+            else [with_its_clocks(wire_span(r, path), r, path) for r in self.wires]
+        )
         key = "gearbox_states" if servo_alone else "joint_states"
         seen = [s.joints for s in spans] or [common_joints(r, model, r.require(key)) for r in recordings]
         self.joints = seen[0]
@@ -179,6 +185,7 @@ class Diagnoser:
         self.say("wire")
         state = self._stage(WireStage(self.spans, self.path, self.recordings[0].units))
         if state is not None:
+            self.recordings, self.wires = (put_right_beside(r, state) for r in (self.recordings, self.wires))
             noises = zip(self.joints, state.context.noise, state.context.stage.steps, strict=True)
             self.lasting = {j: n.std if n.correlation > 0.0 else steps for j, n, steps in noises}
 

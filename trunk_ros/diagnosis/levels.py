@@ -10,6 +10,8 @@ SURE = 4.0
 """Standard deviations that chance does not make, also where they are only roughly known."""
 CERTAIN = CLEARLY * SURE
 """Standard deviations from which on a recording is changed: nobody looks at it unchanged afterwards."""
+SCATTER = 2.0
+"""Times the standard deviation of a fit: steps of encoders and of time are not in the noise."""
 FEWEST = 20
 """Readings: of fewer nothing is told of a sensor."""
 ENOUGH = 100

@@ -1,5 +1,5 @@
-"""Two clocks that were found to differ, in pace or by a constant, estimated with the physics: before that is
-known, what it does to a joint hides how much of a lag is a clock's.
+"""Two clocks that differ, or may, in pace or by a constant, estimated with the physics: before that is known,
+what it does to a joint hides how much of a lag is a clock's.
 """
 
 from __future__ import annotations
@@ -8,10 +8,36 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.sensing.pairs import told
+from trunk_ros.diagnosis.data.sensing.skew import unseen_skew
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SLIGHT
+from trunk_ros.diagnosis.levels import SCATTER, SLIGHT, SURE
+from trunk_ros.recording.observed import Observed
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import TOPICS
+
+
+def with_its_clocks(span: Span, recording: Recording, model: ArmModel) -> Span:
+    """A span of gearbox and joints, with how much of a skew it may hide where stamps are of two clocks."""
+    if span.unsure[0] > 0.0:
+        return span
+    gearbox, shown = (recording.require(k).select(span.joints) for k in ("gearbox_states", "joint_states"))
+    arm = model.for_joints(span.joints).loaded_arm().only(span.joints)
+    return replace(span, unseen=unseen_skew(gearbox, shown, arm))
+
+
+def with_unseen_skew(context: Context, hypothesis: Hypothesis) -> Context | None:
+    """With the skew that two clocks may have which did not show one at first; None where none may have."""
+    spans = [view.span for view in context.views]
+    if not any(span.unseen for span in spans) or any(span.unsure[0] for span in spans):
+        return None
+    known = [replace(span, unsure=(span.unseen, span.unsure[1])) for span in spans]
+    views = tuple(replace(view, span=span) for view, span in zip(context.views, known, strict=True))
+    return paced(replace(context, views=views, shown_before={}, _cache={}), hypothesis)
 
 
 def paced(context: Context, hypothesis: Hypothesis) -> Context:
@@ -20,7 +46,7 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
     """
     if context.stage.name != "wire" or not any(any(view.span.unsure) for view in context.views):
         return context
-    paces = [_likeliest(context, hypothesis, k) for k in range(len(context.views))]
+    paces = [_likeliest(context, hypothesis, k)[0] for k in range(len(context.views))]
     moved = [
         np.abs(pace - view.span.pace) > SLIGHT * np.array(view.span.unsure)
         for pace, view in zip(paces, context.views, strict=True)
@@ -35,12 +61,35 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
     return replace(context, views=tuple(views), shown_before={}, _cache={})
 
 
-def _likeliest(context: Context, hypothesis: Hypothesis, index: int) -> Array:
-    """(2,) s/s and s: least squares over all joints, held by the standard deviations of what was found."""
+def differ(context: Context, hypothesis: Hypothesis) -> bool:
+    """Whether a recording's clocks go at different paces for sure."""
+    found = [_likeliest(context, hypothesis, k) for k in range(len(context.views))]
+    return any(abs(pace[0]) > SURE * SCATTER * std[0] for pace, std in found)
+
+
+def skew_told(context: Context, hypothesis: Hypothesis, index: int) -> Observed | None:
+    """What to say of the clocks of a recording where a skew showed beside the physics alone."""
+    span = context.views[index].span
+    if not span.unseen or not span.unsure[0]:
+        return None
+    (rate, _), (std, _) = (1e6 * each for each in _likeliest(context, hypothesis, index))
+    rate, std = float(rate), SCATTER * float(std)
+    first, second = TOPICS["joint_states"], TOPICS["gearbox_states"]
+    said = (
+        f"the clock of {first} runs {abs(rate):.0f} ± {std:.1f} ppm {'fast' if rate > 0.0 else 'slow'} "
+        f"beside that of {second}: this showed together with the physics, and was taken off with it"
+    )
+    return told("skew", (first, span.joints), rate, std, "ppm", said, "Synchronise the clocks (chrony, PTP)")
+
+
+def _likeliest(context: Context, hypothesis: Hypothesis, index: int) -> tuple[Array, Array]:
+    """(2,) s/s and s: least squares over all joints, held by the standard deviations of what was found; and
+    the std of each.
+    """
     span = context.views[index].span
     unsure, pace = np.array(span.unsure), np.array(span.pace)
     if not unsure.any():
-        return pace
+        return pace, unsure
     along, square = np.zeros(2), np.eye(2)
     for column in context.columns:
         rest, shapes = context.whitened(hypothesis, column), []
@@ -51,7 +100,8 @@ def _likeliest(context: Context, hypothesis: Hypothesis, index: int) -> Array:
         shape = np.column_stack(shapes)
         square += shape.T @ shape
         along += shape.T @ (shape @ (pace / np.where(unsure > 0.0, unsure, 1.0)) - rest)
-    return np.asarray(unsure * np.linalg.solve(square, along))
+    known = np.linalg.inv(square)
+    return unsure * (known @ along), unsure * np.sqrt(known.diagonal())
 
 
 def _late(context: Context, index: int, column: int) -> Array:

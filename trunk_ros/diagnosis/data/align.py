@@ -74,6 +74,8 @@ class Span:
     was found to be otherwise than its stamps had it."""
     pace: tuple[float, float] = (0.0, 0.0)
     """By how much it is taken to run faster [s/s] and to be further ahead [s] than it was found to."""
+    unseen: float = 0.0
+    """Standard deviation [s/s] of how fast it may run without that it shows before the physics is known."""
 
     @property
     def stamp(self) -> Array:

@@ -32,12 +32,23 @@ STRIDES = (1, 2, 3, 4, 6, 8, 12, 16)
 @dataclass(frozen=True)
 class Noise:
     """Standard deviation of a sensor's noise: an AR(1) process of a lag-one correlation, with a ``white``
-    part on top (a standard deviation, too), which an encoder's steps add.
+    part on top (a standard deviation, too), which an encoder's steps add; and a ``slow`` part (standard
+    deviation, correlation) where it wanders over many times at once, as 1/f noise does.
     """
 
     std: float
     correlation: float = 0.0
     white: float = 0.0
+    slow: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def goes_on(self) -> float:
+        """Covariance of one sample with the next."""
+        return self.correlation * self._coloured + self.slow[0] ** 2 * self.slow[1]
+
+    @property
+    def _coloured(self) -> float:
+        return self.std**2 - self.white**2 - self.slow[0] ** 2
 
     def whiten(self, residual: Array, follows: np.ndarray) -> Array:
         """A residual (n,) as independent unit noise; ``follows`` (n,) where the sample before counts as
@@ -56,8 +67,11 @@ class Noise:
 
     def _innovations(self, residual: Array, follows: np.ndarray) -> tuple[Array, Array]:
         out, spread = np.empty(len(residual)), np.empty(len(residual))
-        coloured = self.std**2 - self.white**2
-        innovations(residual, follows, self.correlation, coloured, self.white**2, out, spread)
+        if self.slow[0] == 0.0:
+            innovations(residual, follows, self.correlation, self._coloured, self.white**2, out, spread)
+        else:
+            parts = self.correlation, self._coloured, self.slow[1], self.slow[0] ** 2
+            innovations_of_two(residual, follows, *parts, self.white**2, out, spread)
         return out, spread
 
 
@@ -87,6 +101,44 @@ def innovations(
         out[i] = off / size[i]
         expected += spread / whole * off
         spread *= white / whole
+
+
+@compiled
+def innovations_of_two(
+    residual: Array,
+    follows: np.ndarray,
+    correlation: float,
+    coloured: float,
+    stays: float,
+    slow: float,
+    white: float,
+    out: Array,
+    size: Array,
+) -> None:
+    """The same of two processes together, the second with a correlation that ``stays`` and a variance
+    ``slow``.
+    """
+    first = second = both = 0.0
+    expected = wandered = 0.0
+    for i in range(len(residual)):
+        if follows[i]:
+            expected, wandered = correlation * expected, stays * wandered
+            first = correlation**2 * first + (1.0 - correlation**2) * coloured
+            second = stays**2 * second + (1.0 - stays**2) * slow
+            both = correlation * stays * both
+        else:
+            expected, wandered, first, second, both = 0.0, 0.0, coloured, slow, 0.0
+        off, whole = residual[i] - expected - wandered, first + second + 2.0 * both + white
+        size[i] = np.sqrt(whole)
+        out[i] = off / size[i]
+        one, other = first + both, both + second
+        expected += one / whole * off
+        wandered += other / whole * off
+        first, second, both = (
+            first - one * one / whole,
+            second - other * other / whole,
+            both - one * other / whole,
+        )
 
 
 @dataclass(frozen=True)

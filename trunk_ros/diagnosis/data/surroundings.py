@@ -13,6 +13,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.machine import LOOKED
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -41,6 +42,8 @@ class View:
     wires: Array
     speeds: Array
     follows: np.ndarray
+    hums: tuple[Hum, ...] = ()
+    """Tones of all joints that showed beside the physics, and were taken out of the span's target."""
     cuts: dict[int, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
     large: dict[tuple[str, float, int], tuple[Array, Array]] = field(
         default_factory=dict, init=False, repr=False, compare=False

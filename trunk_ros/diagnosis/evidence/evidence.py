@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.rivals import Looks, by_its_own_angles, loss, rivals, without
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH
+from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH, SCATTER
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.work import Work
@@ -25,7 +25,6 @@ from trunk_ros.guards import BLIND, ROUNDED
 EQUIVALENTS = 5  # that are said
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 UNNAMED = 0.7  # confidence in what no formula states, at most
-SCATTER = 2.0  # of the stated spreads: steps of the encoder and of time are not in the noise
 
 
 Spread = dict[tuple[str, str, int | None], float]

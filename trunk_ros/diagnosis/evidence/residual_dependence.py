@@ -29,8 +29,7 @@ def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     for rest, view in zip(context.evened(hypothesis, column), context.views, strict=True):
         follows = view.follows[:, column]
         products.append((rest[1:] * rest[:-1])[follows[1:]])
-    own = noise.correlation * (noise.std**2 - noise.white**2)
-    return goes_on(np.concatenate(products), own, HALF * context.rest(column) * noise.std**2)
+    return goes_on(np.concatenate(products), noise.goes_on, HALF * context.rest(column) * noise.std**2)
 
 
 def goes_on(products: Array, own: float, least: float) -> bool:

@@ -13,14 +13,15 @@ from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
 from trunk_ros.diagnosis.levels import HALF, HARDLY, TURNS
-from trunk_ros.diagnosis.pace import paced
+from trunk_ros.diagnosis.pace import differ, paced, with_unseen_skew
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.score import BETTER, beats, score
+from trunk_ros.diagnosis.search.hummed import told_from_hum
+from trunk_ros.diagnosis.search.score import BETTER, beats, naming, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
 from trunk_ros.diagnosis.search.state import state_of, structure
-from trunk_ros.effects import effect
+from trunk_ros.effects import effect, imitated
 
 LARGE = HALF  # of what is left: what explains so much of it, and much of all, comes before anything is mended
 COARSE = (0.2, HARDLY, 0.0)  # of what is left: what a change has to gain then, later, and in the end
@@ -137,7 +138,9 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     stale = False
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
+        best = told_from_hum(best) if steady else best
         best = told_from_noise(best, partial(desk.looks_at, best)) if steady else best
+        best = told_from_clocks(best) if steady and desk.share == 0.0 else best
         while _is_large(best, desk.share):
             better = first_that_pays(best, _ordered(now, best, desk.share, newest), desk)
             if better is None and stale and not best.context.work.over:
@@ -150,6 +153,25 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
                 newest = [name for name in found.hypothesis if name not in best.hypothesis]
             best, stale = (renewed if move.grows else relooked)(found), not move.grows
             desk.say(f"so far {describe(best.hypothesis)}")
+    return best
+
+
+def told_from_clocks(now: Fit) -> Fit:
+    """With a skew of two clocks that did not show before the physics was known, and without the effects that
+    it looks like, where that leaves less by the price of an effect, or as little without them.
+    """
+    known = now.hypothesis
+    price = naming(now.context.stage.name) + max(need(now.context, c) for c in now.cost)
+    less = Hypothesis({name: term for name, term in known.items() if name not in imitated("skew")})
+    best, least = now, score(now) - price
+    for hypothesis in (less, known) if len(less) < len(known) else (known,):
+        context = with_unseen_skew(now.context, hypothesis)
+        if context is None or context.work.over:
+            break
+        trial = renewed(refit(context, hypothesis))
+        alike = score(costed(replace(trial.context, noise=now.context.noise), trial.hypothesis))
+        if alike < least and differ(trial.context, trial.hypothesis):
+            best, least = trial, alike
     return best
 
 

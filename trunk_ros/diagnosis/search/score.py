@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.levels import FAR_OFF, HALF, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
+from trunk_ros.diagnosis.thrown import rests
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.curve import OVER_TIME, Curve
 from trunk_ros.guards import ROUNDED
@@ -169,12 +170,19 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     left = {c: for_a_time(context, c, fit.cost.get(c, 0.0)) for c in needs}
     names = sorted({name for c in needs for name in term.moments(c)})
     times = [[(term.own[c][name], n) for c, n in needs.items() if name in term.own[c]] for name in names]
-    own = sum(map(_apart, times)) + sum(left[c] for c in needs if term.moments(c))
+    own = sum(map(_apart, times)) + sum(left[c] for c in needs if term.moments(c)) + _throws(context, term)
     shared = sum(m.moment and m.name in term.shared for m in kind.moments())
     if not shared:
         return own
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
     return own + usual * shared + sum(left.values())
+
+
+def _throws(context: Context, term: Term) -> float:
+    """Of how far what happens at once throws joints that rest: each is a value that was fitted."""
+    alone = Hypothesis({term.effect: term})
+    found = [c for view in context.views for c in term.columns for _ in rests(view, alone, c)]
+    return FURTHER * sum(chance(context, c) for c in found)
 
 
 def _apart(times: list[tuple[float, float]]) -> float:

@@ -16,10 +16,10 @@ from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cu
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import NOTABLE, PART, SOME, SURE, THREEFOLD
+from trunk_ros.diagnosis.levels import NOTABLE, PART, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed
-from trunk_ros.diagnosis.search.score import CURVE, measured, need, score
+from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.trial import PROMISING, looks
 from trunk_ros.effects import effect
@@ -107,7 +107,7 @@ def _explained(now: Fit, column: int, kept: Kept) -> float:
 
 def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:
     """The noise by which what a hypothesis leaves of a column is likeliest, and twice the negative logarithm
-    of that likelihood, but for a constant.
+    of that likelihood, but for a constant; a slow part more where it is likelier by the price of its values.
     """
     parts = _parts(context, hypothesis, column)
     known = context.noise[column]
@@ -115,18 +115,28 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
     rest_std = float(np.sqrt(np.mean(np.concatenate([rest[counted] for rest, _, counted in parts]) ** 2)))
 
     def noise_at(x: Array) -> Noise:
-        coloured, forgets, white = np.exp(np.clip(x, -LOST, LOST))
-        correlation = float(np.exp(-1.0 / min(max(forgets, 1.0), longest)))
-        return Noise(float(np.hypot(coloured, white)), correlation, float(white))
+        white, *coloured = np.exp(np.clip(x, -LOST, LOST)).tolist()
+        std = float(np.linalg.norm([white, *coloured[::2]]))
+        remembered = [float(np.exp(-1.0 / min(max(forgets, 1.0), longest))) for forgets in coloured[1::2]]
+        return Noise(std, remembered[0], white, (coloured[2], remembered[1]) if coloured[2:] else (0.0, 0.0))
+
+    def fitted(first: list[float]) -> tuple[Array, float]:
+        options = {"xatol": 0.02, "fatol": 1.0, "maxfev": 50 * len(first)}
+        best = minimize(cost, np.log(first), method="Nelder-Mead", options=options)
+        return best.x, float(best.fun)
 
     def cost(x: Array) -> float:
         noise = noise_at(x)
         return sum(noise.unlikely(*part) for part in parts)
 
     slow = np.sqrt(max(rest_std**2 - known.std**2, 0.01 * known.std**2))
-    first = np.log([slow, 0.1 * longest, known.std])
-    best = minimize(cost, first, method="Nelder-Mead", options={"xatol": 0.02, "fatol": 1.0, "maxfev": 150})
-    return noise_at(best.x), float(best.fun)
+    one = fitted([known.std, slow, PART * longest])
+    white, coloured, forgets = np.exp(one[0]).tolist()
+    half = [coloured / np.sqrt(2.0), max(forgets / THREEFOLD, 1.0), coloured / np.sqrt(2.0)]
+    two = fitted([white, *half, min(TENFOLD * forgets, longest)])
+    price = FURTHER * (len(two[0]) - len(one[0]))
+    x, least = two if two[1] < one[1] - price else one
+    return noise_at(x), least
 
 
 def unlikely(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) -> float:
@@ -144,12 +154,17 @@ def _parts(
 
 
 def is_plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) -> bool:
-    """Whether a noise is all that a hypothesis leaves of a column: what swings is more."""
+    """Whether a noise is all that a hypothesis leaves of a column: what swings is more, and what comes where
+    the joint turns or sticks is loud there only, as no sensor is.
+    """
     for rest, follows, counted in _parts(context, hypothesis, column):
         white = noise.whiten(rest, follows)[counted]
         chance = SURE / np.sqrt(max(len(white), 1))
+        loud = (white**2 - 1.0) / np.sqrt(2.0)
         lags = (lag for lag in LAGS if lag < len(white) // 2)
-        if any(abs(float(np.mean(white[lag:] * white[:-lag]))) > WHITE + chance for lag in lags):
+        if any(
+            abs(float(np.mean(x[lag:] * x[:-lag]))) > WHITE + chance for lag in lags for x in (white, loud)
+        ):
             return False
     return True
 

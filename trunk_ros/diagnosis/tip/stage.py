@@ -15,8 +15,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
 from trunk_ros.diagnosis.data.sensor_faults import BESIDE, FEW
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
-from trunk_ros.diagnosis.evidence.evidence import SCATTER
-from trunk_ros.diagnosis.levels import ROUGH, TENFOLD, TURNS
+from trunk_ros.diagnosis.levels import ROUGH, SCATTER, TENFOLD, TURNS
 from trunk_ros.diagnosis.search.fit import GAINED
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT, naming
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of

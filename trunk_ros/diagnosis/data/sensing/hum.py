@@ -6,7 +6,7 @@ What physics shakes, it shakes each joint by its own inertia and stiffness.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, apart, basis, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, apart, basis, motion_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, NEARLY, SURE
 from trunk_ros.guards import BLIND, TINY
@@ -55,7 +55,10 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
         return []
     motion = motion_of(gearbox, shown, arm)
     off, found = motion.off, list[Hum]()
-    while len(found) < TONES and (more := _tone(motion, off)) is not None:
+    while len(found) < TONES:
+        more = tone(motion.stamp, off, motion.asked, lambda joint: basis(motion, joint, True), COMES_BACK)
+        if more is None:
+            break
         off = off - more.at(motion.stamp)
         found.append(more)
     return found
@@ -90,24 +93,25 @@ class _Waves:
         return np.array([both @ np.linalg.solve(square, both) for square, both in self.at(frequency)])
 
 
-def _tone(motion: Motion, off: Array) -> Hum | None:
-    """The strongest line of what the motion does not say of where each joint is off (n, joints), of the
-    middle joint, where it is one of all of them and not of the motion.
+def tone(
+    stamp: Array, off: Array, asked: Array, features: Callable[[int], Array], least: float
+) -> Hum | None:
+    """The strongest line of what ``features`` (n, k) of a joint do not say of where each joint is off
+    (n, joints), of the middle joint, where it is one of all of them, comes back so many times at ``least``,
+    and is not of the motion that was ``asked`` (n, joints).
 
-    The motion as features is made anew when it is needed: that of all joints is as large as all else.
+    Features are made anew when they are needed: those of all joints are as large as all else.
     """
-    stamp, pairs = motion.stamp, [_beside(basis(motion, j, True), one) for j, one in enumerate(off.T)]
+    pairs = [_beside(features(j), one) for j, one in enumerate(off.T)]
     rests, mixes = [rest for rest, _ in pairs], [mix for _, mix in pairs]
     first = float(np.median([spectrum(stamp, rest)[0] for rest in rests]))
     if first <= 0.0:
         return None
-    own = [
-        Band.of(stamp, np.column_stack([rest, basis(motion, j, True)]), first) for j, rest in enumerate(rests)
-    ]
+    own = [Band.of(stamp, np.column_stack([rest, features(j)]), first) for j, rest in enumerate(rests)]
     twice = Band.of(stamp, np.ones((len(stamp), 1)), 2.0 * first)
     waves = _Waves(own, mixes, twice, len(stamp))
     frequency = _shared(stamp, waves, np.array([float(rest @ rest) for rest in rests]), first)
-    if frequency * float(np.ptp(stamp)) < COMES_BACK:
+    if frequency * float(np.ptp(stamp)) < least:
         return None
     seen, std = _lines(frequency, stamp, waves)
     sizes = np.hypot(*seen)
@@ -118,9 +122,9 @@ def _tone(motion: Motion, off: Array) -> Hum | None:
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
         return None
-    plain = [Band.of(stamp, one[:, None], first) for one in motion.asked.T]
-    asked = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))
-    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, seen, asked):
+    plain = [Band.of(stamp, one[:, None], first) for one in asked.T]
+    driving = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))
+    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, seen, driving):
         return None
     return Hum(frequency, mean, known, seen)
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.data.sensing.hum import hums
+from trunk_ros.diagnosis.data.sensing.hum import Hum, hums
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.wraps import series_unwrapped, whole_turns
@@ -88,18 +89,22 @@ def without_tones(recording: Recording, model: Model) -> Recording:
         return recording
     gearbox, shown = both
     for hum in hums(gearbox, shown, model.for_joints(shown.joints).loaded_arm().only(shown.joints)):
-        series, joints = recording.series["joint_states"], list(shown.joints)
-        position = series.position.copy()
-        position[:, [series.joints.index(joint) for joint in joints]] -= hum.at(series.stamp)
-        said = (
-            f"{SHOWN} has a tone of {hum.frequency:.4g} Hz, {1e3 * hum.size:.3g} mrad on each joint, as "
-            "hum of the mains is, which shows as a slow wave where it is faster than half the rate: it was "
-            "taken out"
-        )
-        where, advice = (SHOWN, shown.joints), "Shield and ground the sensors' cables"
-        observed = told("hum", where, hum.size, hum.std, "rad", said, advice)
-        recording = seen(recording, observed, joint_states=replace(series, position=position))
+        recording = taken_out(recording, shown.joints, hum)
     return recording
+
+
+def taken_out(recording: Recording, joints: Sequence[str], hum: Hum) -> Recording:
+    """Readings of some joints without a tone that all of them share."""
+    series = recording.series["joint_states"]
+    position = series.position.copy()
+    position[:, [series.joints.index(joint) for joint in joints]] -= hum.at(series.stamp)
+    said = (
+        f"{SHOWN} has a tone of {hum.frequency:.4g} Hz, {1e3 * hum.size:.3g} mrad on each joint, as hum of "
+        "the mains is, which shows as a slow wave where it is faster than half the rate: it was taken out"
+    )
+    where, advice = (SHOWN, tuple(joints)), "Shield and ground the sensors' cables"
+    observed = told("hum", where, hum.size, hum.std, "rad", said, advice)
+    return seen(recording, observed, joint_states=replace(series, position=position))
 
 
 def how_coarse(recording: Recording, model: Model) -> Recording:

@@ -45,12 +45,26 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     friction (and its wear), coupling and inertia do to a joint. Where joints go at one speed each, wear and
     skew look alike on one of them; then three joints of different speeds have to say the same.
     """
+    motion = _between_clocks(gearbox, shown, arm)
+    return None if motion is None else _said(motion)
+
+
+def unseen_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> float:
+    """Standard deviation [s/s] by which a skew is not known that is not certain; 0 where one clock made all
+    stamps, or nothing tells how far two may differ.
+    """
+    motion = _between_clocks(gearbox, shown, arm)
+    return _told(motion, True).skew.std if motion is not None and motion.moving else 0.0
+
+
+def _between_clocks(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
+    """Some of the motion, where two clocks may tell it and it was sampled often enough."""
     if min(len(gearbox.stamp), len(shown.stamp)) < CLOCKED or one_clock(gearbox.stamp, shown.stamp):
         return None
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return None
     shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
-    return _said(motion_of(gearbox, shown, arm))
+    return motion_of(gearbox, shown, arm)
 
 
 def without_skew(shown: JointSeries, found: Skew) -> JointSeries:

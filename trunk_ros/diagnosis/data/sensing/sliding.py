@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
+from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, apart
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
-from trunk_ros.diagnosis.levels import MOST, PART, ROWS
+from trunk_ros.diagnosis.levels import MOST, PART, REFITTED, ROWS, SLIGHT, TENFOLD
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
@@ -50,14 +51,37 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     late = _late(setpoints, gearbox, model)
     if late is None or late.able < (PART * period) ** 2 * late.weight.sum():
         return None
-    found = _over_all(late, period)
-    if found is None:
-        return None
     arm = model.only(setpoints.joints).arm
     follows = float(np.mean(1.0 / arm.kp + arm.tau_v))  # s after a setpoint has acted, the shaft shows it
-    found = replace(found, phase=found.phase + follows / found.takes)
-    left = _late(waited(setpoints, found), gearbox, model)
-    return found if left is not None and left.able < MOST * late.able else None
+
+    def left(found: Sliding) -> float:
+        """Squares of what the servo's own course leaves."""
+        there = _late(waited(setpoints, found), gearbox, model)
+        return np.inf if there is None else float(np.sum(there.off**2))
+
+    tried = [replace(saw, phase=saw.phase + follows / saw.takes) for saw in _over_all(late, period)]
+    if not tried:
+        return None
+    found = _nearest(min(tried, key=left), left, late.stamp)
+    there = _late(waited(setpoints, found), gearbox, model)
+    return found if there is not None and there.able < MOST * late.able else None
+
+
+def _nearest(found: Sliding, left: Callable[[Sliding], float], stamp: Array) -> Sliding:
+    """The saw beside one that leaves least of the servo's own course; of long recordings it is told as well
+    as that from the lags alone.
+    """
+    if len(stamp) > TENFOLD * ROWS:
+        return found
+    length = float(np.ptp(stamp))
+
+    def moved(x: Array) -> Sliding:
+        return replace(found, takes=1.0 / (1.0 / found.takes + float(x[0]) / length), phase=float(x[1]))
+
+    first, step = np.array([0.0, found.phase]), 1.0 / (FINER * PHASES)
+    simplex = first + step * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    options = {"initial_simplex": simplex, "xatol": SLIGHT * step, "fatol": np.inf}
+    return moved(minimize(lambda x: left(moved(x)), first, method="Nelder-Mead", options=options).x)
 
 
 def waited(setpoints: JointSeries, found: Sliding) -> JointSeries:
@@ -160,13 +184,18 @@ def _ways(stamp: Array, speed: Array, said: Array) -> Array:
     return np.column_stack([*ways, np.sin(said), np.sign(speed)])
 
 
-def _likeliest(late: _Lags) -> Sliding:
-    """The best of all saws by a search over how long one tooth takes."""
+def _likeliest(late: _Lags) -> list[Sliding]:
+    """The best of all saws by a search over how long one tooth takes, which is too coarse to tell the best of
+    them.
+    """
     length = np.ptp(late.stamp)
     rates = np.arange(length / SLIDES[1], length / SLIDES[0], 1.0 / FINER) / length
-    return max((_fitted(late, way / rate) for rate in rates for way in (1.0, -1.0)), key=lambda one: one[0])[
-        1
-    ]
+    found = [_fitted(late, way / rate) for rate in rates for way in (1.0, -1.0)]
+    out: list[Sliding] = []
+    for _, saw in sorted(found, key=lambda one: -one[0]):
+        apart = all(abs(1.0 / saw.takes - 1.0 / other.takes) * length > 1.0 for other in out)
+        out += [saw] if apart and len(out) < REFITTED else []
+    return out
 
 
 def _fitted(late: _Lags, takes: float) -> tuple[float, Sliding]:
@@ -183,15 +212,18 @@ def _fitted(late: _Lags, takes: float) -> tuple[float, Sliding]:
     return best
 
 
-def _over_all(late: _Lags, period: float) -> Sliding | None:
-    """The saw of a whole recording: searched for at its beginning, then followed further and further."""
+def _over_all(late: _Lags, period: float) -> list[Sliding]:
+    """The likeliest saws of a whole recording: searched for at its beginning, then followed further and
+    further.
+    """
     stamp = late.stamp
     end, found = min(SLIDES[1], float(np.ptp(stamp))), None
     while True:
         seen = stamp <= stamp[0] + end
         some = late.rows(seen)
-        found = _finer(some, _likeliest(some) if found is None else found, period)
-        if found is None or seen.all():
+        finer = [_finer(some, saw, period) for saw in (_likeliest(some) if found is None else found)]
+        found = [saw for saw in finer if saw is not None]
+        if not found or seen.all():
             return found
         end *= 2.0
 

@@ -1,0 +1,88 @@
+"""What happens at once to a joint that rests throws it within its dead band, and is one event."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.concealed.everyday import draw_motion
+from test.concealed.masses import run_masses
+from test.concealed.masses_arm import Arm, having
+from test.concealed.nominal import JOINTS, RATIO
+from test.concealed.sensing import Sensing, record
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.diagnoser import Diagnoser
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.thrown import rests, thrown
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+RELATIVE = 0.02
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """The nominal one."""
+    return load_model("trunk")
+
+
+@pytest.fixture(scope="module")
+def happened() -> tuple[Recording, float]:
+    """An arm of masses on wires, one of which gets another ratio while its joint rests, and when [s]."""
+    rng, stamp = np.random.default_rng(3), np.arange(4000) * 0.01
+    reference = draw_motion(rng, "resting", stamp)
+    at = _middle_of_a_rest(stamp, reference[:, 3])
+    motion = run_masses(
+        [(0.0, Arm()), (at, having(Arm(), (3,), wheel=1.0 + RELATIVE))],
+        np.repeat(reference / RATIO, 5, axis=0),
+    )
+    run = record(rng, "resting", reference, reference / RATIO, motion, Sensing())
+    begin = min(int(topic["stamp"][0]) for topic in run.topics.values())
+    series = {
+        key: JointSeries((topic["stamp"] - begin) * 1e-9, JOINTS, topic["position"])
+        for key, topic in run.topics.items()
+    }
+    return Recording("made", begin, 40.0, series), at
+
+
+def _middle_of_a_rest(stamp: Array, path: Array) -> float:
+    """The middle of the longest rest of a joint (n,) away from its zero, of those in mid-run."""
+    ends = np.flatnonzero(np.diff(path) != 0.0)
+    middle = (stamp[ends[:-1]] + stamp[ends[1:]]) / 2
+    inside = (middle > 10.0) & (middle < 28.0) & (np.abs(path[ends[:-1] + 1]) > 0.05)
+    return float(middle[np.argmax(np.diff(stamp[ends]) * inside)])
+
+
+def test_a_ratio_that_changes_while_a_joint_rests_is_one_effect(
+    happened: tuple[Recording, float], model: Model
+) -> None:
+    recording, at = happened
+    result = Diagnoser([recording], model, None, lambda _: None, experiments=False).run()
+    (finding,), (event,) = result.findings, result.events
+    assert (finding.effect, finding.joints) == ("ratio_error", ["joint_4"])
+    assert finding.parameters["joint_4"]["relative"]["value"] == pytest.approx(RELATIVE, rel=0.03)
+    assert event.begin == pytest.approx(at, abs=0.05)
+
+
+def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_band(
+    happened: tuple[Recording, float], model: Model
+) -> None:
+    recording, at = happened
+    context = first_look(WireStage([wire_span(recording, model)], model))
+    view, column = context.views[0], 3
+    term = Term("ratio_error", "", {}, {column: {"relative": RELATIVE, "from": at}})
+    there = Hypothesis({term.effect: term})
+    predicted = context.predict(0, there, column)
+    more = thrown(view, there, column, predicted) - predicted
+    (rest,) = rests(view, there, column)
+    stamp, band = view.span.stamp, 2.0 * model.arm.dead_band[column]
+    assert not more[stamp < at - 0.1].any()
+    assert 2e-4 < np.abs(more[rest.still]).mean() < band
+    moves = rest.first + int(np.argmax(np.abs(rest.moved) > band))
+    assert not more[moves:].any()
+    assert not (thrown(view, Hypothesis(), column, predicted) - predicted).any()
+    left = [(view.span.target[:, column] - p)[rest.still].mean() for p in (predicted, predicted + more)]
+    assert abs(left[1]) < 0.1 * abs(left[0])

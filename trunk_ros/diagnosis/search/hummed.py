@@ -1,0 +1,54 @@
+"""Tones that all joints share and that show only beside the physics: before that is known, what the motion
+may say of a joint hides what is as slow as the motion, or comes back a few times only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.sensing.hum import JOINTS, TONES, Hum, tone
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
+from trunk_ros.diagnosis.data.surroundings import View
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import SEVERAL
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.score import measured
+from trunk_ros.recording.signal.resample import SLOW
+
+
+def told_from_hum(now: Fit) -> Fit:
+    """Without tones of one size on all joints in what a hypothesis leaves."""
+    context = now.context
+    if context.stage.name != "wire" or context.step > SLOW / 2 or len(context.columns) < JOINTS:
+        return now
+    views = []
+    for index, view in enumerate(context.views):
+        found = _tone(context, now.hypothesis, index) if len(view.hums) < TONES else None
+        views.append(view if found is None else _without(view, context.columns, found))
+    if all(new is old for new, old in zip(views, context.views, strict=True)):
+        return now
+    still = replace(context, views=tuple(views), shown_before={}, _cache={}).weighed(now.hypothesis)
+    return refit(measured(costed(still, context.known)), now.hypothesis)
+
+
+def _tone(context: Context, hypothesis: Hypothesis, index: int) -> Hum | None:
+    """The strongest tone of all joints that can be judged in what is left of a span, beside a constant."""
+    span, columns = context.views[index].span, context.columns
+    rows = span.valid[:, columns].all(axis=1)
+    if np.count_nonzero(rows) < CLOCKED:
+        return None
+    off = np.column_stack([context.residual(index, hypothesis, c)[rows] for c in columns])
+    asked = (span.gearbox[span.rows] * context.arm.ratio)[rows][:, columns]
+    constant = np.ones((len(off), 1))
+    return tone(span.stamp[rows], off, asked, lambda _: constant, SEVERAL)
+
+
+def _without(view: View, columns: list[int], found: Hum) -> View:
+    """With readings of some columns without a tone."""
+    target: Array = view.span.target.copy()
+    target[:, columns] -= found.at(view.span.stamp)
+    return replace(view, span=replace(view.span, target=target), hums=(*view.hums, found))

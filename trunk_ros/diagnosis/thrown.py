@@ -1,0 +1,81 @@
+"""What happens at once to a joint that rests throws it: its mass takes it on beyond where the play would have
+pushed it, and there it lies in its dead band until it moves again. How far no recording tells beforehand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.surroundings import View
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import FEWEST, PART
+from trunk_ros.effects import effect
+from trunk_ros.effects.lasting import RISE
+from trunk_ros.parameter import GROWN
+
+
+class Rest(NamedTuple):
+    """A joint that rests from a moment on: the rows of the target at which it does, the first one after the
+    moment, and of all from that on (rows,) how much of it has happened by then, and how many rad the gearbox
+    would have moved the joint since.
+    """
+
+    still: slice
+    first: int
+    happened: Array
+    moved: Array
+
+
+def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[Rest]:
+    """Where a joint with a dead band rests from a moment of its effects on, one after the other."""
+    width, valid = float(view.arm.dead_band[column]), view.span.valid[:, column]
+    for at in sorted(_moments(hypothesis, column)) if width > 0.0 else []:
+        first, done = np.searchsorted(view.span.stamp, [at - RISE / 2, at + RISE / 2])
+        if not 0 < first < len(valid) - FEWEST:
+            continue
+        path = view.span.gearbox[view.span.rows[first - 1 :], column]
+        moved = (path[1:] - path[0]) * view.arm.ratio[column]
+        goes = np.abs(moved) > PART * width
+        still = slice(int(done), int(first + np.argmax(goes)) if goes.any() else len(valid))
+        if np.count_nonzero(valid[still]) >= FEWEST:
+            happened = np.minimum((view.span.stamp[first:] - at) / RISE + 0.5, 1.0)
+            yield Rest(still, int(first), happened, moved)
+
+
+def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
+    """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
+    out, seen, band = predicted, view.columns[column], 2.0 * float(view.arm.dead_band[column])
+    for still, first, happened, moved in rests(view, hypothesis, column):
+        way = np.sign(predicted[still.start] - predicted[first - 1])
+        rest = (seen.target - out)[still][seen.valid[still]]
+        far = float(np.clip(way * rest.mean(), 0.0, band))
+        if far > 0.0:
+            on, back = (np.maximum.accumulate(np.maximum(each, 0.0)) for each in (way * moved, -way * moved))
+            left = np.clip(np.minimum(far - on, band - back), 0.0, far)
+            out = np.concatenate([out[:first], out[first:] + way * happened * left])
+    return out
+
+
+def _moments(hypothesis: Hypothesis, column: int) -> set[float]:
+    """When [s] something happens to a joint at once."""
+    return {
+        values[name]
+        for term in hypothesis.values()
+        if column in term.own and (names := _names(term.effect))
+        for values in [term.values(column)]
+        for name in names
+        if name in values
+    }
+
+
+@cache
+def _names(name: str) -> tuple[str, ...]:
+    """Of a named effect's moments at which something happens at once."""
+    kind = effect(name)
+    every = (*kind.parameters, *kind.moments()) if kind.named else ()
+    return tuple(p.name for p in every if p.moment and p.name != GROWN.name)
