@@ -21,6 +21,7 @@ from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.data import tip_data
 from trunk_ros.diagnosis.tip.stage import ArmProblem
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
@@ -207,6 +208,23 @@ def stopping(recording: Recording) -> Recording:
         "joint_states": JointSeries(stamp, arm.joints, theta),
     }
     return replace(recording, series=series)
+
+
+@pytest.mark.parametrize(("half_width", "counts"), [(0.4, True), (4e-3, False)])
+def test_samples_lost_at_a_turn_hide_no_more_of_a_loop_than_the_way_that_was_not_seen(
+    half_width: float, counts: bool
+) -> None:
+    stamp = np.arange(0.0, 40.0, 0.0025)
+    stamp = stamp[np.abs(stamp - 6.0 * np.pi) > 0.02]  # beside its second turn at the top
+    motor = np.sin(0.5 * stamp - np.pi / 2.0)[:, None]
+    joint, _ = SharpPlay().run(motor, np.array([[half_width]]), None)
+    series = {
+        "gearbox_states": JointSeries(stamp, ("a",), motor),
+        "joint_states": JointSeries(stamp, ("a",), joint),
+    }
+    span = wire_span(Recording("swing", 0, 40.0, series), load_model("direct"))
+    soon = (span.stamp > 19.0) & (span.stamp < 19.1)
+    assert span.valid[soon].all() == counts
 
 
 def test_an_arm_of_which_nothing_is_known_may_have_setpoints_in_its_recording() -> None:

@@ -11,7 +11,9 @@ import pytest
 from test.diagnosis.arms import on, recorded, reshaped
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.mix_ups import mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
 from trunk_ros.diagnosis.report import write
+from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
 
@@ -109,6 +111,15 @@ def test_clocks_that_are_apart_are_told_with_their_distance(good: Recording, off
 )
 def test_strong_physics_is_no_mix_up(effects: dict[str, dict[str, object]]) -> None:
     assert mix_ups(recorded(effects, 30.0), TRUNK) == []
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_one_swing_of_a_wide_dead_band_is_no_other_clock_at_whichever_side_it_began(side: float) -> None:
+    stamp, half_width = np.arange(0.0, 20.0, 0.01), np.array([[0.5]])
+    motor = np.sin(0.35 * stamp[:, None] - 1.4 * side)
+    joint, _ = SharpPlay().run(motor, half_width, motor[0] + side * half_width[0])
+    assert clock_offset(stamp, motor, stamp, joint) == 0.0
+    assert clock_offset(stamp, motor, stamp + 3.0, motor) == pytest.approx(3.0, abs=0.1)
 
 
 def test_all_joints_moving_alike_are_not_swapped(good: Recording) -> None:

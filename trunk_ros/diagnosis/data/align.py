@@ -11,7 +11,7 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import MOVED, comes_back, is_wide, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import ENOUGH, OUTLIERS
+from trunk_ros.diagnosis.levels import ENOUGH, OUTLIERS, ROUGH
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
@@ -119,8 +119,10 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     start = _start(u, rows, target, valid)
     least = np.maximum(MOVED * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, STANDS))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
+    loop = _loop(u[rows], target, valid)
+    past = np.minimum(least, np.maximum(BANDS * loop, STANDS))
     small = np.maximum(noises(measured) / 2, UNSEEN)
-    past = np.minimum(least, np.maximum(BANDS * _loop(u[rows], target, valid), STANDS))
+    small = np.maximum(small, np.where(np.isfinite(loop), ROUGH * loop, 0.0))  # wide ones are hardly moved
     valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)

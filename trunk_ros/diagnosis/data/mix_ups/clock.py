@@ -34,9 +34,12 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
 
 
 def _alike_by_a_play(first: Array, source: Array, second: Array, target: Array) -> float:
-    """The same as the clocks are, behind the best dead band: in a steady swing it comes late as well."""
-    drives, reach = fill(source), np.ptp(fill(source), axis=0)
-    played = [SharpPlay().run(drives, (share * reach)[None], None)[0] for share in BANDS]
+    """The same as the clocks are, behind the best dead band, at whose one side or the other a joint may lie
+    at first: in a steady swing it comes late as well.
+    """
+    drives, bands = fill(source), np.outer(BANDS, np.ptp(fill(source), axis=0))
+    sides = [(band, drives[0] + side * band) for band in bands for side in (-1.0, 0.0, 1.0)]
+    played = [SharpPlay().run(drives, band[None], begun)[0] for band, begun in sides]
     return max(_alike(first, each, second, target) for each in played)
 
 
