@@ -194,7 +194,7 @@ def bent(u: float, w: float, bend: float, memory: Array) -> float:
     lacks, way, x = max(w - side * memory[2], 0.0), abs(moved), 0.0
     if bend <= 0.0:
         memory[2] = min(max(memory[2] + moved, -w), w)
-        return u - memory[2]
+        return float(u - memory[2])
     for _ in range(SOLVED):
         decay = np.exp(-x / bend)
         off = way - x - lacks * (1.0 - decay)
