@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.moves import ADD_ON_JOINTS, CURVE, DROP, MOVES
+from trunk_ros.diagnosis.search.moves import ADD_ON_JOINTS, CURVE, DROP, MOVES, PLAINER
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.score import STRONG, beats, measured, score
 from trunk_ros.effects import effect
@@ -35,7 +35,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
     closing = work.besides()
     best = renewed(best)
     claimed = replace(best, context=replace(best.context, claims=True, work=closing))
-    done = descend(claimed, (DROP, ADD_ON_JOINTS, CURVE) if work.over else (DROP,), desk)
+    done = descend(claimed, (DROP, PLAINER, ADD_ON_JOINTS, CURVE) if work.over else (DROP,), desk)
     work.took(closing)
     return plain(replace(done, context=replace(done.context, work=work)))
 

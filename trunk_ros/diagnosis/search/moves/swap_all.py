@@ -176,4 +176,14 @@ def _back(old: Term, now: Fit, column: int) -> Fit:
     return refit(now.context, found.hypothesis) if trials else now
 
 
+def _with_less(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Each effect by what it includes, where its further values may say nothing."""
+    for name in best.hypothesis:
+        kinds = [k for k in usable(best.context) if k.id in effect(name).replaces]
+        kinds = [k for k in kinds if k.everywhere and k.id not in best.hypothesis]
+        if kinds:
+            yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
+
+
 SWAP_ALL = Move("swap_all", groups, descends=True)
+PLAINER = Move("plainer", _with_less)
