@@ -31,12 +31,12 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
         if incomplete(best):
             again = Desk(desk.say, vain=desk.vain)
             best = better_of(best, descend(renewed(other), MOVES, again, steady=True))
-    work = best.context.work
-    closing = work.besides()
-    best = renewed(best)
-    claimed = replace(best, context=replace(best.context, claims=True, work=closing))
-    done = descend(claimed, (DROP, PLAINER, ADD_ON_JOINTS, CURVE) if work.over else (DROP,), desk)
-    work.took(closing)
+    work, done = best.context.work, renewed(best)
+    ends = ((DROP, PLAINER, ADD_ON_JOINTS), (DROP, CURVE)) if work.over else ((DROP,),)
+    for moves in ends:
+        closing = work.besides()
+        done = descend(replace(done, context=replace(done.context, claims=True, work=closing)), moves, desk)
+        work.took(closing)
     return plain(replace(done, context=replace(done.context, work=work)))
 
 
