@@ -89,6 +89,17 @@ def test_a_delay_of_whole_samples_shifts_the_setpoints(delay: float) -> None:
     )
 
 
+@pytest.mark.parametrize("columns", [1, 5])
+def test_late_setpoints_act_in_full_whatever_rows_lie_between_them(columns: int) -> None:
+    """Rows at which the shaft is read, just before setpoints: they had hidden these from the step's mean."""
+    stamp = 0.01 * np.arange(300)
+    asked = np.tile(0.5 * np.sin(2.0 * stamp)[:, None], (1, columns))
+    rows = np.unique(np.concatenate([stamp, stamp[1:] - 4e-4]))
+    held = asked[np.searchsorted(stamp, rows + 1e-9, side="right") - 1]
+    whole, read = (servo(a, t, servo_delay={"delay": 5e-3}) for a, t in ((asked, stamp), (held, rows)))
+    assert read[np.searchsorted(rows, stamp - 1e-9)] == pytest.approx(whole, abs=2e-4)
+
+
 def test_a_delay_may_be_longer_than_a_block() -> None:
     stamp, setpoint = steps_and_sweeps(100.0)
     chain = Chain(Model(arm_of(2), {"servo_delay": {"delay": 0.137}}), "servo")

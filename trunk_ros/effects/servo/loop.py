@@ -51,7 +51,7 @@ def servo_loop(
     gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
     brings it nearer to sliding. Of what wires pull the share ``torque`` acts past the top speed that the
     position loop may ask for, the rest before it.
-    Within a step that a late setpoint falls into, its time-weighted mean acts: the result is smooth in the
+    Within a step that late setpoints fall into, their time-weighted mean acts: the result is smooth in the
     delay.
     """
     rows, columns = setpoint.shape
@@ -81,10 +81,10 @@ def servo_loop(
                         held -= 1
                     while held + 1 < k and stamp[held + 1] <= t + 1e-9:
                         held += 1
-                    target = setpoint[held, j]
-                    if held + 1 < k and stamp[held + 1] < t + h - 1e-9:
-                        share = (t + h - stamp[held + 1]) / h
-                        target += share * (setpoint[held + 1, j] - target)
+                    target, after = setpoint[held, j], held + 1
+                    while after < k and stamp[after] < t + h - 1e-9:
+                        target += (t + h - stamp[after]) / h * (setpoint[after, j] - setpoint[after - 1, j])
+                        after += 1
                     target += pulled
                     if size != 0.0:
                         target += size * sine(cycles * phi + phase)
@@ -237,13 +237,15 @@ def _ask(
             t = stamp[k] - span + i * h[j] - delay[j]
             while now + 1 < k and stamp[now + 1] <= t + 1e-9:
                 now += 1
-            if now + 1 < k and stamp[now + 1] < t + h[j] - 1e-9:
-                share = (t + h[j] - stamp[now + 1]) / h[j]
+            for m in range(j, end):
+                asked[i - first, m] = setpoint[now, m]
+            after = now + 1
+            while after < k and stamp[after] < t + h[j] - 1e-9:
+                share = (t + h[j] - stamp[after]) / h[j]
                 for m in range(j, end):
-                    before = setpoint[now, m]
-                    asked[i - first, m] = before + share * (setpoint[now + 1, m] - before) + pull[m]
-            else:
-                for m in range(j, end):
-                    asked[i - first, m] = setpoint[now, m] + pull[m]
+                    asked[i - first, m] += share * (setpoint[after, m] - setpoint[after - 1, m])
+                after += 1
+            for m in range(j, end):
+                asked[i - first, m] += pull[m]
         held[j] = now
         j = end
