@@ -9,10 +9,17 @@ import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.effects.effect import Motion
+from trunk_ros.effects.wire.friction_wear import FrictionWear
 from trunk_ros.model import load_model, save_model
 from trunk_ros.simulate import simulate
 
 SPEED = 0.1  # rad/s
+
+
+def test_a_wide_loop_that_is_gone_through_once_shows_no_growth_of_its_dead_band() -> None:
+    assert FrictionWear.forms_shown(Motion(wide_loop=True, once=True)) == ()
+    assert FrictionWear.forms_shown(Motion(wide_loop=True)) == FrictionWear.forms
 
 
 @pytest.mark.timeout(240)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.discrepancy.banked import with_banks
+from trunk_ros.diagnosis.discrepancy.from_the_start import from_the_start
 from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_evidence, spreads
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
@@ -14,7 +14,6 @@ from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
-from trunk_ros.diagnosis.wire import settled
 from trunk_ros.errors import RecordingError
 
 
@@ -48,6 +47,6 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     state = harmless(steady)
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
     state, part, found = believed(state, part)
-    state = with_banks(settled(state, settle))
+    state = from_the_start(state, settle)
     found = found | banks_evidence(state, found)
     return Judged(state, part, found, spreads(state), held_out(state), done.early or steady.context.work.over)

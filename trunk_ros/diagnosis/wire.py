@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +10,10 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.align import Span
-from trunk_ros.diagnosis.data.surroundings import View, beside
+from trunk_ros.diagnosis.data.surroundings import View, beside, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -113,30 +114,50 @@ def _together(chain: Chain, span: Span) -> Array:
 
 
 def settled(state: Fit, seconds: float) -> Fit:
-    """Fitted with recordings that stop to measure beginning as a hypothesis says that their wires lay,
-    going by the joint angles of the first ``seconds``.
+    """Fitted with recordings that stop to measure beginning as a hypothesis says that their wires lay, going
+    by the joint angles of the first ``seconds``.
     """
+    looked = _starting(state, seconds, lambda span: span.before > 0 and span.early is None)
+    return state if looked is None else refit(looked, state.hypothesis)
+
+
+def opened(state: Fit, seconds: float) -> Fit | None:
+    """Fitted from the start on also where loops are wide, with joints that lay as a hypothesis says; None
+    where there are none.
+    """
+    looked = _starting(state, seconds, lambda span: span.early is not None)
+    return None if looked is None else refit(looked, state.hypothesis)
+
+
+def _starting(state: Fit, seconds: float, begins: Callable[[Span], bool]) -> Context | None:
     context = state.context
-    if seconds <= 0.0 or not any(view.span.before for view in context.views):
-        return state
+    if seconds <= 0.0 or not any(begins(view.span) for view in context.views):
+        return None
     chain = _chain(context.arm, state.hypothesis)
-    views = tuple(_with_a_start(chain, view, seconds) for view in context.views)
-    looked = replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
-    return refit(looked, state.hypothesis)
+    views = tuple(
+        _with_a_start(chain, view, seconds) if begins(view.span) else view for view in context.views
+    )
+    return replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
 
 
 def _with_a_start(chain: Chain, view: View, seconds: float) -> View:
-    span, before = view.span, view.span.before
-    if not before:
-        return view
-    seen = first_rows(span.stamp, seconds)
+    span = view.span
+    early = np.zeros_like(span.valid) if span.early is None else span.early
+    valid, told = span.valid | early, early.any(axis=0) | (span.early is None)
+    path = span.gearbox.copy()
+    path[: span.before] += _history(chain, replace(span, valid=valid & told), seconds) / chain.arm.ratio
+    span = replace(span, source=path, gearbox=path, valid=valid)
+    return replace(view, span=span, wires=path * chain.arm.ratio, follows=following(valid))
+
+
+def _history(chain: Chain, span: Span, seconds: float) -> Array:
+    """(before, joints) rad that the motors came from, by what counts of the first ``seconds``."""
+    before, seen = span.before, first_rows(span.stamp, seconds)
     angles = np.where(span.valid, span.target, np.nan)[:seen]
     known = None if span.resistance is None else span.resistance.part(slice(before, None))
     rows = span.rows[:seen] - before
     driven = Driven(span.gearbox[before:], span.grid[before:], rows, angles, span.velocity[before:], known)
-    path = span.gearbox.copy()
-    path[:before] = path[before] + history(chain, driven) / chain.arm.ratio
-    return replace(view, span=replace(span, source=path, gearbox=path), wires=path * chain.arm.ratio)
+    return history(chain, driven)
 
 
 def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Array) -> Array:

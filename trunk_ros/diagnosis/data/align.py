@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import MOVED, comes_back, is_wide, turned
+from trunk_ros.diagnosis.data.motion_content import MOVED, comes_back, is_wide, passed, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.diagnosis.levels import ENOUGH, OUTLIERS, ROUGH
 from trunk_ros.errors import RecordingError
@@ -72,6 +72,8 @@ class Span:
     unsure: tuple[float, float] = (0.0, 0.0)
     """Standard deviations of how fast the target's clock runs [s/s] and how far ahead it is [s], where that
     was found to be otherwise than its stamps had it."""
+    early: np.ndarray | None = None
+    """(n, joints): what counts as well once it is told how wide loops lay as the recording began."""
     pace: tuple[float, float] = (0.0, 0.0)
     """By how much it is taken to run faster [s/s] and to be further ahead [s] than it was found to."""
     unseen: float = 0.0
@@ -92,6 +94,11 @@ class Span:
         rows = self.rows
         first, last = (int(rows[0]), int(rows[-1])) if len(rows) else (0, -1)
         return slice(first, last + 1) if np.array_equal(rows, np.arange(first, last + 1)) else rows
+
+    @property
+    def late(self) -> np.ndarray:
+        """(n, joints): what counts, however the joints lay at first."""
+        return self.valid if self.early is None else self.valid & ~self.early
 
     @property
     def recorded(self) -> np.ndarray:
@@ -124,16 +131,20 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     small = np.maximum(noises(measured) / 2, UNSEEN)
     small = np.maximum(small, np.where(np.isfinite(loop), ROUGH * loop, 0.0))  # wide ones are hardly moved
     valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
+    early = np.zeros_like(valid)
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
-        valid &= _beside_wide_loops(u[rows], velocity[rows], target, valid)
+        late = _beside_wide_loops(u[rows], velocity[rows], target, valid)
+        valid, early = valid & late, valid & ~late
+        for j in np.flatnonzero(early.any(axis=0)):
+            early[:, j] &= ~passed(u[rows, j], velocity[rows, j], valid[:, j])
     known = resistance(arm, gearbox, grid, phi, measured)
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
     span = replace(span, unsure=(1e-6 * _unsure(recording, "skew"), _unsure(recording, "early")))
-    if not stops_to_measure(span.stamp):
-        return span
-    return with_the_unseen(span, stops_to_measure(gearbox.stamp))
+    if stops_to_measure(span.stamp):
+        return with_the_unseen(span, stops_to_measure(gearbox.stamp))
+    return replace(with_the_unseen(span, stops=False), early=early) if early.any() else span
 
 
 def _unsure(recording: Recording, kind: str) -> float:

@@ -94,6 +94,7 @@ def taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
         start=tuple(rows[seen[rows]] for rows in span.start),
         resistance=None if known is None else known.part(chosen),
         arrives=at[arrives[whole]],
+        early=None if span.early is None else span.early[seen],
     )
 
 

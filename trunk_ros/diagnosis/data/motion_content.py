@@ -74,6 +74,12 @@ def turned(position: Array) -> np.ndarray:
     return np.asarray(np.maximum.accumulate(back))
 
 
+def passed(position: Array, speed: Array, seen: np.ndarray) -> np.ndarray:
+    """(n,) where a joint is at a place that it passes in the same direction where it is ``seen`` (n,)."""
+    cell = _cells(position, speed)
+    return np.isin(cell, cell[seen])
+
+
 def top_speed(stamp: Array, angle: Array) -> float:
     """rad/s of the fastest of some angles (n, joints)."""
     if len(stamp) <= APART:

@@ -78,7 +78,8 @@ def shifted(span: Span, of_simulator: Context) -> Span:
         after = np.clip(np.searchsorted(at, span.stamp), 1, len(at) - 1)
         valid[:, c] &= (span.stamp >= at[0]) & (span.stamp <= at[-1])
         valid[:, c] &= at[after] - at[after - 1] <= longest_gap(theirs.stamp)
-    return replace(span, target=target, valid=valid, start=(np.empty(0, dtype=int),) * len(span.joints))
+    start = (np.empty(0, dtype=int),) * len(span.joints)
+    return replace(span, target=target, valid=valid, start=start, early=None)
 
 
 def completed(recording: Recording, other: Recording | None) -> Recording:

@@ -138,27 +138,34 @@ def _refitted(context: Context, hypothesis: Hypothesis, column: int, found: list
 
 
 def unseen(context: Context, hypothesis: Hypothesis, column: int) -> Array:
-    """(CUTS,) mean squares of blocks of time, by named values and banks that were fitted to the others."""
-    out, cuts = np.zeros(CUTS), Cuts.on(context, column)
+    """(CUTS,) mean squares of blocks of time, by named values and banks that were fitted to the others; what
+    a wide loop does before its first turn is fitted where it counts, and not judged.
+    """
+    late = [view.span.late[:, column] for view in context.views]
+    out, cuts = np.zeros(CUTS), Cuts.of([int(np.count_nonzero(rows)) for rows in late])
+    numbers = _everywhere(late, cuts)
     for fold in np.unique(cuts.fold):
         judged = cuts.fold == fold
-        seen = context.only([~judged[number] for number in _everywhere(context, column, cuts)])
+        here = [rows & judged[number] for rows, number in zip(late, numbers, strict=True)]
+        seen = context.only([~rows for rows in here])
         fitted = fit(seen, without_banks(hypothesis, column), [column]).hypothesis
         if column in context.stage.one_way:
             fitted = redrawn(seen, fitted, column)
         fitted = redrawn_banks(seen, fitted, column, hypothesis)
-        out[judged] = _by_blocks(context.whitened(fitted, column) ** 2, cuts)[judged]
+        valid = [view.span.valid[:, column] for view in context.views]
+        counted = np.concatenate([rows[there] for rows, there in zip(late, valid, strict=True)])
+        power = context.whitened(fitted, column)[counted] ** 2
+        out[judged] = _by_blocks(power, cuts)[judged]
     return out
 
 
-def _everywhere(context: Context, column: int, cuts: Cuts) -> list[np.ndarray]:
-    """(n,) number of the block that each row of a span is in, by what counts before it."""
-    valid = [view.span.valid[:, column] for view in context.views]
-    before = np.maximum(np.cumsum(np.concatenate(valid)) - 1, 0)
-    return np.split(cuts.number[before], np.cumsum([len(v) for v in valid])[:-1])
+def _everywhere(late: list[np.ndarray], cuts: Cuts) -> list[np.ndarray]:
+    """(n,) number of the block that each row of a span is in, by what is judged before it."""
+    before = np.maximum(np.cumsum(np.concatenate(late)) - 1, 0)
+    return np.split(cuts.number[before], np.cumsum([len(rows) for rows in late])[:-1])
 
 
 def _by_blocks(power: Array, cuts: Cuts) -> Array:
-    """(CUTS,) means of what counts (rows,) over the blocks."""
+    """(CUTS,) means of what is judged (rows,) over the blocks."""
     total, many = np.bincount(cuts.number, power, CUTS), np.bincount(cuts.number, minlength=CUTS)
     return np.asarray(total / np.maximum(many, 1))

@@ -4,7 +4,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.now import View
 from trunk_ros.parameter import Parameter
 
@@ -65,6 +65,11 @@ class FrictionWear(Effect):
         """It settles neither at once nor after the recording: or it is another effect, or straight."""
         share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
         return bool(self.form != "running_in" or np.all((share > 0.08) & (share < 3.0)))
+
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """What grows is told by passing one place twice."""
+        return () if motion.once else super().forms_shown(motion)
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
