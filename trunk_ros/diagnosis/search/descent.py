@@ -160,19 +160,19 @@ def told_from_clocks(now: Fit) -> Fit:
     """With a skew of two clocks that did not show before the physics was known, and without the effects that
     it looks like, where that leaves less by the price of an effect, or as little without them.
     """
-    known = now.hypothesis
-    price = naming(now.context.stage.name) + max(need(now.context, c) for c in now.cost)
+    known, name = now.hypothesis, naming(now.context.stage.name)
     less = Hypothesis({name: term for name, term in known.items() if name not in imitated("skew")})
-    best, least = now, score(now) - price
+    price = name + max(need(now.context, c) for c in now.cost)
     for hypothesis in (less, known) if len(less) < len(known) else (known,):
         context = with_unseen_skew(now.context, hypothesis)
         if context is None or context.work.over:
             break
         trial = renewed(refit(context, hypothesis))
-        alike = score(costed(replace(trial.context, noise=now.context.noise), trial.hypothesis))
-        if alike < least and differ(trial.context, trial.hypothesis):
-            best, least = trial, alike
-    return best
+        alike = costed(replace(trial.context, noise=now.context.noise), trial.hypothesis)
+        pays = score(alike) + price < score(now) if hypothesis is known else alike.total < now.total
+        if pays and differ(trial.context, trial.hypothesis):
+            return trial
+    return now
 
 
 def _ordered(moves: Sequence[Move], best: Fit, share: float, newest: list[str]) -> Sequence[Move]:
