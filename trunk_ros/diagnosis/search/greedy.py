@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.moves import ADD_ON_JOINTS, CURVE, DROP, MOVES, PLAINER
+from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, PLAINER
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.score import STRONG, beats, measured, score
 from trunk_ros.effects import effect
@@ -32,7 +32,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
             again = Desk(desk.say, vain=desk.vain)
             best = better_of(best, descend(renewed(other), MOVES, again, steady=True))
     work, done = best.context.work, renewed(best)
-    ends = ((DROP, PLAINER, ADD_ON_JOINTS), (DROP, CURVE)) if work.over else ((DROP,),)
+    ends = ((DROP, PLAINER, FURTHER_JOINTS), (DROP, CURVE)) if work.over else ((DROP,),)
     for moves in ends:
         closing = work.besides()
         done = descend(replace(done, context=replace(done.context, claims=True, work=closing)), moves, desk)

@@ -1,6 +1,6 @@
 """The changes that a search tries, cheap ones first; one file each."""
 
-from trunk_ros.diagnosis.search.moves.add import ADD, ADD_ON_JOINTS
+from trunk_ros.diagnosis.search.moves.add import ADD, FURTHER_JOINTS
 from trunk_ros.diagnosis.search.moves.bend import BEND
 from trunk_ros.diagnosis.search.moves.curve import CURVE, EARLY_CURVE
 from trunk_ros.diagnosis.search.moves.drop import DROP
@@ -39,4 +39,4 @@ MOVES = (
 what each has, names before curves where names may do.
 """
 
-__all__ = ["ADD", "ADD_ON_JOINTS", "CURVE", "DROP", "MOVES", "ONSET", "PLAINER", "SWAP", "SWAP_ALL"]
+__all__ = ["ADD", "CURVE", "DROP", "FURTHER_JOINTS", "MOVES", "ONSET", "PLAINER", "SWAP", "SWAP_ALL"]

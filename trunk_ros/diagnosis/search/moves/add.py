@@ -232,10 +232,14 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
     return sum(sides) > MOST * len(sides)
 
 
-def _of_joints(best: Fit, desk: Desk) -> Iterator[Group]:
-    """What joints have of their own."""
-    yield Group("joints", best.context.columns, partial(on_joints, best, desk))
+def _on_further_joints(best: Fit, desk: Desk) -> Iterator[Group]:
+    """What other joints have already: a joint without it may be the last that the search came to."""
+
+    def trials() -> Iterator[Fit]:
+        return (trial for trial in on_joints(best, desk) if trial.hypothesis.keys() == best.hypothesis.keys())
+
+    yield Group("joints", best.context.columns, trials)
 
 
 ADD = Move("add", groups, grows=True, descends=True)
-ADD_ON_JOINTS = Move("add_on_joints", _of_joints, grows=True)
+FURTHER_JOINTS = Move("further_joints", _on_further_joints, grows=True)
