@@ -19,8 +19,7 @@ def put_right_beside(recordings: list[Recording], state: Fit) -> list[Recording]
 
 def _put_right(recording: Recording, state: Fit, index: int) -> Recording:
     context = state.context
-    joints = [context.joints[column] for column in context.columns]
-    for hum in context.views[index].hums:
-        recording = taken_out(recording, joints, hum)
+    for columns, hum in context.views[index].hums:
+        recording = taken_out(recording, [context.joints[c] for c in columns], hum)
     skew = skew_told(context, state.hypothesis, index)
     return recording if skew is None else replace(recording, observed=(*recording.observed, skew))

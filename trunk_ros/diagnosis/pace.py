@@ -13,7 +13,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.sensing.pairs import told
-from trunk_ros.diagnosis.data.sensing.skew import unseen_skew
+from trunk_ros.diagnosis.data.sensing.skew import LARGEST, unseen_skew
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SCATTER, SLIGHT, SURE
 from trunk_ros.recording.observed import Observed
@@ -58,13 +58,13 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
         late = [_late(context, k, c) @ (pace - view.span.pace) for c in range(len(context.joints))]
         target = view.span.target + np.column_stack(late)
         views.append(replace(view, span=replace(view.span, target=target, pace=tuple(pace))))
-    return replace(context, views=tuple(views), shown_before={}, _cache={})
+    return replace(context, views=tuple(views), look=context.look + 1, shown_before={}, _cache={})
 
 
 def differ(context: Context, hypothesis: Hypothesis) -> bool:
     """Whether a recording's clocks go at different paces for sure."""
     found = [_likeliest(context, hypothesis, k) for k in range(len(context.views))]
-    return any(abs(pace[0]) > SURE * SCATTER * std[0] for pace, std in found)
+    return any(SURE * SCATTER * std[0] < abs(pace[0]) < LARGEST for pace, std in found)
 
 
 def skew_told(context: Context, hypothesis: Hypothesis, index: int) -> Observed | None:
@@ -74,6 +74,8 @@ def skew_told(context: Context, hypothesis: Hypothesis, index: int) -> Observed 
         return None
     (rate, _), (std, _) = (1e6 * each for each in _likeliest(context, hypothesis, index))
     rate, std = float(rate), SCATTER * float(std)
+    if abs(rate) <= SURE * std:
+        return None
     first, second = TOPICS["joint_states"], TOPICS["gearbox_states"]
     said = (
         f"the clock of {first} runs {abs(rate):.0f} ± {std:.1f} ppm {'fast' if rate > 0.0 else 'slow'} "

@@ -75,7 +75,7 @@ def _moments(hypothesis: Hypothesis, column: int) -> set[float]:
 
 @cache
 def _names(name: str) -> tuple[str, ...]:
-    """Of a named effect's moments at which something happens at once."""
+    """Of a named effect's moments at which something happens to a joint at once: motors lie in no band."""
     kind = effect(name)
-    every = (*kind.parameters, *kind.moments()) if kind.named else ()
+    every = (*kind.parameters, *kind.moments()) if kind.named and kind.stage == "wire" else ()
     return tuple(p.name for p in every if p.moment and p.name != GROWN.name)

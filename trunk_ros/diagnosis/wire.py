@@ -38,7 +38,7 @@ class WireStage(Stage):
 
     def _load(self, spans: Sequence[Span]) -> None:
         super()._load(spans)
-        self._stands: dict[tuple[int, int], tuple[tuple[int, ...], float]] = {}
+        self._stands: dict[tuple[str, int], tuple[Array, tuple[int, ...], float]] = {}
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         payload, blocks = payload_of(hypothesis), hypothesis.bound(column)
@@ -77,13 +77,14 @@ class WireStage(Stage):
         """Steps over the time in which a joint stands as it began, the first of all at first, and what its
         sensor reads there.
         """
-        key = (id(span.target), column)
-        if key not in self._stands:
+        known = self._stands.get((span.name, column))
+        if known is None or known[0] is not span.target:
             seen = span.start[column]
             chosen = seen[np.linspace(0, len(seen) - 1, min(len(seen), STOOD)).astype(int)]
             rows = np.unique(np.concatenate([[0], span.rows[chosen]]))
-            self._stands[key] = tuple(rows.tolist()), float(np.median(span.target[seen, column]))
-        return self._stands[key]
+            known = span.target, tuple(rows.tolist()), float(np.median(span.target[seen, column]))
+            self._stands[span.name, column] = known
+        return known[1:]
 
     def seen(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
         columns = range(len(self.joints))
@@ -143,10 +144,13 @@ def _starting(state: Fit, seconds: float, begins: Callable[[Span], bool]) -> Con
 def _with_a_start(chain: Chain, view: View, seconds: float) -> View:
     span = view.span
     early = np.zeros_like(span.valid) if span.early is None else span.early
-    valid, told = span.valid | early, early.any(axis=0) | (span.early is None)
+    valid, told = span.valid | early, np.asarray(early.any(axis=0) | (span.early is None))
     path = span.gearbox.copy()
     path[: span.before] += _history(chain, replace(span, valid=valid & told), seconds) / chain.arm.ratio
-    span = replace(span, source=path, gearbox=path, valid=valid)
+    start = tuple(
+        stood[:0] if by_history else stood for stood, by_history in zip(span.start, told, strict=True)
+    )
+    span = replace(span, source=path, gearbox=path, valid=valid, start=start)
     return replace(view, span=span, wires=path * chain.arm.ratio, follows=following(valid))
 
 

@@ -47,6 +47,11 @@ class Noise:
         return self.correlation * self._coloured + self.slow[0] ** 2 * self.slow[1]
 
     @property
+    def remembers(self) -> float:
+        """Correlation of the part that goes on longest."""
+        return max(self.correlation, self.slow[1] if self.slow[0] > 0.0 else 0.0)
+
+    @property
     def _coloured(self) -> float:
         return self.std**2 - self.white**2 - self.slow[0] ** 2
 

@@ -42,8 +42,8 @@ class View:
     wires: Array
     speeds: Array
     follows: np.ndarray
-    hums: tuple[Hum, ...] = ()
-    """Tones of all joints that showed beside the physics, and were taken out of the span's target."""
+    hums: tuple[tuple[tuple[int, ...], Hum], ...] = ()
+    """Tones of columns that showed beside the physics, and were taken out of the span's target."""
     cuts: dict[int, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
     large: dict[tuple[str, float, int], tuple[Array, Array]] = field(
         default_factory=dict, init=False, repr=False, compare=False

@@ -147,7 +147,7 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
     frequency, share = spectrum(stamp, rest)
     if share > PART:
         yield [Place(UnknownCycle.id, "time", 0.0, 1.0 / frequency)]
-    worth = SIGNIFICANT * (1.0 + noise.correlation) / (1.0 - noise.correlation)
+    worth = SIGNIFICANT * (1.0 + noise.remembers) / (1.0 - noise.remembers)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
     angles = span.measured(context.views[index].angles)[valid]
     # a single jump has a name, and many imitate anything

@@ -57,7 +57,7 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
             now = context.now(i, column)
             values = np.sign(now.speed[:, 0]) if name == "direction" else abscissa(name, now, 0)
             parts.append(view.span.measured(values)[view.span.valid[:, column]])
-        scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].correlation)
+        scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].remembers)
     index = context.telling(column)[0]
     _, share = spectrum(context.views[index].span.stamp, context.residual(index, hypothesis, column))
     if share > PART:

@@ -31,7 +31,9 @@ def told_from_hum(now: Fit) -> Fit:
         views.append(view if found is None else _without(view, context.columns, found))
     if all(new is old for new, old in zip(views, context.views, strict=True)):
         return now
-    still = replace(context, views=tuple(views), shown_before={}, _cache={}).weighed(now.hypothesis)
+    still = replace(context, views=tuple(views), look=context.look + 1, shown_before={}, _cache={}).weighed(
+        now.hypothesis
+    )
     return refit(measured(costed(still, context.known)), now.hypothesis)
 
 
@@ -51,4 +53,4 @@ def _without(view: View, columns: list[int], found: Hum) -> View:
     """With readings of some columns without a tone."""
     target: Array = view.span.target.copy()
     target[:, columns] -= found.at(view.span.stamp)
-    return replace(view, span=replace(view.span, target=target), hums=(*view.hums, found))
+    return replace(view, span=replace(view.span, target=target), hums=(*view.hums, (tuple(columns), found)))

@@ -67,7 +67,8 @@ def servo_loop(
             if rubs != 0.0 and bore == bore:
                 stuck -= (bears - bore) * reach[j] / rubs
             elif rubs != 0.0:  # the run begins: friction holds what the loop does not
-                stuck = phi - reach[j] * min(max((bears + setpoint[0, j] - phi - v / gain) / rubs, -1.0), 1.0)
+                off = setpoint[0, j] + pulled + size * sine(cycles * phi + phase) - phi
+                stuck = phi - reach[j] * min(max((bears + off - v / gain) / rubs, -1.0), 1.0)
             bore = bears
             if k > 0:
                 span = min(stamp[k] - stamp[k - 1], LONGEST)
@@ -156,8 +157,10 @@ def servo_loops(
             if rub[j] != 0.0 and bore[j] == bore[j]:
                 stuck[j] -= (load[k - skip, j] - bore[j]) * reach[j] / rub[j]
             elif rub[j] != 0.0:
-                held_by = (load[k - skip, j] + setpoint[0, j] - phi[j] - v[j] / kp[j]) / rub[j]
-                stuck[j] = phi[j] - reach[j] * min(max(held_by, -1.0), 1.0)
+                swing = cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
+                off = setpoint[0, j] + pull[k - skip, j] + swing - phi[j]
+                bears = load[k - skip, j] + off - v[j] / kp[j]
+                stuck[j] = phi[j] - reach[j] * min(max(bears / rub[j], -1.0), 1.0)
             bore[j] = load[k - skip, j]
         for first in range(0, most, BLOCK):
             last = min(first + BLOCK, most)

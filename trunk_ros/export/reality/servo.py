@@ -94,15 +94,21 @@ class Servo:
         return out
 
     def _held_back(self, x: Array, load: Array, anew: np.ndarray | None) -> Array:
-        """Behind a command by what wires that slide pull; one that sticks keeps what the load pulls away."""
+        """Behind a command by what wires that slide pull; one that sticks keeps what the load pulls away.
+        At first friction bears the load, as far as it goes.
+        """
         if not self.rub.any():
             return x
         share = self.rub / np.where(self.reach > 0.0, self.reach, 1.0)
         more = np.divide(1.0, share, out=np.ones_like(share), where=share > 0.0) - 1.0
-        flat = x.reshape(1, -1)
-        leans = flat + more * (load + np.zeros_like(x)).reshape(1, -1)
-        if self.held is not None and anew is not None:
-            self.held = np.where(anew, leans[0], self.held)
+        flat, bears = x.reshape(1, -1), (load + np.zeros_like(x)).reshape(1, -1)
+        leans = flat + more * bears
+        holds = np.divide(bears, self.rub, out=np.zeros_like(bears), where=self.rub > 0.0)
+        begun = (leans - self.reach * np.clip(holds, -1.0, 1.0))[0]
+        if self.held is None:
+            self.held = begun
+        elif anew is not None:
+            self.held = np.where(anew, begun, self.held)
         stuck, self.held = SharpPlay().run(leans, self.reach[None], self.held)
         return (flat - share * (leans - stuck)).reshape(x.shape)
 

@@ -54,7 +54,7 @@ def unseen_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> float:
     stamps, or nothing tells how far two may differ.
     """
     motion = _between_clocks(gearbox, shown, arm)
-    return _told(motion, True).skew.std if motion is not None and motion.moving else 0.0
+    return min(_told(motion, True).skew.std, LARGEST) if motion is not None and motion.moving else 0.0
 
 
 def _between_clocks(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:

@@ -100,7 +100,8 @@ def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
     """The effects that would help each of the columns; kept while nothing that bears on it changes."""
     context = best.context
     forms = frozenset((term.effect, term.form) for term in best.hypothesis.values())
-    keys = {c: (c, context.look, context.noise[c], forms, best.hypothesis.key(c)) for c in columns}
+    frame = context.look, context.claims
+    keys = {c: (c, *frame, context.noise[c], forms, best.hypothesis.key(c)) for c in columns}
     new = [c for c, key in keys.items() if key not in desk.tried]
     kept = {c: desk.looks_at(best, c) for c in new}
     for column, (tried, looked) in zip(
