@@ -11,13 +11,12 @@ from scipy.signal import lfilter
 from test.concealed.awkward import slow_noise
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, smoothed, with_curve
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
-from trunk_ros.diagnosis.search.slow_noise import is_plain, likeliest_noise, told_from_noise, wandering_in
+from trunk_ros.diagnosis.search.slow_noise import likeliest_noise, told_from_noise, wandering_in
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 
@@ -99,17 +98,6 @@ def test_physics_of_another_joint_is_not_taken_for_it(name: str, values: dict[st
 )
 def test_nor_is_physics_of_its_own_joint(name: str, values: dict[str, object]) -> None:
     assert told(left(name, **values)) == set()
-
-
-def test_what_is_loud_at_some_times_only_is_no_noise() -> None:
-    fit = left(wanders=0.0)
-    view = fit.context.views[0]
-    assert is_plain(fit.context, fit.context.noise[1], fit.hypothesis, 1)
-    loud = 4.0 * NOISE * np.random.default_rng(6).normal(size=view.span.target.shape)
-    loud[view.span.stamp % 6.0 > 1.0] = 0.0
-    views = (replace(view, span=replace(view.span, target=view.span.target + loud)),)
-    whole = Noise(float(np.hypot(NOISE, loud.std())))
-    assert not is_plain(replace(fit.context, views=views), whole, fit.hypothesis, 1)
 
 
 def test_a_curve_that_only_follows_such_readings_gives_way_to_their_noise() -> None:

@@ -154,17 +154,12 @@ def _parts(
 
 
 def is_plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) -> bool:
-    """Whether a noise is all that a hypothesis leaves of a column: what swings is more, and what comes where
-    the joint turns or sticks is loud there only, as no sensor is.
-    """
+    """Whether a noise is all that a hypothesis leaves of a column: what swings is more."""
     for rest, follows, counted in _parts(context, hypothesis, column):
         white = noise.whiten(rest, follows)[counted]
         chance = SURE / np.sqrt(max(len(white), 1))
-        loud = (white**2 - 1.0) / np.sqrt(2.0)
         lags = (lag for lag in LAGS if lag < len(white) // 2)
-        if any(
-            abs(float(np.mean(x[lag:] * x[:-lag]))) > WHITE + chance for lag in lags for x in (white, loud)
-        ):
+        if any(abs(float(np.mean(white[lag:] * white[:-lag]))) > WHITE + chance for lag in lags):
             return False
     return True
 
