@@ -16,6 +16,7 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect
+from trunk_ros.effects.servo.loop import fresh
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import ModelError
 from trunk_ros.look import UNKNOWN, Given, Look
@@ -266,9 +267,8 @@ class Chain:
 
     def _servo(self, x: Array, stamp: Array, state: State | None, given: Given) -> tuple[Array, Array, State]:
         """Gearbox angle (twice) and state: passes until load and gearbox angle agree."""
-        at_joints, none = self.arm.driven, np.zeros_like(x[0])
-        begun = np.vstack([x[0], none, x[0], none + np.nan])
-        past, asked, start, hung = state.core if state else (stamp[:0], x[:0], begun, None)
+        at_joints = self.arm.driven
+        past, asked, start, hung = state.core if state else (stamp[:0], x[:0], fresh(x[0]), None)
         stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
         last = at_joints(state.x) if state else None
         phi = np.broadcast_to(start[0], x.shape)

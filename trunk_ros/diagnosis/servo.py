@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.data.surroundings import View, joined
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
+from trunk_ros.effects.servo.loop import fresh
 
 
 class ServoStage(Stage):
@@ -25,12 +26,10 @@ class ServoStage(Stage):
 
     def _view(self, span: Span) -> View:
         """The joints are where their wires take them, not just where the gearboxes are."""
-        wires = Chain(self.model.only(self.joints), "wire")
+        view, wires = super()._view(span), Chain(self.model.only(self.joints), "wire")
         if not wires.effects:
-            return super()._view(span)
-        return (
-            super()._view(span).turned(wires.angles(span.gearbox, span.grid, span.velocity, span.resistance))
-        )
+            return view
+        return view.turned(wires.angles(span.gearbox, span.grid, span.velocity, span.resistance))
 
     def noises(self, found: list[Noise]) -> list[Noise]:
         """At least the encoder's steps; what stands still between them says nothing of correlation."""
@@ -50,8 +49,7 @@ class ServoStage(Stage):
         payload, blocks = payload_of(pairs[0][0]), bind_together(pairs)
         now = joined([sight.now(index, column, payload) for column in columns])
         source = np.ascontiguousarray(span.source[:, columns])
-        none = np.full(len(columns), np.nan)
-        start = np.array([now.gearbox[0], now.speed[0] / now.ratio, now.gearbox[0], none])
+        start = fresh(now.gearbox[0], now.speed[0] / now.ratio)
         out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start)
         for block in blocks:
             if block.acts_at > block.CORE:

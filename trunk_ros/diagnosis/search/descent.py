@@ -57,16 +57,16 @@ class Move:
 
 def only(move: Move, *what: Hashable) -> Move:
     """A move on some things, such as an effect."""
-    return replace(move, groups=lambda best, desk: (g for g in move.groups(best, desk) if g.what in what))
+    return _where(move, lambda thing: thing in what)
 
 
 def of(move: Move, name: str) -> Move:
     """A move on one effect, on any of its joints."""
+    return _where(move, lambda thing: isinstance(thing, tuple) and thing[0] == name)
 
-    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-        return (g for g in move.groups(best, desk) if isinstance(g.what, tuple) and g.what[0] == name)
 
-    return replace(move, groups=groups)
+def _where(move: Move, keeps: Callable[[Hashable], bool]) -> Move:
+    return replace(move, groups=lambda best, desk: (g for g in move.groups(best, desk) if keeps(g.what)))
 
 
 @dataclass

@@ -15,6 +15,12 @@ SEVERAL = 4  # columns from which on the processor steps them side by side: none
 BLOCK = 8  # steps of which setpoints are looked up at once
 
 
+def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
+    """State (4, columns) of loops as a run begins, with wires that bear nothing that is known."""
+    none = np.zeros_like(angle)
+    return np.stack([angle, speed + none, angle, none + np.nan])
+
+
 @compiled
 def at(numbers: Array, row: int, column: int) -> float:
     """What holds in a row, of numbers (1 or n, columns)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.servo.loop import servo_loop
+from trunk_ros.effects.servo.loop import fresh, servo_loop
 
 QUICKER = 2.0  # times the servo's own pace: setpoints then run ahead by up to its square of what they would
 PERIODS = 50  # that a mean is taken of
@@ -28,7 +28,7 @@ class Lead:
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
         self._wanted = self._sent = self._last = at
         self._slope = np.zeros_like(at)
-        self._servo = np.array([at, self._slope, at, np.full_like(at, np.nan)])
+        self._servo = fresh(at, self._slope)
         self._period, self._periods, self._seen = 0.0, 0, 0.0
         self.use(gain, tau_v, top_speed, fed)
 
