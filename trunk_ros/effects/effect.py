@@ -184,6 +184,11 @@ class Effect(ABC):
             combined = [{**start, parameter.name: value} for start in combined for value in grid]
         return combined
 
+    @classmethod
+    def options(cls, form: str) -> tuple[dict[str, float], ...]:
+        """What joints share besides, in each way in which it is looked for from the beginning."""
+        return ({},)
+
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:

@@ -231,7 +231,8 @@ class Screen:
         for values in different(shared):
             own, products = {}, {}
             for c in columns:
-                options = different([{**s, **values} for s in starts[c]])
+                bare = [{n: v for n, v in s.items() if n not in names} for s in starts[c]]
+                options = different([{**s, **values} for s in bare])
                 looks = self.products([Candidate(kind.id, form, c, s) for s in options], c)
                 best = max(range(len(looks)), key=lambda k: merit(kind, form, *looks[k]))
                 own[c], products[c] = options[best], looks[best]

@@ -42,7 +42,8 @@ class Starts:
     def _in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         context = self.context
         rest = None if column in context.wide else self._residual(column, index)
-        for start in kind({}, {}, form).starts(context.shown(column, index), 0, rest):
+        begun = kind({}, {}, form).starts(context.shown(column, index), 0, rest)
+        for start in [{**start, **option} for option in kind.options(form) for start in begun]:
             if not kind.texts:
                 yield start
                 yield from self._wide(index, kind, form, column, start)

@@ -22,6 +22,11 @@ class OnBothSides(Effect):
     slides: a load that changes within the dead band shows nothing of it.
     """
 
+    @classmethod
+    def options(cls, form: str) -> tuple[dict[str, float], ...]:
+        """All of it on either side: a joint that sticks shows by when it moves which one it is."""
+        return ({}, {UPSTREAM.name: 1.0}) if UPSTREAM in cls.own_parameters(form) else ({},)
+
     def upstream(self) -> Effect | None:
         return self._sides[0]
 

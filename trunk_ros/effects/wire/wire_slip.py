@@ -9,7 +9,8 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 RISE = 0.02  # s, so that a fit can move the onset
-MOMENTS = 80  # of a recording, in which a jump is looked for
+SEEN = (0.04, 0.97)  # of a recording, within which a jump shows before and after
+MOMENTS = 80  # parts of it, of each of which the steepest is looked at
 LIKELY = 6  # of them that a fit may start from
 NEAR = 1.0  # s before and after a jump by which it shows where other things move the mean as well
 
@@ -48,31 +49,30 @@ class WireSlip(Effect):
         """Seen before and after."""
         return bool(np.all((now.stamp[0] < self["onset"]) & (self["onset"] < now.stamp[-1])))
 
-    def grid(
-        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
-    ) -> tuple[float, ...]:
-        if parameter.name != "onset":
-            return super().grid(parameter, now, column, rest)
-        span = now.stamp[-1] - now.stamp[0]
-        moments = now.stamp[0] + span * np.linspace(0.04, 0.97, MOMENTS)
+    def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
+        """The likeliest jumps, each as large as it shows: a joint that rests bears a smaller one unseen."""
+        ends = now.stamp[0] + (now.stamp[-1] - now.stamp[0]) * np.array(SEEN)
         if rest is None:
-            return tuple(moments.tolist())
-        likely = {k for reach in (NEAR, np.inf) for k in _steepest(now.stamp, rest, moments, reach)}
-        return tuple(moments[sorted(likely)].tolist())
+            step = self.parameters[0].typical
+            return [{"step": step, "onset": at} for at in np.linspace(*ends, MOMENTS).tolist()]
+        jumps = [jump for reach in (NEAR, np.inf) for jump in _jumps(now.stamp, rest, ends, reach)]
+        return [{"step": step, "onset": at} for at, step in dict(jumps).items()]
 
 
-def _steepest(stamp: Array, rest: Array, moments: Array, reach: float) -> list[int]:
-    """At which of the ``moments`` the mean of ``rest`` (n,) jumps more than around them, the most first,
-    by what that explains of so many seconds before and after.
+def _jumps(stamp: Array, rest: Array, ends: Array, reach: float) -> list[tuple[float, float]]:
+    """(moment, height) where the mean of ``rest`` (n,) jumps more than around, the most first, by what that
+    explains of so many seconds before and after.
     """
     sums = np.concatenate([[0.0], np.cumsum(rest)])
-    low, middle, high = (
-        np.searchsorted(stamp, np.clip(t, stamp[0], stamp[-1]))
-        for t in (moments - reach, moments, moments + reach)
-    )
-    before, after = np.maximum(middle - low, 1), np.maximum(high - middle, 1)
-    jump = (sums[high] - sums[middle]) / after - (sums[middle] - sums[low]) / before
-    gain = np.pad(jump**2 * before * after / (before + after), 1)
-    peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] > gain[2:]))
-    likeliest = np.argsort(-gain[1 + peaks], kind="stable")[:LIKELY]
-    return [int(k) for k in peaks[likeliest]]
+    first, last = np.searchsorted(stamp, ends)
+    at = np.arange(max(int(first), 1), int(last))
+    low, high = (np.searchsorted(stamp, np.clip(stamp[at] + s * reach, *stamp[[0, -1]])) for s in (-1, 1))
+    before, after = np.maximum(at - low, 1), np.maximum(high - at, 1)
+    jump = (sums[high] - sums[at]) / after - (sums[at] - sums[low]) / before
+    gain = jump**2 * before * after / (before + after)
+    parts = [part for part in np.array_split(np.arange(len(at)), MOMENTS) if len(part)]
+    best = np.array([part[np.argmax(gain[part])] for part in parts], dtype=int)
+    most = np.pad(gain[best], 1)
+    peaks = best[(most[1:-1] >= most[:-2]) & (most[1:-1] > most[2:])]
+    likeliest = peaks[np.argsort(-gain[peaks], kind="stable")[:LIKELY]]
+    return [(float(stamp[[at[k] - 1, at[k]]].mean()), float(jump[k])) for k in likeliest if jump[k]]
