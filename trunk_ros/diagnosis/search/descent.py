@@ -60,9 +60,9 @@ def only(move: Move, *what: Hashable) -> Move:
     return _where(move, lambda thing: thing in what)
 
 
-def of(move: Move, name: str) -> Move:
-    """A move on one effect, on any of its joints."""
-    return _where(move, lambda thing: isinstance(thing, tuple) and thing[0] == name)
+def of(move: Move, *names: str) -> Move:
+    """A move on some effects, on any of their joints."""
+    return _where(move, lambda thing: (thing[0] if isinstance(thing, tuple) else thing) in names)
 
 
 def _where(move: Move, keeps: Callable[[Hashable], bool]) -> Move:
@@ -183,7 +183,7 @@ def _ordered(moves: Sequence[Move], best: Fit, share: float, newest: list[str]) 
     if share < COARSE[0] or not much:
         return moves
     cheap = [move for move in moves if move.cheap]
-    settling = [only(move, *newest) for move in moves if move.settles]
+    settling = [of(move, *newest) for move in moves if move.settles]
     others = [move for move in moves if not move.cheap]
     return [*cheap, *settling, *sorted(others, key=lambda move: not move.grows)]
 

@@ -43,7 +43,8 @@ class Starts:
         context = self.context
         rest = None if column in context.wide else self._residual(column, index)
         begun = kind({}, {}, form).starts(context.shown(column, index), 0, rest)
-        for start in [{**start, **option} for option in kind.options(form) for start in begun]:
+        besides = [{**option, **when} for option in kind.options(form) for when in self._whens(kind, form, column)]
+        for start in [{**start, **more} for more in besides for start in begun]:
             if not kind.texts:
                 yield start
                 yield from self._wide(index, kind, form, column, start)
@@ -52,6 +53,13 @@ class Starts:
             for joint in context.joints:
                 if joint != context.joints[column] and joint not in words:
                     yield {**start, kind.texts[0]: joint}
+
+    def _whens(self, kind: type[Effect], form: str, column: int) -> list[dict[str, float]]:
+        """All the time, and when the same happens to other joints."""
+        others = self.hypothesis[kind.id].own if kind.id in self.hypothesis else {}
+        lasting = kind.moments()
+        names = [p.name for p in kind.used(form) if not p.shared and (p.moment or p in lasting)]
+        return different([{}, *({n: own[n] for n in names if n in own} for own in others.values())])
 
     def _wide(
         self, index: int, kind: type[Effect], form: str, column: int, start: dict[str, Any]
