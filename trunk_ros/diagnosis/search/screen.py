@@ -35,10 +35,9 @@ class Screen:
     def __init__(self, context: Context, hypothesis: Hypothesis, columns: list[int] | None = None):
         self.context, self.hypothesis = context, hypothesis
         columns = context.columns if columns is None else columns
-        self.base = {c: context.predictions(hypothesis, c) for c in columns}
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
         self.basis, self._shared = directions(context, hypothesis, columns)
-        self.starts = Starts(context, hypothesis, self.base)
+        self.starts = Starts(context, hypothesis)
 
     def left(self, column: int) -> float:
         """Squared residual of a column once the values that are there have followed, linearly."""
@@ -95,10 +94,10 @@ class Screen:
 
     def changes(self, there: Sequence[Hypothesis], column: int) -> Iterator[Array]:
         """The same of several hypotheses."""
-        context, base, most = self.context, self.base[column], self.context.together
+        context, most = self.context, self.context.together
         for k in range(0, len(there), most):
-            for each in context.predictions_each([(one, column) for one in there[k : k + most]]):
-                yield context.whiten_change([a - b for a, b in zip(each, base, strict=True)], column)
+            for rest in context.whitened_each([(one, column) for one in there[k : k + most]]):
+                yield self.rest[column] - rest
 
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
         """A candidate with the time in which it gains most, or with the time at which its size changes; None

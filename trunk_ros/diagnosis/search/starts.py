@@ -18,10 +18,10 @@ BAGS = 2  # of an arm's recordings that give an effect its starts
 
 
 class Starts:
-    """Of effects beside a hypothesis, whose predictions ``base`` has by column and recording."""
+    """Of effects beside a hypothesis."""
 
-    def __init__(self, context: Context, hypothesis: Hypothesis, base: dict[int, list[Array]]):
-        self.context, self.hypothesis, self.base = context, hypothesis, base
+    def __init__(self, context: Context, hypothesis: Hypothesis):
+        self.context, self.hypothesis = context, hypothesis
         self._residuals: dict[tuple[int, int], Array] = {}
 
     def _residual(self, column: int, index: int) -> Array:
@@ -29,7 +29,7 @@ class Starts:
         if (column, index) not in self._residuals:
             span = self.context.views[index].span
             valid = span.valid[:, column]
-            off = span.target[valid, column] - self.base[column][index][valid]
+            off = self.context.residual(index, self.hypothesis, column)[valid]
             found = np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
             self._residuals[column, index] = found
         return self._residuals[column, index]

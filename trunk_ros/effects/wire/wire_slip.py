@@ -50,29 +50,41 @@ class WireSlip(Effect):
         return bool(np.all((now.stamp[0] < self["onset"]) & (self["onset"] < now.stamp[-1])))
 
     def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
-        """The likeliest jumps, each as large as it shows: a joint that rests bears a smaller one unseen."""
+        """The likeliest jumps, each as large as it shows at once and in the long run: what is within the dead
+        band shows in full once the joint moves.
+        """
         ends = now.stamp[0] + (now.stamp[-1] - now.stamp[0]) * np.array(SEEN)
         if rest is None:
             step = self.parameters[0].typical
             return [{"step": step, "onset": at} for at in np.linspace(*ends, MOMENTS).tolist()]
-        jumps = [jump for reach in (NEAR, np.inf) for jump in _jumps(now.stamp, rest, ends, reach)]
-        return [{"step": step, "onset": at} for at, step in dict(jumps).items()]
+        jumps = [_jumps(now.stamp, rest, ends, reach) for reach in (NEAR, np.inf)]
+        likely = sorted({k for jump, gain in jumps for k in _peaks(gain)})
+        at = np.arange(*np.searchsorted(now.stamp, ends))
+        return [
+            {"step": float(jump[k]), "onset": float(now.stamp[at[k] - 1 : at[k] + 1].mean())}
+            for k in likely
+            for jump, _ in jumps
+            if jump[k]
+        ]
 
 
-def _jumps(stamp: Array, rest: Array, ends: Array, reach: float) -> list[tuple[float, float]]:
-    """(moment, height) where the mean of ``rest`` (n,) jumps more than around, the most first, by what that
-    explains of so many seconds before and after.
+def _jumps(stamp: Array, rest: Array, ends: Array, reach: float) -> tuple[Array, Array]:
+    """By how much the mean of ``rest`` (n,) jumps at each sample between two ``ends`` (s), by so many seconds
+    before and after, and what that explains.
     """
     sums = np.concatenate([[0.0], np.cumsum(rest)])
-    first, last = np.searchsorted(stamp, ends)
-    at = np.arange(max(int(first), 1), int(last))
+    at = np.arange(*np.searchsorted(stamp, ends))
     low, high = (np.searchsorted(stamp, np.clip(stamp[at] + s * reach, *stamp[[0, -1]])) for s in (-1, 1))
     before, after = np.maximum(at - low, 1), np.maximum(high - at, 1)
     jump = (sums[high] - sums[at]) / after - (sums[at] - sums[low]) / before
-    gain = jump**2 * before * after / (before + after)
-    parts = [part for part in np.array_split(np.arange(len(at)), MOMENTS) if len(part)]
-    best = np.array([part[np.argmax(gain[part])] for part in parts], dtype=int)
+    return jump, jump**2 * before * after / (before + after)
+
+
+def _peaks(gain: Array) -> list[int]:
+    """The largest of ``gain`` (n,), each the best of its part and better than the parts around."""
+    best = np.array(
+        [k[np.argmax(gain[k])] for k in np.array_split(np.arange(len(gain)), MOMENTS) if len(k)], dtype=int
+    )
     most = np.pad(gain[best], 1)
     peaks = best[(most[1:-1] >= most[:-2]) & (most[1:-1] > most[2:])]
-    likeliest = peaks[np.argsort(-gain[peaks], kind="stable")[:LIKELY]]
-    return [(float(stamp[[at[k] - 1, at[k]]].mean()), float(jump[k])) for k in likeliest if jump[k]]
+    return [int(k) for k in peaks[np.argsort(-gain[peaks], kind="stable")[:LIKELY]]]
