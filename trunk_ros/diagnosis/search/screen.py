@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
+from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.followed import directions
 from trunk_ros.diagnosis.search.score import FURTHER, chance, may_be_for_a_time, need
 from trunk_ros.diagnosis.search.size import different, leading, merit, reach, scaled, too_large
@@ -38,6 +39,7 @@ class Screen:
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
         self.basis, self._shared = directions(context, hypothesis, columns)
         self.starts = Starts(context, hypothesis)
+        self.unshown = unshown(context, hypothesis)
 
     def left(self, column: int) -> float:
         """Squared residual of a column once the values that are there have followed, linearly."""
@@ -109,7 +111,20 @@ class Screen:
             return None
         there = extended(context, self.hypothesis, candidate)
         changes = {c: self.change(there, c) for c in columns if c in there[candidate.effect].own}
-        window = self.window(changes, reach(kind, candidate), kind.grows)
+        timed = self._timed(candidate, changes)
+        if timed is None or unshown(context, extended(context, self.hypothesis, timed)) <= self.unshown:
+            return timed
+        plain = self._timed(candidate, changes, once=True)
+        if plain and unshown(context, extended(context, self.hypothesis, plain)) <= self.unshown:
+            return plain  # what comes and goes more often gains more, but not while the joint moves
+        return timed
+
+    def _timed(
+        self, candidate: Candidate, changes: dict[int, Array], once: bool = False
+    ) -> Candidate | None:
+        """A candidate with the times and sizes at which its ``changes`` gain most; ``once``: in one window."""
+        kind, context = effect(candidate.effect), self.context
+        window = self.window(changes, reach(kind, candidate), kind.grows, once)
         found = window and scaled(kind, candidate, window.rd, window.dd)
         if not window or not found or found.gain - window.price <= candidate.gain:
             return None
