@@ -187,14 +187,14 @@ def _throws(context: Context, term: Term) -> float:
 
 def _apart(times: list[tuple[float, float]]) -> float:
     """Of times [s] on several joints, each with its price: what happens on several at once is one event, of
-    which one joint tells the others.
+    which one joint tells the others; a further joint makes it no cheaper.
     """
-    total, first, least = 0.0, -np.inf, 0.0
+    total, first, most = 0.0, -np.inf, 0.0
     for at, price in sorted(times):
         if at - first > TOGETHER:
-            total, first, least = total + least, at, np.inf
-        least = min(least, price)
-    return total + least
+            total, first, most = total + most, at, 0.0
+        most = max(most, price)
+    return total + most
 
 
 def for_a_time(context: Context, column: int, left: float) -> float:

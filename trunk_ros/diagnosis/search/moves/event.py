@@ -48,8 +48,8 @@ def _for_a_while(now: Fit, name: str, column: int) -> Iterator[Fit]:
     bare, form = now.hypothesis.without(name, column), now.hypothesis[name].form
     screen = Screen(now.context, bare, [column])
     start = screen.local_form(effect(name), form, column)
-    found = start and screen.lasting(start, [column])
-    if found:
+    found = start and (screen.lasting(start, [column]) or start)
+    if found and any(moment.name in found.start for moment in LASTING):
         there = extended(now.context, bare, found)
         for trial in refitted(now, column, [Look(there, screen.left(column), found.gain)]):
             yield dated(trial, name, column)
