@@ -51,7 +51,10 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
     out, seen, band = predicted, view.columns[column], 2.0 * float(view.arm.dead_band[column])
     for still, first, happened, moved in rests(view, hypothesis, column):
-        rest, pushed = (seen.target - out)[still][seen.valid[still]], predicted[still.start] - predicted[first - 1]
+        rest, pushed = (
+            (seen.target - out)[still][seen.valid[still]],
+            predicted[still.start] - predicted[first - 1],
+        )
         way = np.sign(pushed if abs(pushed) > PART * band / 2 else rest.mean())  # within the band either way
         far = float(np.clip(way * rest.mean(), 0.0, band))
         if far > 0.0:

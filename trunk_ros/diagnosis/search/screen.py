@@ -119,10 +119,8 @@ class Screen:
             return plain  # what comes and goes more often gains more, but not while the joint moves
         return timed
 
-    def _timed(
-        self, candidate: Candidate, changes: dict[int, Array], once: bool = False
-    ) -> Candidate | None:
-        """A candidate with the times and sizes at which its ``changes`` gain most; ``once``: in one window."""
+    def _timed(self, candidate: Candidate, changes: dict[int, Array], once: bool = False) -> Candidate | None:
+        """A candidate with the times and sizes at which ``changes`` gain most; ``once``: in one window."""
         kind, context = effect(candidate.effect), self.context
         window = self.window(changes, reach(kind, candidate), kind.grows, once)
         found = window and scaled(kind, candidate, window.rd, window.dd)
@@ -186,14 +184,20 @@ class Screen:
         return tuple(self.hypothesis[kind.id].shared.items()) if kind.id in self.hypothesis else ()
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
-        """The most promising start of an effect on one column."""
-        best: Candidate | None = None
-        trials = [Candidate(kind.id, form, column, start) for start in self.starts.on(kind, form, column)]
-        for trial, (rd, dd) in zip(trials, self.products(trials, column), strict=True):
-            better = scaled(kind, trial, rd, dd)
-            if better is not None and (best is None or better.gain > best.gain):
-                best = better
-        return best
+        """The most promising start of an effect on one column; those that come near the best one are looked
+        at again where that led them, as friction bends what a look takes for straight.
+        """
+        begun = [Candidate(kind.id, form, column, start) for start in self.starts.on(kind, form, column)]
+        found = self._scaled(begun, column)
+        most = max((c.gain for c in found), default=0.0)
+        near = [c for c in found if c.gain > NEARLY * most]
+        again = self._scaled(near, column) if len(near) > 1 else near
+        return max(again or near, key=lambda c: c.gain, default=None)
+
+    def _scaled(self, trials: list[Candidate], column: int) -> list[Candidate]:
+        """Candidates on one column at their best sizes, but for what cannot help."""
+        pairs = zip(trials, self.products(trials, column), strict=True)
+        return [better for t, look in pairs if (better := scaled(effect(t.effect), t, *look))]
 
     def _forms(self, kind: type[Effect], column: int) -> tuple[str, ...]:
         """The forms to try: that of the effect on other joints, if it is there."""

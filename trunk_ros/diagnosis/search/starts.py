@@ -43,7 +43,8 @@ class Starts:
         context = self.context
         rest = None if column in context.wide else self._residual(column, index)
         begun = kind({}, {}, form).starts(context.shown(column, index), 0, rest)
-        besides = [{**option, **when} for option in kind.options(form) for when in self._whens(kind, form, column)]
+        whens = self._whens(kind, form, column)
+        besides = [{**option, **when} for option in kind.options(form) for when in whens]
         for start in [{**start, **more} for more in besides for start in begun]:
             if not kind.texts:
                 yield start
