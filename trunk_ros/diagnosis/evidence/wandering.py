@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.moves import DROP, RICHER, SWAP, SWAP_ALL
+from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.slow_noise import (
     is_plain,
@@ -47,7 +47,7 @@ def steadied(now: Fit) -> Fit:
         return now
     again = context.work.besides()
     steady = replace(wandering_in(context, found), claims=True, work=again)
-    done = descend(refit(steady, bare), (DROP, RICHER, SWAP_ALL, SWAP), Desk())
+    done = descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())
     context.work.took(again)
     return replace(done, context=replace(done.context, work=context.work))
 

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.search.moves.restart import RESTART
 from trunk_ros.diagnosis.search.moves.source import SOURCE
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap import SWAP
-from trunk_ros.diagnosis.search.moves.swap_all import PLAINER, RICHER, SWAP_ALL
+from trunk_ros.diagnosis.search.moves.swap_all import PLAINER, SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 
 MOVES = (
@@ -27,7 +27,6 @@ MOVES = (
     SPELL,
     DROP,
     EARLY_CURVE,
-    RICHER,
     SWAP_ALL,
     SWAP_MANY,
     SWAP,
@@ -40,4 +39,4 @@ MOVES = (
 what each has, names before curves where names may do.
 """
 
-__all__ = ["ADD", "CURVE", "DROP", "FURTHER_JOINTS", "MOVES", "ONSET", "PLAINER", "RICHER", "SWAP", "SWAP_ALL"]
+__all__ = ["ADD", "CURVE", "DROP", "FURTHER_JOINTS", "MOVES", "ONSET", "PLAINER", "SWAP", "SWAP_ALL"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from itertools import chain
 from typing import NamedTuple
 
 from trunk_ros.diagnosis.cores import each
@@ -25,7 +26,7 @@ from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.spell import SPELL
-from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_what_it_stood_for
+from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_what_it_stood_for
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
@@ -51,9 +52,11 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def additions(best: Fit, desk: Desk) -> Iterator[Fit]:
-    """For each further effect the hypothesis with it where it helps most, but for what cannot win."""
+    """For each further effect the hypothesis with it where it helps most, but for what cannot win, and laws
+    with more to them than what is there.
+    """
     leader = best
-    for trial in on_joints(best, desk):
+    for trial in chain(with_more(best, desk), on_joints(best, desk)):
         leader = min(leader, trial, key=score)
         yield trial
     yield from everywhere(best, desk, leader)

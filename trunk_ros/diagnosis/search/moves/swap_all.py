@@ -29,8 +29,8 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect of most joints, by each that acts on all; one of several joints, as others may have more of
     the same for another effect, by those that show in the same regime.
     """
+    kinds = _further(best)
     for name, term in best.hypothesis.items():
-        kinds = [k for k in _further(best) if name not in k.replaces]
         several = len(term.columns) >= SEVERAL
         some = [k for k in kinds if on_most(best, name) or (several and k.regime == effect(name).regime)]
         if some:
@@ -179,13 +179,15 @@ def _back(old: Term, now: Fit, column: int) -> Fit:
 def _with_less(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect by what it includes, where its further values may say nothing."""
     for name in best.hypothesis:
-        yield from _by(best, desk, name, [k for k in _further(best) if k.id in effect(name).replaces])
+        kinds = [k for k in _further(best) if k.id in effect(name).replaces]
+        if kinds:
+            yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
 
 
-def _with_more(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each effect by what includes it: a law with more to it, which is how it is what it is."""
+def with_more(best: Fit, desk: Desk) -> Iterator[Fit]:
+    """Each effect by what includes it: a law with more to it explains as a further effect would."""
     for name in best.hypothesis:
-        yield from _by(best, desk, name, [k for k in _further(best) if name in k.replaces])
+        yield from _swapped(best, desk, name, [k for k in _further(best) if name in k.replaces])
 
 
 def _further(best: Fit) -> list[type[Effect]]:
@@ -193,11 +195,5 @@ def _further(best: Fit) -> list[type[Effect]]:
     return [k for k in usable(best.context) if k.everywhere and k.id not in best.hypothesis]
 
 
-def _by(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Iterator[Group]:
-    if kinds:
-        yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
-
-
 SWAP_ALL = Move("swap_all", groups, descends=True)
 PLAINER = Move("plainer", _with_less)
-RICHER = Move("richer", _with_more, settles=True)
