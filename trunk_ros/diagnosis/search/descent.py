@@ -235,8 +235,8 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
 
 
 def _plainest(found: Fit, trials: list[Fit], best: Fit, desk: Desk) -> Fit:
-    """The best trial; one whose effect it includes, where that pays as well and what it has more would not as
-    a step of its own: a law with more to it is bent to what is still missing beside it.
+    """The best trial; one whose effect it includes, with a further one or without, where that pays as well
+    and what it has more would not as a step of its own: a law with more to it is bent to what is missing.
     """
     for other in sorted(trials, key=score):
         step = score(other) - score(found)
@@ -250,12 +250,14 @@ def _plainest(found: Fit, trials: list[Fit], best: Fit, desk: Desk) -> Fit:
 
 
 def _includes(fit: Fit, other: Fit) -> bool:
-    """Whether two hypotheses differ in one effect, and that of the first includes that of the other."""
+    """Whether a hypothesis has one effect in the place of what that includes in the other, which may have a
+    further one beside it.
+    """
     more, less = (
-        list(a.keys() - b.keys())
-        for a, b in ((fit.hypothesis, other.hypothesis), (other.hypothesis, fit.hypothesis))
+        fit.hypothesis.keys() - other.hypothesis.keys(),
+        other.hypothesis.keys() - fit.hypothesis.keys(),
     )
-    return len(more) == len(less) == 1 and less[0] in effect(more[0]).replaces
+    return len(more) == 1 and len(less) in (1, 2) and bool(less & {*effect(*more).replaces})
 
 
 def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
