@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import OPTION, put_down
 from trunk_ros.diagnosis.search.moves.spell import SPELL
-from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.score import for_a_time, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
 from trunk_ros.diagnosis.search.windows import Reach, Window
@@ -80,7 +80,8 @@ def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter, seen: Seen) -> I
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
     trial = dated(refit(now.context, there), name)
     sizes = only(SPELL, (name, None, f"{mass.name}_"))
-    yield descend_with(trial, (sizes, OPTION), desk) if trial.total < score(now) else trial
+    least = sum(cost + for_a_time(trial.context, c, cost) for c, cost in trial.cost.items())
+    yield descend_with(trial, (sizes, OPTION), desk) if least < score(now) else trial
 
 
 def _one_by_one(now: Fit, name: str) -> Fit:
