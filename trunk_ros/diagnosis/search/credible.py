@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import IntEnum
 from functools import partial
 
@@ -10,10 +11,10 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
-from trunk_ros.diagnosis.levels import PART
+from trunk_ros.diagnosis.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
-from trunk_ros.effects.lasting import LASTING
+from trunk_ros.effects.lasting import LASTING, RISE
 from trunk_ros.parameter import GROWN
 
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
@@ -43,14 +44,14 @@ def hidden(context: Context, term: Term) -> list[int]:
     return [c for c, level in shown.items() if level < (Shown.BESIDE if alone - {c} else Shown.ALONE)]
 
 
-def ends_within(block: Effect, now: Now) -> bool:
+def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda _: False) -> bool:
     """Whether what begins or ends does so while it is looked at: the joint or what it follows moves, or its
-    load changes, on both sides of each moment, as far as to the next one; of joints that move one after the
-    other none shows that. What acts by the way of the motion has to be seen on the same way on both sides: if
-    it was there on one way and not on the way back, it went by the direction.
+    load changes, on both sides of each moment, as far as to the next one; or on one side, where it rests at
+    the moment and ``jumps`` all the same. Of joints that move one after the other none shows that. What acts
+    by the way of the motion has to be seen on the same way on both sides: if it was there on one way and not
+    on the way back, it went by the direction.
     """
-    moments = (m.name for m in LASTING if m.moment and m is not GROWN)
-    times = sorted(t for name in moments for t in block.values.get(name, ()))
+    times = _moments(block)
     if not times:
         return True
     followed = {word for words in block.words.values() for word in words if word in now.joints}
@@ -59,7 +60,38 @@ def ends_within(block: Effect, now: Now) -> bool:
     rows = np.split(np.arange(len(now.stamp)), np.searchsorted(now.stamp, times))
     seen = _ways if block.regime in BY_THE_WAY else _moves
     goes = np.array([[seen(signal, part) for part in rows] for signal in signals])
-    return bool((goes[:, :-1] & goes[:, 1:]).any(axis=(0, 2)).all())
+    both = (goes[:, :-1] & goes[:, 1:]).any(axis=(0, 2))
+    either = (goes[:, :-1] | goes[:, 1:]).any(axis=(0, 2))
+    return all(b or (e and jumps(t)) for b, e, t in zip(both, either, times, strict=True))
+
+
+def _moments(block: Effect) -> list[float]:
+    """When [s] an effect begins, changes and ends, one after the other."""
+    names = (m.name for m in LASTING if m.moment and m is not GROWN)
+    return sorted(t for name in names for t in block.values.get(name, ()))
+
+
+def _jumps(context: Context, term: Term, column: int, at: float) -> bool:
+    """Whether a joint that rests at a moment [s] is predicted to jump then by more than its noise."""
+    hypothesis = Hypothesis({term.effect: term})
+    for index, view in enumerate(context.views):
+        seen, stamp, gearbox = (
+            view.columns[column],
+            view.span.stamp,
+            view.span.gearbox[view.span.rows, column],
+        )
+        before, after = (
+            seen.valid & (low < stamp) & (stamp < high)
+            for low, high in ((at - TOGETHER, at - RISE / 2), (at + RISE / 2, at + TOGETHER))
+        )
+        if min(np.count_nonzero(before), np.count_nonzero(after)) < SEVERAL:
+            continue
+        if np.ptp(gearbox[before | after]) > HARDLY * np.ptp(gearbox):
+            continue
+        predicted = seen.target - context.residual(index, hypothesis, column)
+        if abs(predicted[after].mean() - predicted[before].mean()) > SURE * context.noise[column].std:
+            return True
+    return False
 
 
 def _moves(signal: Array, part: np.ndarray) -> tuple[bool]:
@@ -81,7 +113,8 @@ def _shown(context: Context, term: Term, column: int) -> int:
     key = (column, *term.key(column))
     if key not in context.shown_before:
         block = bind_column(term, column)
-        alone = context.shows(block.credible, column) and context.shows(partial(ends_within, block), column)
+        told = partial(ends_within, block, jumps=partial(_jumps, context, term, column))
+        alone = context.shows(block.credible, column) and context.shows(told, column)
         near = alone or context.shows(partial(block.credible, beside=True), column)
         context.shown_before[key] = Shown.ALONE if alone else Shown.BESIDE if near else Shown.NOT
     return context.shown_before[key]
