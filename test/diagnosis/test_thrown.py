@@ -86,3 +86,24 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     assert not (thrown(view, Hypothesis(), column, predicted) - predicted).any()
     left = [(view.span.target[:, column] - p)[rest.still].mean() for p in (predicted, predicted + more)]
     assert abs(left[1]) < 0.1 * abs(left[0])
+
+
+def test_within_its_dead_band_a_joint_is_thrown_either_way(model: Model) -> None:
+    """A slip that friction holds back moves nothing by itself, yet what is measured may jump."""
+    half, column, at = float(model.arm.dead_band[3]), 3, 10.0
+    stamp = np.arange(2000) * 0.01
+    angle = np.zeros((2000, 5))
+    angle[:, column] = 0.3 * np.sin(np.clip(stamp - 15.0, 0.0, None))
+    true = angle - 0.4 * half * (stamp > at)[:, None] * (np.arange(5) == column)
+    series = {
+        "gearbox_states": JointSeries(stamp, JOINTS, angle / RATIO),
+        "joint_states": JointSeries(
+            stamp, JOINTS, true + np.random.default_rng(1).normal(0, 1e-5, true.shape)
+        ),
+    }
+    context = first_look(WireStage([wire_span(Recording("made", 0, 20.0, series), model)], model))
+    view = context.views[0]
+    slip = Hypothesis({"wire_slip": Term("wire_slip", own={column: {"step": -0.9 * half, "onset": at}})})
+    predicted = context.predict(0, slip, column)
+    more = (thrown(view, slip, column, predicted) - predicted)[(stamp > at + 0.1) & (stamp < 14.9)]
+    assert more == pytest.approx(np.full(len(more), -0.4 * half), rel=0.05)

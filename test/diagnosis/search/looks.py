@@ -48,6 +48,13 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         },
     },
     "upstream": {"load_elasticity": {"compliance": np.full(5, 0.05), "upstream": 1.0}},
+    "hardens upstream": {
+        "wire_stiffening": {
+            "compliance": np.full(5, 0.05),
+            "moment": np.array([0.08, 0.05, 0.036, 0.024, 0.011]),
+            "upstream": 1.0,
+        }
+    },
     "payload": {"load_elasticity": {"compliance": np.full(5, 0.03), "payload": 0.08}},
     "gaussian": {
         "stribeck_friction": {"amplitude": on(2, 4e-3), "velocity": on(2, 0.04), "form": "gaussian"}

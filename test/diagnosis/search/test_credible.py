@@ -8,17 +8,23 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context
-from trunk_ros.diagnosis.search.credible import ends_within
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Term
+from trunk_ros.diagnosis.search.credible import ends_within, hidden
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
+from trunk_ros.model import load_model
 
 STAMP = np.linspace(0.0, 40.0, 4001)
 
 
-def seen(angle: np.ndarray, name: str = "backlash", **moments: float) -> bool:
-    """Whether an effect with moments shows on a joint that moves as ``angle`` (n,) does."""
+def seen(angle: np.ndarray, name: str = "backlash", jump: float | None = None, **moments: float) -> bool:
+    """Whether an effect with moments shows on a joint that moves as ``angle`` (n,) does, and jumps once."""
     now = context("clean").now(0, 2)
     now = replace(now, stamp=STAMP, gearbox=angle[:, None], load=np.zeros((len(angle), 1)))
-    return ends_within(effect(name)({n: np.array([t]) for n, t in moments.items()}), now)
+    return ends_within(
+        effect(name)({n: np.array([t]) for n, t in moments.items()}), now, lambda at: at == jump
+    )
 
 
 def swings(begin: float, end: float, times: float) -> np.ndarray:
@@ -55,3 +61,27 @@ def test_a_joint_that_stands_on_one_side_of_the_moment_does_not_show_it() -> Non
 
 def test_what_acts_all_the_time_needs_no_motion() -> None:
     assert seen(np.zeros_like(STAMP))
+
+
+def test_what_happens_while_a_joint_rests_is_seen_by_its_jump() -> None:
+    late = swings(20.0, 30.0, 3.0)
+    assert seen(late, "ratio_error", jump=12.0, **{"from": 12.0})
+    assert not seen(late, "ratio_error", jump=12.0, **{"from": 12.0, "until": 35.0})
+    assert not seen(np.zeros_like(STAMP), "ratio_error", jump=12.0, **{"from": 12.0})
+
+
+@pytest.mark.parametrize(("angle", "shown"), [(0.2, True), (0.0, False)])
+def test_a_joint_that_rests_away_from_its_zero_shows_when_its_ratio_changes(
+    angle: float, shown: bool
+) -> None:
+    """At its zero a ratio makes no jump, so that nothing tells it from one that was always wrong."""
+    looked = context("clean")
+    view, column = looked.views[0], 2
+    rests = view.span.gearbox.copy()
+    rests[:, column] = angle / looked.arm.ratio[column] + np.where(
+        view.span.grid > 20.0, 0.3 * np.sin(view.span.grid - 20.0), 0.0
+    )
+    span = replace(view.span, gearbox=rests)
+    there = first_look(WireStage([span], load_model("trunk")))
+    term = Term("ratio_error", own={column: {"relative": 0.02, "from": 12.0}})
+    assert (hidden(there, term) == []) == shown

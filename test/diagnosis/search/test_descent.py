@@ -226,3 +226,29 @@ def test_what_cannot_come_to_the_goal_is_not_tried() -> None:
     for goal in (far, near):
         descend_with(now, [Move("any", groups)], Desk(share=COARSE[0]), goal)
     assert tried == [near]
+
+
+def test_a_law_with_more_to_it_is_better_by_a_step_than_the_plainer_one_beside_another_effect() -> None:
+    best = fitted("slack")
+    terms = {
+        "wire_slack": Term(
+            "wire_slack", "sharp", own={c: {"compliance": 0.05, "threshold": 0.01} for c in range(5)}
+        ),
+        "load_elasticity": Term("load_elasticity", own={c: {"compliance": 0.05} for c in range(5)}),
+        "ratio_error": Term("ratio_error", own={1: {"relative": 1e-3}}),
+    }
+    nearly = {c: best.context.least_noise(c) + 1e4 for c in best.cost}
+    richer = Fit(Hypothesis({"wire_slack": terms["wire_slack"]}), nearly, best.context)
+
+    def beside(cost: float) -> Fit:
+        plain = Hypothesis({name: terms[name] for name in ("load_elasticity", "ratio_error")})
+        return Fit(plain, {c: each + cost for c, each in nearly.items()}, best.context)
+
+    def taken(rival: Fit) -> list[str]:
+        move = Move("either", lambda now, desk: iter([Group("law", list(nearly), lambda: [richer, rival])]))
+        found = first_that_pays(best, [move], Desk(share=COARSE[0]))
+        assert found is not None
+        return sorted(found[1].hypothesis)
+
+    assert taken(beside(1e3)) == ["load_elasticity", "ratio_error"]
+    assert taken(beside(2e4)) == ["wire_slack"]

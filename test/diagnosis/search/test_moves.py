@@ -303,3 +303,12 @@ def test_what_is_put_down_leaves_no_moments() -> None:
     carries = Term("load_elasticity", shared={"payload": 0.1, "payload_from": 9.0, "other": 1.0})
     put_down(carries, "payload")
     assert carries.shared == {"other": 1.0}
+
+
+def test_what_is_added_may_be_a_law_with_more_to_it() -> None:
+    """A wire that hardens is first a wire that stretches; what that leaves is no further effect's."""
+    soft = Term("load_elasticity", shared={"upstream": 1.0}, own={c: {"compliance": 0.04} for c in range(5)})
+    best = best_of(MOVE["add"], fitted("hardens upstream", soft))
+    assert best is not None
+    assert list(best.hypothesis) == ["wire_stiffening"]
+    assert best.hypothesis["wire_stiffening"].shared["upstream"] > 0.8

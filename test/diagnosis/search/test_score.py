@@ -121,3 +121,16 @@ def test_what_lasts_for_a_time_is_no_candidate_where_it_would_leave_a_strong_res
     assert may_be_for_a_time(now.context, left, now.cost[2])
     quiet = {2: 1.5 * now.context.count(2)}
     assert may_be_for_a_time(now.context, quiet, 0.2 * quiet[2])
+
+
+def test_a_further_joint_makes_no_moment_cheaper() -> None:
+    """What happens on several joints at once is one event, at the price of the dearest of them."""
+    own = {c: {"compliance": 0.03, "from": 15.0} for c in (1, 4)}
+    both = fitted("two give way", Term("load_elasticity", own=own))
+    dear = replace(both.context, formed_misfit={1: 1e6, 4: 0.0})
+    needs = {c: need(dear, c, both.rest(c)) for c in own}
+    assert needs[1] > 2 * needs[4]
+    one = Fit(both.hypothesis.without("load_elasticity", 4), both.cost, dear)
+    two = Fit(both.hypothesis, both.cost, dear)
+    prices = [price(fit, fit.hypothesis["load_elasticity"]) for fit in (one, two)]
+    assert prices[1] >= prices[0] + needs[4]

@@ -93,3 +93,30 @@ def test_a_zero_within_the_play_is_seen_on_a_joint_that_stands_at_first() -> Non
     (look, *_) = Screen(first.context, first.hypothesis).forms(effect("zero_offset"), 2)
     fitted = refit_column(first, extended(first.context, first.hypothesis, look), 2)
     assert look.gain > 0.9 * (first.cost[2] - fitted.cost[2]) > 1000.0
+
+
+def test_a_stretch_before_the_friction_is_looked_for_from_the_beginning() -> None:
+    nothing = fitted("upstream")
+    found = Screen(nothing.context, nothing.hypothesis).all_everywhere(effect("load_elasticity"))
+    assert all(candidate.start.get("upstream") == 1.0 for candidate in found)
+    behind = fitted("sag")
+    found = Screen(behind.context, behind.hypothesis).all_everywhere(effect("load_elasticity"))
+    assert found
+    assert not any("upstream" in candidate.start for candidate in found)
+
+
+def test_what_happened_to_another_joint_may_have_happened_to_a_further_one() -> None:
+    one = Term("load_elasticity", own={1: {"compliance": 0.03, "from": 15.0}})
+    now = fitted("two give way", one)
+    start = Screen(now.context, now.hypothesis, [4]).local_form(effect("load_elasticity"), "weight", 4)
+    assert start is not None
+    assert start.start["from"] == now.hypothesis["load_elasticity"].own[1]["from"]
+    assert start.start["compliance"] == pytest.approx(0.2, rel=0.05)
+
+
+def test_a_slip_is_looked_for_at_the_sample_and_at_the_height_that_it_shows() -> None:
+    now = fitted("slip")
+    start = Screen(now.context, now.hypothesis, [1]).local_form(effect("wire_slip"), "", 1)
+    assert start is not None
+    assert start.start["onset"] == pytest.approx(17.0, abs=0.02)
+    assert start.start["step"] == pytest.approx(2e-3, rel=0.02)

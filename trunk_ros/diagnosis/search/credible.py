@@ -88,7 +88,7 @@ def _jumps(context: Context, term: Term, column: int, at: float) -> bool:
             continue
         if np.ptp(gearbox[before | after]) > HARDLY * np.ptp(gearbox):
             continue
-        predicted = seen.target - context.residual(index, hypothesis, column)
+        predicted = context.predict(index, hypothesis, column)
         if abs(predicted[after].mean() - predicted[before].mean()) > SURE * context.noise[column].std:
             return True
     return False
