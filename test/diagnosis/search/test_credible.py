@@ -85,3 +85,11 @@ def test_a_joint_that_rests_away_from_its_zero_shows_when_its_ratio_changes(
     there = first_look(WireStage([span], load_model("trunk")))
     term = Term("ratio_error", own={column: {"relative": 0.02, "from": 12.0}})
     assert (hidden(there, term) == []) == shown
+
+
+def test_what_grows_does_so_while_the_joint_moves() -> None:
+    angle = swings(10.0, 30.0, 3.0)
+    assert seen(angle, "load_elasticity", grown=20.0)
+    assert seen(angle, "load_elasticity", grown=38.0)
+    assert not seen(angle, "load_elasticity", grown=0.002)
+    assert not seen(angle, "load_elasticity", grown=8.0)

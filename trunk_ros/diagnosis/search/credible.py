@@ -49,10 +49,10 @@ def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda
     load changes, on both sides of each moment, as far as to the next one; or on one side, where it rests at
     the moment and ``jumps`` all the same. Of joints that move one after the other none shows that. What acts
     by the way of the motion has to be seen on the same way on both sides: if it was there on one way and not
-    on the way back, it went by the direction.
+    on the way back, it went by the direction. What grows does so under way.
     """
-    times = _moments(block)
-    if not times:
+    times, grown = _moments(block), block.values.get(GROWN.name)
+    if not times and grown is None:
         return True
     followed = {word for words in block.words.values() for word in words if word in now.joints}
     signals = [now.gearbox[:, 0], *(now.angles[:, now.joints.index(joint)] for joint in followed)]
@@ -60,6 +60,10 @@ def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda
     rows = np.split(np.arange(len(now.stamp)), np.searchsorted(now.stamp, times))
     seen = _ways if block.regime in BY_THE_WAY else _moves
     goes = np.array([[seen(signal, part) for part in rows] for signal in signals])
+    if grown is not None:
+        growing = np.arange(*np.searchsorted(now.stamp, [min(times, default=-np.inf), float(grown[0])]))
+        if not any(any(seen(signal, growing)) for signal in signals):
+            return False
     both = (goes[:, :-1] & goes[:, 1:]).any(axis=(0, 2))
     either = (goes[:, :-1] | goes[:, 1:]).any(axis=(0, 2))
     return all(b or (e and jumps(t)) for b, e, t in zip(both, either, times, strict=True))
