@@ -57,6 +57,8 @@ class Context:
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
+    likely: dict[bytes, tuple[Noise, float]] = field(default_factory=dict, repr=False)
+    """The likeliest noise of what is left of a column, and how likely it is, by all that this depends on."""
     least_needs: dict[int, float] = field(default_factory=dict, init=False, repr=False)  # score's, by column
     _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
         default_factory=dict, repr=False

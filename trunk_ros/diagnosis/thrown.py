@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import FEWEST, PART
@@ -38,13 +38,24 @@ def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[Rest]:
         first, done = np.searchsorted(view.span.stamp, [at - RISE / 2, at + RISE / 2])
         if not 0 < first < len(valid) - FEWEST:
             continue
-        path = view.span.gearbox[view.span.rows[first - 1 :], column]
-        moved = (path[1:] - path[0]) * view.arm.ratio[column]
-        goes = np.abs(moved) > PART * width
-        still = slice(int(done), int(first + np.argmax(goes)) if goes.any() else len(valid))
+        path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
+        still = slice(int(done), goes_on(path, view.span.rows, int(first), ratio, PART * width))
         if np.count_nonzero(valid[still]) >= FEWEST:
+            path = path[view.span.rows[first - 1 :]]
+            moved = (path[1:] - path[0]) * ratio
             happened = np.minimum((view.span.stamp[first:] - at) / RISE + 0.5, 1.0)
             yield Rest(still, int(first), happened, moved)
+
+
+@compiled
+def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: float) -> int:
+    """The first of ``rows`` (n,) from ``first`` on at which a path (m,) of a gearbox has moved its joint by
+    more than ``least`` rad since the row before; their number where it nowhere has.
+    """
+    for k in range(first, len(rows)):
+        if abs((path[rows[k]] - path[rows[first - 1]]) * ratio) > least:
+            return k
+    return len(rows)
 
 
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:

@@ -79,10 +79,10 @@ class Span:
     unseen: float = 0.0
     """Standard deviation [s/s] of how fast it may run without that it shows before the physics is known."""
 
-    @property
+    @cached_property
     def stamp(self) -> Array:
         """(n,) s, of the measured rows."""
-        return np.asarray(self.grid[self.rows])
+        return np.asarray(self.measured(self.grid))
 
     def measured(self, signal: Array) -> Array:
         """(n,) of a signal (m,) on the grid, at the measured rows."""
