@@ -34,17 +34,18 @@ class Rest(NamedTuple):
 def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[Rest]:
     """Where a joint with a dead band rests from a moment of its effects on, one after the other."""
     width, valid = float(view.arm.dead_band[column]), view.span.valid[:, column]
+    stamp = view.span.stamp
     for at in sorted(_moments(hypothesis, column)) if width > 0.0 else []:
-        first, done = np.searchsorted(view.span.stamp, [at - RISE / 2, at + RISE / 2])
+        first, done = int(stamp.searchsorted(at - RISE / 2)), int(stamp.searchsorted(at + RISE / 2))
         if not 0 < first < len(valid) - FEWEST:
             continue
         path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-        still = slice(int(done), goes_on(path, view.span.rows, int(first), ratio, PART * width))
+        still = slice(done, goes_on(path, view.span.rows, first, ratio, PART * width))
         if np.count_nonzero(valid[still]) >= FEWEST:
             path = path[view.span.rows[first - 1 :]]
             moved = (path[1:] - path[0]) * ratio
-            happened = np.minimum((view.span.stamp[first:] - at) / RISE + 0.5, 1.0)
-            yield Rest(still, int(first), happened, moved)
+            happened = np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0)
+            yield Rest(still, first, happened, moved)
 
 
 @compiled
@@ -60,7 +61,7 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
 
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
-    out, seen, band = predicted, view.columns[column], 2.0 * float(view.arm.dead_band[column])
+    out, seen, band = predicted, view.columns[column], 2.0 * view.arm.dead_band[column]
     for still, first, happened, moved in rests(view, hypothesis, column):
         way = np.sign(predicted[still.start] - predicted[first - 1])
         rest = (seen.target - out)[still][seen.valid[still]]
@@ -74,14 +75,9 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
 
 def _moments(hypothesis: Hypothesis, column: int) -> set[float]:
     """When [s] something happens to a joint at once."""
-    return {
-        values[name]
-        for term in hypothesis.values()
-        if column in term.own and (names := _names(term.effect))
-        for values in [term.values(column)]
-        for name in names
-        if name in values
-    }
+    terms = [term for term in hypothesis.values() if column in term.own]
+    said = [t.own[column].get(name, t.shared.get(name)) for t in terms for name in _names(t.effect)]
+    return {at for at in said if at is not None}
 
 
 @cache

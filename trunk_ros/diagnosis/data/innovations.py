@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-
-SETTLED = 1e-12  # of a variance: what changes by less is rounding
-TOGETHER = 8  # sizes of which one logarithm is taken: a product of more might be no number
+from trunk_ros.diagnosis.machine import FACTORS
+from trunk_ros.guards import ROUNDED
 
 
 @compiled
@@ -36,7 +35,7 @@ def innovations(
                 whole, before = spread + white, spread
                 roots[since], gains[since] = np.sqrt(whole), correlation * spread / whole
                 spread = correlation**2 * spread * white / whole + (1.0 - correlation**2) * coloured
-                settled, known = abs(spread - before) <= SETTLED * spread, known + 1
+                settled, known = abs(spread - before) <= ROUNDED * spread, known + 1
         off = residual[i] - expected
         size[i] = roots[since]
         out[i] = off / roots[since]
@@ -76,7 +75,7 @@ def innovations_of_two(
                 b = stays**2 * (second - other * other / whole) + (1.0 - stays**2) * slow
                 c = correlation * stays * (both - one * other / whole)
                 changed = max(abs(a - first), abs(b - second), abs(c - both))
-                settled, known = changed <= SETTLED * (a + b), known + 1
+                settled, known = changed <= ROUNDED * (a + b), known + 1
                 first, second, both = a, b, c
         off = residual[i] - expected - wandered
         size[i] = roots[since]
@@ -96,7 +95,8 @@ def unlikely(out: Array, size: Array, counted: np.ndarray) -> float:
         i = counted[k]
         squares += out[i] * out[i]
         product *= size[i]
-        if k % TOGETHER == TOGETHER - 1:
+        if k % FACTORS == FACTORS - 1:
             logarithms += np.log(product)
             product = 1.0
-    return squares + 2.0 * (logarithms + np.log(product))
+    total: float = squares + 2.0 * (logarithms + np.log(product))
+    return total

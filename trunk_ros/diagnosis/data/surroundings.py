@@ -185,7 +185,7 @@ def following(valid: np.ndarray) -> np.ndarray:
 
 def beside(now: Now, times: int) -> Now:
     """The surroundings of one joint, side by side as many times."""
-    return joined([now] * times)
+    return now if times == 1 else joined([now] * times)
 
 
 def joined(each: Sequence[Now]) -> Now:

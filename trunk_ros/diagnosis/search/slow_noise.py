@@ -115,7 +115,7 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
     parts, known = _parts(context, hypothesis, column), context.noise[column].std
     key = blake2b(np.float64(known).tobytes())
     for array in chain.from_iterable(parts):
-        key.update(np.ascontiguousarray(array).view(np.uint8))
+        key.update(array.tobytes())
     if key.digest() not in context.likely:
         context.likely[key.digest()] = _likeliest(parts, known)
     return context.likely[key.digest()]
