@@ -11,9 +11,10 @@ from scipy.interpolate import PchipInterpolator
 from test.diagnosis.arms import on, recorded
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.servo import ServoStage

@@ -10,9 +10,9 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY

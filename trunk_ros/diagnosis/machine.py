@@ -2,7 +2,7 @@
 
 NUMBER = 4
 """Bytes of a number that processes hand each other."""
-CELLS = 2**19
+CELLS = 2**17
 """Samples that are computed together: of long recordings more would not fit into memory."""
 LOOKED = 2**17
 """Rows at which what is known of the whole arm is kept."""

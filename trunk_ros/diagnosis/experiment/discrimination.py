@@ -10,7 +10,8 @@ import numpy as np
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
 from trunk_ros.diagnosis.levels import TENFOLD
 from trunk_ros.diagnosis.search.fit import ROUNDS, Residuals, groups, minimise

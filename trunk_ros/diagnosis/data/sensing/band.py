@@ -30,21 +30,22 @@ class Band:
     """(stretches, ORDERS, signals), complex."""
 
     @staticmethod
-    def of(stamp: Array, signals: Array, middle: float) -> Band:
-        """Of signals (n, signals) at rising stamps (n,)."""
+    def of(stamp: Array, middle: float, *signals: Array) -> Band:
+        """Of signals (n, some) each, after one another, at rising stamps (n,)."""
         half = max(float(stamp[-1] - stamp[0]) / (2 * PIECES), 1e-9)
         cell = np.minimum((stamp - stamp[0]) / (2 * half), PIECES - 1).astype(int)
         starts = np.flatnonzero(np.diff(cell, prepend=-1))
         centres = stamp[0] + (2 * cell[starts] + 1) * half
-        sums = np.empty((len(starts), ORDERS, signals.shape[1]), dtype=complex)
+        sums = np.empty((len(starts), ORDERS, sum(some.shape[1] for some in signals)), dtype=complex)
         order = np.arange(ORDERS)
         shares = np.array([1.0 / factorial(k) for k in order])
         for k, (first, end) in enumerate(zip(starts, [*starts[1:], len(stamp)], strict=True)):
             time = stamp[first:end, None]
             powers = ((time - centres[k]) / half) ** order * shares
             turn = 2.0 * np.pi * middle * time
-            sums[k].real = (np.cos(turn) * powers).T @ signals[first:end]
-            sums[k].imag = (np.sin(turn) * powers).T @ signals[first:end]
+            cosine, sine = (np.cos(turn) * powers).T, (np.sin(turn) * powers).T
+            sums[k].real = np.hstack([cosine @ some[first:end] for some in signals])
+            sums[k].imag = np.hstack([sine @ some[first:end] for some in signals])
         return Band(middle, half, centres, sums)
 
     def at(self, frequency: float) -> Array:
