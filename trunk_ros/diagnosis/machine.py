@@ -2,6 +2,8 @@
 
 NUMBER = 4
 """Bytes of a number that processes hand each other."""
+PIECE = 2048
+"""Rows that stay in the processor's cache."""
 CELLS = 2**17
 """Samples that are computed together: of long recordings more would not fit into memory."""
 LOOKED = 2**17
