@@ -106,8 +106,7 @@ class Other:
         for group in groups(context, self.hypothesis):
             residuals = Residuals(context, self.hypothesis, group)
             x = np.clip(self.hypothesis.get(residuals.free), *bounds(residuals.free))
-            jacobian = residuals.jacobian(x)
-            out.append((residuals, jacobian.T @ jacobian))
+            out.append((residuals, residuals.normal(x)[1]))
         return out
 
     def pinned(self, there: Context, columns: list[int]) -> list[Pinned]:
