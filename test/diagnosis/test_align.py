@@ -57,6 +57,15 @@ def wire(recording: Recording) -> Span:
     return wire_span(recording, TRUNK)
 
 
+def test_what_is_seen_of_one_joint_is_no_copy() -> None:
+    recording = recorded({}, 10.0)
+    for span in (wire_span(recording, TRUNK), servo_span(recording, TRUNK)):
+        view = Stage._view(WireStage([span], TRUNK), span)
+        assert np.shares_memory(view.columns[1].target, span.target)
+        assert np.shares_memory(view.columns[1].speed, view.speeds)
+        assert np.shares_memory(view.now(TRUNK.arm, 1).gearbox, span.gearbox)
+
+
 def test_a_prediction_does_not_swing_out_where_gearbox_angles_are_missing() -> None:
     recording = recorded(seconds=15.0)
     whole = np.abs(simulate(recording, TRUNK).series["joint_states"].position).max()

@@ -272,6 +272,7 @@ class Diagnoser:
 
     def tip(self) -> None:
         """Joint to tip."""
+        give_back()
         late = lateness(self.effects)
         model = replace(self.path, effects={**self.path.effects, **self.effects})
         best = fitted_tip(self.wires, model, late, self.lasting) if self.against is None else None
