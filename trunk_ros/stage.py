@@ -74,19 +74,21 @@ class Order:
     @staticmethod
     def of(effects: Sequence[Effect]) -> Order:
         """Sort effects that are in physical order already."""
-        return Order(
-            [
-                *(e for e in effects if e.acts_at < Effect.CORE),
-                *(part for e in effects if (part := e.upstream()) is not None),
-            ],
-            [e for e in effects if e.acts_at == Effect.CORE],
-            [
-                part
-                for e in effects
-                if Effect.CORE < e.acts_at < SENSOR and (part := e.downstream()) is not None
-            ],
-            [e for e in effects if e.acts_at >= SENSOR],
-        )
+        order, before = Order([], [], [], []), []
+        for e in effects:
+            place, first = e.acts_at, e.upstream()
+            if first is not None:
+                before.append(first)
+            if place < Effect.CORE:
+                order.path.append(e)
+            elif place == Effect.CORE:
+                order.core.append(e)
+            elif place >= SENSOR:
+                order.sensor.append(e)
+            elif (behind := e.downstream()) is not None:
+                order.after.append(behind)
+        order.path.extend(before)
+        return order
 
 
 def wire_pass(

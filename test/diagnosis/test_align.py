@@ -11,9 +11,10 @@ from scipy.interpolate import PchipInterpolator
 from test.diagnosis.arms import on, recorded
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.servo import ServoStage
@@ -54,6 +55,15 @@ def worst(stage: Stage) -> float:
 
 def wire(recording: Recording) -> Span:
     return wire_span(recording, TRUNK)
+
+
+def test_what_is_seen_of_one_joint_is_no_copy() -> None:
+    recording = recorded({}, 10.0)
+    for span in (wire_span(recording, TRUNK), servo_span(recording, TRUNK)):
+        view = Stage._view(WireStage([span], TRUNK), span)
+        assert np.shares_memory(view.columns[1].target, span.target)
+        assert np.shares_memory(view.columns[1].speed, view.speeds)
+        assert np.shares_memory(view.now(TRUNK.arm, 1).gearbox, span.gearbox)
 
 
 def test_a_prediction_does_not_swing_out_where_gearbox_angles_are_missing() -> None:

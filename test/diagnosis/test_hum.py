@@ -135,7 +135,7 @@ def test_sums_over_stretches_of_time_give_what_waves_near_by_share_with_signals(
     stamp = np.sort(rng.uniform(3.0, 63.0, 4000))
     stamp = stamp[(stamp < 20.0) | (stamp > 31.0)]  # a gap
     signals = rng.normal(size=(len(stamp), 3))
-    band = Band.of(stamp, signals, 2.5)
+    band = Band.of(stamp, 2.5, signals[:, :1], signals[:, 1:])
     for frequency in (2.5, 2.5 - 16.5 / 60.0, 2.5 + 16.5 / 60.0):
         turn = 2 * np.pi * frequency * stamp
         np.testing.assert_allclose(

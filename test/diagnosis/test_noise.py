@@ -55,6 +55,20 @@ def test_coloured_noise_under_an_encoders_steps_leaves_no_memory_either(white: f
     np.testing.assert_allclose(np.std(out[~follows]), 1.0, rtol=0.4)
 
 
+@pytest.mark.parametrize("slow", [(0.0, 0.0), (2e-4, 0.999)])
+def test_how_likely_a_residual_is_follows_from_its_covariance(slow: tuple[float, float]) -> None:
+    n, gaps = 400, (0, 7, 150)
+    noise = Noise(float(np.linalg.norm([1e-4, 5e-5, slow[0]])), 0.9, 5e-5, slow)
+    rest = np.random.default_rng(4).normal(size=n) * 1e-4
+    follows, counted = ~np.isin(np.arange(n), gaps), np.arange(n)
+    apart = np.abs(np.subtract.outer(counted, counted))
+    piece = np.cumsum(~follows)
+    covariance = 1e-8 * 0.9**apart + slow[0] ** 2 * slow[1] ** apart
+    covariance = covariance * np.equal.outer(piece, piece) + 25e-10 * np.eye(n)
+    expected = rest @ np.linalg.solve(covariance, rest) + np.linalg.slogdet(covariance)[1]
+    assert noise.unlikely(rest, follows, counted) == pytest.approx(expected, rel=1e-9)
+
+
 def test_noise_that_wanders_over_two_times_leaves_no_memory_either() -> None:
     steps = np.random.default_rng(3).normal(size=(2, N))
     parts = (0.8, 1e-4), (0.995, 2e-4)

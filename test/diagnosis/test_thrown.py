@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import PART
 from trunk_ros.diagnosis.thrown import rests, thrown
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model, load_model
@@ -81,6 +82,7 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     stamp, band = view.span.stamp, 2.0 * model.arm.dead_band[column]
     assert not more[stamp < at - 0.1].any()
     assert 2e-4 < np.abs(more[rest.still]).mean() < band
+    assert rest.still.stop == rest.first + int(np.argmax(np.abs(rest.moved) > PART * band / 2.0))
     moves = rest.first + int(np.argmax(np.abs(rest.moved) > band))
     assert not more[moves:].any()
     assert not (thrown(view, Hypothesis(), column, predicted) - predicted).any()

@@ -147,6 +147,14 @@ def test_a_slack_wire_is_twice_as_soft_past_its_threshold() -> None:
     assert got == pytest.approx(THETA + 0.05 * (tau + excess), abs=1e-7)
 
 
+def test_what_goes_slack_little_by_little_does_so_within_its_softness() -> None:
+    got = wire("wire_slack", form="smooth", threshold=0.03, compliance=0.05, softness=0.004)
+    tau = ARM.load(got)
+    beyond, before = (np.logaddexp(0.0, (size - 0.03) / 0.004) for size in (np.abs(tau), 0.0))
+    excess = 0.004 * np.sign(tau) * (beyond - before)
+    assert got == pytest.approx(THETA + 0.05 * (tau + excess), abs=1e-7)
+
+
 @pytest.mark.parametrize("form", ["tangent", "secant", "smooth"])
 def test_a_stiffening_wires_compliance_has_halved_at_the_moment(form: str) -> None:
     arm = arm_of(1, dead_band=0.0)

@@ -10,9 +10,9 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, at
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY
@@ -57,6 +57,8 @@ class Context:
     work: Work = field(default_factory=Work)
     shown_before: dict[tuple[object, ...], int] = field(default_factory=dict, repr=False)
     """What the motion was found to show, by column and what is on it."""
+    likely: dict[bytes, tuple[Noise, float]] = field(default_factory=dict, repr=False)
+    """The likeliest noise of what is left of a column, and how likely it is, by all that this depends on."""
     least_needs: dict[int, float] = field(default_factory=dict, init=False, repr=False)  # score's, by column
     _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
         default_factory=dict, repr=False

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.other_simulator import completed, sides_told
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
-from trunk_ros.diagnosis.heap import keep_what_is_freed
+from trunk_ros.diagnosis.heap import give_back, keep_what_is_freed
 from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.finding import Finding
@@ -62,7 +62,9 @@ def diagnose(
         model = nominal_for(read[0].joints)
     read = read if other is None else [sides_told(r, other) for r in read]
     nominal, read = described(model, read, urdf)
+    give_back()
     read, mixed = put_right(read, nominal)
+    give_back()
     if other is None:
         return Diagnoser(read, nominal, None, progress, mixed, settle=settle, servos=servos).run()
     if nominal.arm.coupling is not None:

@@ -8,18 +8,21 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.against import SERVO, Simulator
 from trunk_ros.diagnosis.beside import put_right_beside
 from trunk_ros.diagnosis.context import LEAST, Context
-from trunk_ros.diagnosis.data.align import Span, common_joints, servo_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import common_joints, servo_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
 from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
@@ -93,6 +96,8 @@ class Diagnoser:
         self.effects: dict[str, Values] = {}
         self.error: dict[str, float] = {}
         """Joint error [rad] that the fit usually left of samples that it did not see."""
+        self.went: tuple[Array, ...] = ()
+        """How far the motors went: standard deviation, least and most (joints,) rad on the joints' side."""
         self.lasting: dict[str, float] = {}
         """Joint noise [rad] that lasts from sample to sample."""
 
@@ -116,12 +121,9 @@ class Diagnoser:
         """The model with what it left, and how far the motors went; as it is where no wire was compared."""
         if not self.error:
             return model
-        arm = model.arm
-        wires = np.concatenate([s.gearbox * arm.only(self.joints).ratio for s in self.spans])
-        some = (np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0))
-        told = (self.error, *(dict(zip(self.joints, one, strict=True)) for one in some))
+        told = (self.error, *(dict(zip(self.joints, one, strict=True)) for one in self.went))
         error, reach, lowest, highest = (
-            np.array([one.get(joint, 0.0) for joint in arm.joints]) for one in told
+            np.array([one.get(joint, 0.0) for joint in model.arm.joints]) for one in told
         )
         return replace(model, error=error, reach=reach, lowest=lowest, highest=highest)
 
@@ -150,6 +152,7 @@ class Diagnoser:
         recorded = self._driven()
         if not recorded:
             return
+        give_back()
         self.say("servo")
         self.model = self._with_servos(recorded)
         spans = [servo_span(r, self.model) for r in recorded]
@@ -183,13 +186,18 @@ class Diagnoser:
             self.result.stages["wire"] = {"compared": False, "joints": {}}
             return
         self.say("wire")
-        state = self._stage(WireStage(self.spans, self.path, self.recordings[0].units))
+        wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
+        self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
+        stage, self.spans = WireStage(self.spans, self.path, self.recordings[0].units), []
+        del wires
+        state = self._stage(stage)
         if state is not None:
             self.recordings, self.wires = (put_right_beside(r, state) for r in (self.recordings, self.wires))
             noises = zip(self.joints, state.context.noise, state.context.stage.steps, strict=True)
             self.lasting = {j: n.std if n.correlation > 0.0 else steps for j, n, steps in noises}
 
     def _stage(self, stage: Stage) -> Fit | None:
+        give_back()
         context = first_look(stage)
         if not context.columns:
             self.result.stages[stage.name] = {
@@ -264,6 +272,7 @@ class Diagnoser:
 
     def tip(self) -> None:
         """Joint to tip."""
+        give_back()
         late = lateness(self.effects)
         model = replace(self.path, effects={**self.path.effects, **self.effects})
         best = fitted_tip(self.wires, model, late, self.lasting) if self.against is None else None

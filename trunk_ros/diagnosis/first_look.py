@@ -19,10 +19,9 @@ from trunk_ros.recording.signal.resample import SLOW
 def first_look(stage: Stage, work: Work | None = None) -> Context:
     """A stage as the model sees it, before anything is found."""
     blank = Context(stage, stage.views, (), work=work or Work()).seen_with(stage.known)
-    seen = {c: _motion(blank, c) for c in blank.columns}
-    loops = {c: motion[:2] for c, motion in seen.items() if is_wide(*motion)}
-    wide = frozenset(c for c, motion in loops.items() if stage.step < SLOW and not speed_tells(*motion))
-    once = frozenset(c for c, motion in loops.items() if not repeats(*motion))
+    loops = {c: _loop(blank, c) for c in blank.columns}
+    wide = frozenset(c for c, (is_always_alike, _) in loops.items() if is_always_alike)
+    once = frozenset(c for c, (_, is_gone_through_once) in loops.items() if is_gone_through_once)
     first = replace(blank, wide=wide, once=once)
     return replace(first, louder=_louder(first)).weighed(stage.known)
 
@@ -35,6 +34,17 @@ def _louder(context: Context) -> Louder:
     rests = [context.evened(context.known, c) for c in range(len(context.joints))]
     pairs = zip(rests, seen, strict=True)
     return Louder.of([growth(r, [s.speed for s in some], [s.valid for s in some]) for r, some in pairs])
+
+
+def _loop(context: Context, column: int) -> tuple[bool, bool]:
+    """Whether a column shows a wide loop and always moves alike, and whether it goes through none of it
+    twice.
+    """
+    position, speed, rest = _motion(context, column)
+    if not is_wide(position, speed, rest):
+        return False, False
+    alike = context.step < SLOW and not speed_tells(position, speed)
+    return alike, not repeats(position, speed)
 
 
 def _motion(context: Context, column: int) -> tuple[Array, Array, Array]:

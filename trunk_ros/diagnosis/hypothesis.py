@@ -129,7 +129,7 @@ class Hypothesis(dict[str, Term]):
             self._home(f)[f.parameter.name] = _decode(f.parameter, float(value))
 
     def get_words(self, name: str, column: int) -> tuple[str, ...]:
-        """The words that an effect has on a joint, such as the sources of a coupling."""
+        """Words that an effect has on a joint, such as the sources of a coupling."""
         return tuple(self[name].words.get(column, {}).values()) if name in self else ()
 
     def _home(self, f: Free) -> dict[str, float]:
@@ -286,7 +286,7 @@ def payload_of(hypothesis: Hypothesis) -> Payload:
     masses = [(p.name, t.shared) for t in terms for p in effect(t.effect).carried() if t.shared.get(p.name)]
     there = [payload_in(name, values) for name, values in masses]
     when = next((one for one in there if not one.always), NOTHING)
-    return when._replace(mass=float(sum(one.mass for one in there)))
+    return when._replace(mass=float(sum(one.mass for one in there))) if there else NOTHING
 
 
 def describe(hypothesis: Hypothesis) -> str:

@@ -11,9 +11,9 @@ import numpy as np
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.skew import LARGEST, unseen_skew
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SCATTER, SLIGHT, SURE
 from trunk_ros.recording.observed import Observed

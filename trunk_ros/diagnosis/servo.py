@@ -9,8 +9,8 @@ import numpy as np
 from trunk_ros.chain import Chain, run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import columns_of
-from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, joined
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together

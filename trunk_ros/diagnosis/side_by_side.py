@@ -17,6 +17,8 @@ def alike(pairs: Sequence[Seen], joint_by_joint: bool) -> Iterator[list[int]]:
     """Places of those that differ in values and words alone, and by which the arm carries the same; of one
     that has to be computed with others, each by itself.
     """
+    if len(pairs) == 1:
+        return iter([[0]])
     found: dict[Hashable, list[int]] = {}
     for k, (hypothesis, column) in enumerate(pairs):
         terms = hypothesis.on(column)

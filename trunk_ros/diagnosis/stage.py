@@ -13,10 +13,10 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.motion_content import comes_back
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.repeated_readings import coarseness
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
 from trunk_ros.diagnosis.machine import CELLS

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import FEWEST, PART
@@ -34,22 +34,34 @@ class Rest(NamedTuple):
 def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[Rest]:
     """Where a joint with a dead band rests from a moment of its effects on, one after the other."""
     width, valid = float(view.arm.dead_band[column]), view.span.valid[:, column]
+    stamp = view.span.stamp
     for at in sorted(_moments(hypothesis, column)) if width > 0.0 else []:
-        first, done = np.searchsorted(view.span.stamp, [at - RISE / 2, at + RISE / 2])
+        first, done = int(stamp.searchsorted(at - RISE / 2)), int(stamp.searchsorted(at + RISE / 2))
         if not 0 < first < len(valid) - FEWEST:
             continue
-        path = view.span.gearbox[view.span.rows[first - 1 :], column]
-        moved = (path[1:] - path[0]) * view.arm.ratio[column]
-        goes = np.abs(moved) > PART * width
-        still = slice(int(done), int(first + np.argmax(goes)) if goes.any() else len(valid))
+        path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
+        still = slice(done, goes_on(path, view.span.rows, first, ratio, PART * width))
         if np.count_nonzero(valid[still]) >= FEWEST:
-            happened = np.minimum((view.span.stamp[first:] - at) / RISE + 0.5, 1.0)
-            yield Rest(still, int(first), happened, moved)
+            path = path[view.span.rows[first - 1 :]]
+            moved = (path[1:] - path[0]) * ratio
+            happened = np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0)
+            yield Rest(still, first, happened, moved)
+
+
+@compiled
+def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: float) -> int:
+    """The first of ``rows`` (n,) from ``first`` on at which a path (m,) of a gearbox has moved its joint by
+    more than ``least`` rad since the row before; their number where it nowhere has.
+    """
+    for k in range(first, len(rows)):
+        if abs((path[rows[k]] - path[rows[first - 1]]) * ratio) > least:
+            return k
+    return len(rows)
 
 
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
-    out, seen, band = predicted, view.columns[column], 2.0 * float(view.arm.dead_band[column])
+    out, seen, band = predicted, view.columns[column], 2.0 * view.arm.dead_band[column]
     for still, first, happened, moved in rests(view, hypothesis, column):
         rest, pushed = (
             (seen.target - out)[still][seen.valid[still]],
@@ -66,14 +78,9 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
 
 def _moments(hypothesis: Hypothesis, column: int) -> set[float]:
     """When [s] something happens to a joint at once."""
-    return {
-        values[name]
-        for term in hypothesis.values()
-        if column in term.own and (names := _names(term.effect))
-        for values in [term.values(column)]
-        for name in names
-        if name in values
-    }
+    terms = [term for term in hypothesis.values() if column in term.own]
+    said = [t.own[column].get(name, t.shared.get(name)) for t in terms for name in _names(t.effect)]
+    return {at for at in said if at is not None}
 
 
 @cache

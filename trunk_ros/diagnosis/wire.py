@@ -12,7 +12,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.abreast import columns_of
-from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, beside, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.levels import ROUGH
@@ -189,7 +189,8 @@ def begun(seen: Now, order: Order, width: Array, level: float) -> State:
     true = through(moved, order.after, seen, {}, memory)
     shown = through(true, order.sensor, seen, {}, memory)
     start = u[:1]
-    _, stuck = element.run(np.vstack([start + level - middle(shown[1:]), start]), core.width[:1], None)
+    ends = np.concatenate([start + level - middle(shown[1:]), start])
+    _, stuck = element.run(ends, core.width[:1], None)
     return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
 
 

@@ -56,7 +56,7 @@ def share(stamp: Array, values: Mapping[str, Any], columns: int) -> Array:
 
     begin, until = (np.array([of(names[which]) for names in said]) for which in (0, 1))
     times = np.array([np.ones(columns), *(of(times) for *_, times in said[1:])])
-    out = np.empty((len(stamp), columns))
+    out = np.empty((columns, len(stamp))).T
     _share(stamp, begin, until, times, of(GROWN.name).copy(), out)
     return out
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import MOVED, comes_back, is_wide, passed, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import ENOUGH, OUTLIERS, ROUGH
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -26,7 +26,7 @@ from trunk_ros.recording.signal.resample import (
     resample,
     stops_to_measure,
 )
-from trunk_ros.resistance import Resistance, resistance
+from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import as_the_servo_went, given
 from trunk_ros.start import TURNS
 from trunk_ros.transmission import at_joints
@@ -36,74 +36,6 @@ UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, t
 SETTLING = 0.3  # s in which a servo forgets how it began
 STANDS = 3e-4  # rad: a joint that moves less stands
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
-
-
-@dataclass(frozen=True)
-class Span:
-    """One stage of one recording. ``grid`` (m,) is where the model is computed, ``rows`` (n,) which of it
-    was measured.
-
-    ``source`` (m, joints) is the input, ``target`` (n, joints) what was measured, ``valid`` (n, joints) what
-    counts.
-    """
-
-    name: str
-    joints: tuple[str, ...]
-    grid: Array
-    source: Array
-    velocity: Array
-    rows: np.ndarray
-    target: Array
-    valid: np.ndarray
-    gearbox: Array
-    start: tuple[np.ndarray, ...]
-    """Rows of the target at which each joint stands as it began; none where that is not known."""
-    resistance: Resistance | None = None
-    """What the recording tells of the load, where the model takes it from there."""
-    held: float = 0.0
-    """Time [s] for which the sensor of the target repeats each reading; the repeats are left out."""
-    counts: Array | None = None
-    """(joints,) rad of the gearbox per step of its encoder, 0 where readings lie on no grid; more where noise
-    scatters them more than such steps."""
-    before: int = 0
-    """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
-    arrives: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
-    """Rows of the grid that stand for how the drives came to the stop of the row after."""
-    unsure: tuple[float, float] = (0.0, 0.0)
-    """Standard deviations of how fast the target's clock runs [s/s] and how far ahead it is [s], where that
-    was found to be otherwise than its stamps had it."""
-    early: np.ndarray | None = None
-    """(n, joints): what counts as well once it is told how wide loops lay as the recording began."""
-    pace: tuple[float, float] = (0.0, 0.0)
-    """By how much it is taken to run faster [s/s] and to be further ahead [s] than it was found to."""
-    unseen: float = 0.0
-    """Standard deviation [s/s] of how fast it may run without that it shows before the physics is known."""
-
-    @property
-    def stamp(self) -> Array:
-        """(n,) s, of the measured rows."""
-        return np.asarray(self.grid[self.rows])
-
-    def measured(self, signal: Array) -> Array:
-        """(n,) of a signal (m,) on the grid, at the measured rows."""
-        return signal[self._rows]
-
-    @cached_property
-    def _rows(self) -> np.ndarray | slice:
-        """The measured rows, as a slice where they are one: it takes no copy."""
-        rows = self.rows
-        first, last = (int(rows[0]), int(rows[-1])) if len(rows) else (0, -1)
-        return slice(first, last + 1) if np.array_equal(rows, np.arange(first, last + 1)) else rows
-
-    @property
-    def late(self) -> np.ndarray:
-        """(n, joints): what counts, however the joints lay at first."""
-        return self.valid if self.early is None else self.valid & ~self.early
-
-    @property
-    def recorded(self) -> np.ndarray:
-        """(k,) rows of the grid that stand for a time of their own."""
-        return np.delete(np.arange(self.before, len(self.grid)), self.arrives - self.before)
 
 
 def wire_span(recording: Recording, model: ArmModel) -> Span:

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.motion_content import MOVED
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import ROWS
 from trunk_ros.recording.signal.resample import LONGEST_GAP
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array, compiled
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.innovations import innovations, innovations_of_two, unlikely
 from trunk_ros.guards import ROUNDS, SAME
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.resample import SLOW
@@ -67,8 +68,7 @@ class Noise:
         """Twice the negative logarithm of a residual's likelihood at the rows that are ``counted``, but for a
         constant.
         """
-        out, spread = self._innovations(residual, follows)
-        return float(np.sum(out[counted] ** 2) + 2.0 * np.sum(np.log(spread[counted])))
+        return unlikely(*self._innovations(residual, follows), counted)
 
     def _innovations(self, residual: Array, follows: np.ndarray) -> tuple[Array, Array]:
         out, spread = np.empty(len(residual)), np.empty(len(residual))
@@ -78,72 +78,6 @@ class Noise:
             parts = self.correlation, self._coloured, self.slow[1], self.slow[0] ** 2
             innovations_of_two(residual, follows, *parts, self.white**2, out, spread)
         return out, spread
-
-
-@compiled
-def innovations(
-    residual: Array,
-    follows: np.ndarray,
-    correlation: float,
-    coloured: float,
-    white: float,
-    out: Array,
-    size: Array,
-) -> None:
-    """What the samples before do not tell of a residual (n,): a Kalman filter of an AR(1) process of a
-    variance ``coloured`` under ``white`` noise of another. Fills ``out`` (n,), in standard deviations, and
-    these, ``size`` (n,).
-    """
-    expected, spread = 0.0, coloured
-    for i in range(len(residual)):
-        if follows[i]:
-            expected = correlation * expected
-            spread = correlation**2 * spread + (1.0 - correlation**2) * coloured
-        else:
-            expected, spread = 0.0, coloured
-        off, whole = residual[i] - expected, spread + white
-        size[i] = np.sqrt(whole)
-        out[i] = off / size[i]
-        expected += spread / whole * off
-        spread *= white / whole
-
-
-@compiled
-def innovations_of_two(
-    residual: Array,
-    follows: np.ndarray,
-    correlation: float,
-    coloured: float,
-    stays: float,
-    slow: float,
-    white: float,
-    out: Array,
-    size: Array,
-) -> None:
-    """The same of two processes together, the second with a correlation that ``stays`` and a variance
-    ``slow``.
-    """
-    first = second = both = 0.0
-    expected = wandered = 0.0
-    for i in range(len(residual)):
-        if follows[i]:
-            expected, wandered = correlation * expected, stays * wandered
-            first = correlation**2 * first + (1.0 - correlation**2) * coloured
-            second = stays**2 * second + (1.0 - stays**2) * slow
-            both = correlation * stays * both
-        else:
-            expected, wandered, first, second, both = 0.0, 0.0, coloured, slow, 0.0
-        off, whole = residual[i] - expected - wandered, first + second + 2.0 * both + white
-        size[i] = np.sqrt(whole)
-        out[i] = off / size[i]
-        one, other = first + both, both + second
-        expected += one / whole * off
-        wandered += other / whole * off
-        first, second, both = (
-            first - one * one / whole,
-            second - other * other / whole,
-            both - one * other / whole,
-        )
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.diagnosis.context import LEAST, Context
-from trunk_ros.diagnosis.data.align import Span
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import FAR_OFF
 from trunk_ros.guards import SAME
 from trunk_ros.recording.recording import Recording

@@ -12,8 +12,8 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import abreast
-from trunk_ros.diagnosis.data.align import Span
 from trunk_ros.diagnosis.data.sensing.hum import Hum
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.machine import LOOKED
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -60,7 +60,7 @@ class View:
                 np.ascontiguousarray(span.valid[:, c]),
                 np.flatnonzero(span.valid[:, c]),
                 np.ascontiguousarray(self.follows[:, c]),
-                self.speeds[span.rows, c],
+                span.measured(self.speeds[:, c]),
             )
             for c in range(span.target.shape[1])
         ]
@@ -185,7 +185,7 @@ def following(valid: np.ndarray) -> np.ndarray:
 
 def beside(now: Now, times: int) -> Now:
     """The surroundings of one joint, side by side as many times."""
-    return joined([now] * times)
+    return now if times == 1 else joined([now] * times)
 
 
 def joined(each: Sequence[Now]) -> Now:

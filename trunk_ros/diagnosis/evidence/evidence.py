@@ -63,7 +63,7 @@ def spreads(state: Fit) -> Spread:
             x = np.clip(state.hypothesis.get(residuals.free), *bounds(residuals.free))
             rest = np.concatenate(residuals.parts(x))
             power = _power(rest, context.stage.name == "servo")
-            found = _deviations(residuals, residuals.jacobian(x), state.hypothesis, power)
+            found = _deviations(residuals, residuals.normal(x)[1], state.hypothesis, power)
             out |= _no_flatter(residuals, x, found)
     return out
 
@@ -105,11 +105,12 @@ def _moved(residuals: Residuals, x: np.ndarray, k: int, off: float) -> float:
     return min(costs)
 
 
-def _deviations(residuals: Residuals, jacobian: np.ndarray, hypothesis: Hypothesis, power: float) -> Spread:
-    size = np.linalg.norm(jacobian, axis=0)
+def _deviations(residuals: Residuals, normal: np.ndarray, hypothesis: Hypothesis, power: float) -> Spread:
+    """``normal`` (free, free): J^T J."""
+    size = np.sqrt(np.diag(normal))
     told = size > BLIND
-    scaled = jacobian[:, told] / size[told]
-    inverse = np.linalg.inv(scaled.T @ scaled + ROUNDED * np.eye(scaled.shape[1]))
+    scaled = normal[np.ix_(told, told)] / np.outer(size[told], size[told])
+    inverse = np.linalg.inv(scaled + ROUNDED * np.eye(len(scaled)))
     std = np.full(len(size), np.inf)
     std[told] = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size[told]
     late = HARDLY * residuals.context.step

@@ -10,7 +10,8 @@ import numpy as np
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import Span, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
 from trunk_ros.diagnosis.levels import TENFOLD
 from trunk_ros.diagnosis.search.fit import ROUNDS, Residuals, groups, minimise
@@ -105,8 +106,7 @@ class Other:
         for group in groups(context, self.hypothesis):
             residuals = Residuals(context, self.hypothesis, group)
             x = np.clip(self.hypothesis.get(residuals.free), *bounds(residuals.free))
-            jacobian = residuals.jacobian(x)
-            out.append((residuals, jacobian.T @ jacobian))
+            out.append((residuals, residuals.normal(x)[1]))
         return out
 
     def pinned(self, there: Context, columns: list[int]) -> list[Pinned]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -75,8 +76,10 @@ class Residuals:
             out[ends[i] : ends[i + 1], free] = slopes
         return out
 
-    def slopes(self, x: Array) -> list[tuple[list[int], Array]]:
-        """By column: the values that move its residual, and (rows, values) by how much."""
+    def slopes(self, x: Array) -> Iterator[tuple[list[int], Array]]:
+        """By column: the values that move its residual, and (rows, values) by how much. Of long recordings
+        those of one column at a time fit into memory.
+        """
         base = self.parts(x)
         _, high = bounds(self.free)
         steps = STEP * self.scale * np.where(x + STEP * self.scale <= high, 1.0, -1.0)
@@ -85,13 +88,18 @@ class Residuals:
             for c in self.columns
         ]
         there = {k: self._moved.moved(f, x[k] + steps[k]) for k, f in enumerate(self.free)}
-        pairs = [(there[k], c) for c, some in zip(self.columns, moving, strict=True) for k in some]
-        seen, out = iter(self.context.whitened_each(pairs)), []
-        for part, some in zip(base, moving, strict=True):
-            slopes = [(next(seen) - part) / steps[k] for k in some]
-            finite = [slope if np.isfinite(slope).all() else 0.0 * part for slope in slopes]
-            out.append((some, np.array(finite).T if finite else np.zeros((len(part), 0))))
-        return out
+        many = max(self.context.together // max(max(map(len, moving), default=0), 1), 1)
+        for first in range(0, len(moving), many):
+            group = list(zip(self.columns, moving, base, strict=True))[first : first + many]
+            seen = self.context.whitened_each([(there[k], c) for c, some, _ in group for k in some])[::-1]
+            for _, some, part in group:
+                out = np.empty((len(some), len(part)))
+                for slope, k in zip(out, some, strict=True):
+                    np.subtract(seen.pop(), part, out=slope)
+                    slope /= steps[k]
+                    if not np.isfinite(slope).all():
+                        slope[:] = 0.0
+                yield some, out.T
 
     def _touched(self, f: Free) -> list[int]:
         """The columns that a value acts on."""

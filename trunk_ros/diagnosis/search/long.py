@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
+from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -41,9 +42,11 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
     if all(part is span for part, span in zip(parts, spans, strict=True)):
         state = search(context, Desk(say))
         return Searched(state, state, context.work.over)
+    give_back()
     some = replace(context.over(parts), work=Work(WORK))
     first = search(some, Desk(lambda text: say(f"excerpt: {text}")))
     say("the whole recording")
+    give_back()
     state = _on_the_whole(context, first.hypothesis, Desk(say))
     some = replace(first.context.seen_with(state.hypothesis), noise=state.context.noise)
     return Searched(state, refit(some, state.hypothesis), context.work.over or first.context.work.over)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from hashlib import blake2b
+from itertools import chain
 
 import numpy as np
 from scipy.optimize import minimize
@@ -26,6 +28,7 @@ from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
+Parts = list[tuple[Array, np.ndarray, np.ndarray]]
 LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
 LOST = np.log(np.finfo(float).max) / 4.0  # of a logarithm: the squares of what goes further are no numbers
 
@@ -109,8 +112,16 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
     """The noise by which what a hypothesis leaves of a column is likeliest, and twice the negative logarithm
     of that likelihood, but for a constant; a slow part more where it is likelier by the price of its values.
     """
-    parts = _parts(context, hypothesis, column)
-    known = context.noise[column]
+    parts, known = _parts(context, hypothesis, column), context.noise[column].std
+    key = blake2b(np.float64(known).tobytes())
+    for array in chain.from_iterable(parts):
+        key.update(array.tobytes())
+    if key.digest() not in context.likely:
+        context.likely[key.digest()] = _likeliest(parts, known)
+    return context.likely[key.digest()]
+
+
+def _likeliest(parts: Parts, known: float) -> tuple[Noise, float]:
     longest = SOME * max(len(rest) for rest, _, _ in parts)
     rest_std = float(np.sqrt(np.mean(np.concatenate([rest[counted] for rest, _, counted in parts]) ** 2)))
 
@@ -129,8 +140,8 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
         noise = noise_at(x)
         return sum(noise.unlikely(*part) for part in parts)
 
-    slow = np.sqrt(max(rest_std**2 - known.std**2, 0.01 * known.std**2))
-    one = fitted([known.std, slow, PART * longest])
+    slow = np.sqrt(max(rest_std**2 - known**2, 0.01 * known**2))
+    one = fitted([known, slow, PART * longest])
     white, coloured, forgets = np.exp(one[0]).tolist()
     half = [coloured / np.sqrt(2.0), max(forgets / THREEFOLD, 1.0), coloured / np.sqrt(2.0)]
     two = fitted([white, *half, min(TENFOLD * forgets, longest)])
@@ -144,9 +155,7 @@ def unlikely(context: Context, noise: Noise, hypothesis: Hypothesis, column: int
     return sum(noise.unlikely(*part) for part in _parts(context, hypothesis, column))
 
 
-def _parts(
-    context: Context, hypothesis: Hypothesis, column: int
-) -> list[tuple[Array, np.ndarray, np.ndarray]]:
+def _parts(context: Context, hypothesis: Hypothesis, column: int) -> Parts:
     """By span the residual (n,), where the sample before counts as well, and which rows count."""
     seen = [view.columns[column] for view in context.views]
     rests = context.evened(hypothesis, column)

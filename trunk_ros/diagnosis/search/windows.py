@@ -45,10 +45,15 @@ class Sums:
     def of(edges: Array, stamp: Array, rest: Array, d: Array, q: Array) -> Sums:
         """``rest``, ``d`` (n,) at ``stamp`` (n,) s; ``q`` (n, basis): what the fitted values can follow."""
         rows = np.searchsorted(stamp, edges)
+        starts = np.minimum(rows, len(stamp) - 1)
+        empty, beyond = starts[1:] == starts[:-1], rows == len(stamp)
 
         def until(values: Array) -> Array:
-            sums = np.cumsum(values, axis=0)
-            return np.concatenate([np.zeros_like(sums[:1]), sums])[rows]
+            pieces = np.add.reduceat(values, starts)[:-1]
+            pieces[empty] = 0.0
+            sums = np.concatenate([np.sum(values[: starts[0]], axis=0)[None], pieces]).cumsum(axis=0)
+            sums[beyond] += values[-1]
+            return sums
 
         along, own, fitted = rest * d, d * d, q * d[:, None]
         return Sums(

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, PAYLOAD
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM
 from trunk_ros.effects.wire.sagging import Sagging, bend
 from trunk_ros.parameter import Parameter
 
+FAR = 40.0  # exp(-FAR) is rounding beside 1
 SOFT = Parameter(
     "softness", "N*m", (1e-4, 1e3), "moment within which it goes slack", typical=5e-3, null=5e-3, scale="log",
     scan=(2e-3, 8e-3),
@@ -44,16 +45,33 @@ class WireSlack(Sagging):
     )
 
     def sag(self, load: Array) -> Array:
-        size, threshold = np.abs(load), self["threshold"]
+        threshold = self["threshold"]
         if self.form == "smooth":
-            soft = self["softness"]
-            excess = soft * (
-                np.logaddexp(0.0, (size - threshold) / soft) - np.logaddexp(0.0, -threshold / soft)
-            )
+            excess = np.empty_like(load)
+            smooth_excess(load, threshold, self["softness"], excess)
         else:
-            excess = np.maximum(size - threshold, 0.0)
-        return np.asarray(self["compliance"] * (load + np.sign(load) * excess))
+            excess = np.sign(load) * np.maximum(np.abs(load) - threshold, 0.0)
+        return np.asarray(self["compliance"] * (load + excess))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         return tuple(p for p in cls.parameters if form == "smooth" or p is not SOFT)
+
+
+@compiled
+def smooth_excess(load: Array, threshold: Array, soft: Array, out: Array) -> None:
+    """Of a ``load`` (n, columns) what lies beyond a ``threshold``, as its sign says, bent within ``soft``
+    (columns,) N m each.
+    """
+    for j in range(load.shape[1]):
+        none = softplus(-threshold[j] / soft[j])
+        for k in range(len(load)):
+            size = soft[j] * (softplus((abs(load[k, j]) - threshold[j]) / soft[j]) - none)
+            out[k, j] = size if load[k, j] > 0.0 else -size if load[k, j] < 0.0 else 0.0
+
+
+@compiled
+def softplus(x: float) -> float:
+    """log(1 + exp(x)); FAR from 0 the rest is rounding."""
+    bent: float = max(x, 0.0) + (np.log1p(np.exp(-abs(x))) if abs(x) < FAR else 0.0)
+    return bent

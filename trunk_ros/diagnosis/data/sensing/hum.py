@@ -107,8 +107,8 @@ def tone(
     first = float(np.median([spectrum(stamp, rest)[0] for rest in rests]))
     if first <= 0.0:
         return None
-    own = [Band.of(stamp, np.column_stack([rest, features(j)]), first) for j, rest in enumerate(rests)]
-    twice = Band.of(stamp, np.ones((len(stamp), 1)), 2.0 * first)
+    own = [Band.of(stamp, first, rest[:, None], features(j)) for j, rest in enumerate(rests)]
+    twice = Band.of(stamp, 2.0 * first, np.ones((len(stamp), 1)))
     waves = _Waves(own, mixes, twice, len(stamp))
     frequency = _shared(stamp, waves, np.array([float(rest @ rest) for rest in rests]), first)
     if frequency * float(np.ptp(stamp)) < least:
@@ -122,7 +122,7 @@ def tone(
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
         return None
-    plain = [Band.of(stamp, one[:, None], first) for one in asked.T]
+    plain = [Band.of(stamp, first, one[:, None]) for one in asked.T]
     driving = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))
     if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, seen, driving):
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -67,16 +68,26 @@ def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
 
 def basis(motion: Motion, joint: int, wear: bool) -> Array:
     """(n, features): friction (always, by load, at low speed, and ``wear``: that grows), posture, load,
-    coupling, creep, drift and inertia.
+    coupling, creep, drift and inertia. Of a long recording they are as large as all else: there is one copy.
     """
+    out = np.empty((3 + wear + 13 + 2 * len(motion.joints), len(motion.stamp)))
+    for row, feature in zip(out, _features(motion, joint, wear), strict=True):
+        row[:] = feature
+    return out.T
+
+
+def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
     own, speed, load = motion.asked[:, joint], motion.speed[:, joint], motion.load[:, joint]
     way, t = _way(own, max(float(motion.arm.dead_band[joint]), PLAY)), motion.time
-    rubs = [way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY), *([way * t] if wear else [])]
-    bends = [load, load * np.abs(load), load * t, own**2, own**3, own * t]
-    moves = [np.gradient(speed, motion.stamp), speed**2]
-    creeps = [lowpassed(motion.stamp, own, late) for late in CREEPS]
-    headings = np.sin(motion.asked.cumsum(axis=1))
-    return np.column_stack([*rubs, np.ones_like(t), t, t**2, *bends, *moves, *creeps, headings, motion.asked])
+    yield from (way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY))
+    if wear:
+        yield way * t
+    yield from (np.ones_like(t), t, t**2)
+    yield from (load, load * np.abs(load), load * t, own**2, own**3, own * t)
+    yield from (np.gradient(speed, motion.stamp), speed**2)
+    yield from (lowpassed(motion.stamp, own, late) for late in CREEPS)
+    yield from np.sin(motion.asked.cumsum(axis=1)).T
+    yield from motion.asked.T
 
 
 def apart(features: Array) -> Array:
