@@ -122,4 +122,4 @@ def _reach(mass: Parameter) -> Reach:
     return 0.0, mass.bounds[1] / mass.typical
 
 
-EVENT = Move("event", groups)
+EVENT = Move("event", groups, dates=True)
