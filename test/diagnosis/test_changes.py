@@ -80,6 +80,14 @@ def test_a_weight_that_is_taken_up_for_a_time_is_said_also_where_the_model_has_o
     assert list(result.model.effects["load_elasticity"]["compliance"]) == [6e-3] * 5
 
 
+def test_a_weight_at_the_tip_is_said_and_no_softer_wires_where_the_model_knows_them() -> None:
+    soft = {"compliance": np.full(5, 6e-3)}
+    result = told({"load_elasticity": soft}, {"load_elasticity": {**soft, "payload": 0.02}})
+    (only,) = result.findings
+    assert list(only.parameters) == ["arm"]
+    assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.02, rel=0.1)
+
+
 def test_what_the_recording_does_not_show_to_be_another_stays_as_the_model_has_it() -> None:
     has = {"load_elasticity": {"compliance": np.full(5, 2e-4)}, "backlash": {"half_width": on(3, 3e-3)}}
     result = told(has, has)

@@ -4,21 +4,24 @@ and of one that the motion hardly shows it makes whatever the noise asks for.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import naming, need
+from trunk_ros.diagnosis.search.score import FURTHER, naming, need
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
+from trunk_ros.parameter import Parameter
 
 
 def as_given(state: Fit) -> Fit:
-    """With the values of the model, of each effect that it has joint by joint and of what joints share, where
-    others explain less than an effect has to.
+    """With the values of the model, of each effect that it has, but for those by which the recording is so
+    much better explained as effects have to: the fewest that do.
     """
     for name in state.context.known:
         if name in state.hypothesis:
@@ -30,15 +33,43 @@ def _as_given(state: Fit, name: str) -> Fit:
     known, now, kind = state.context.known[name], state.hypothesis[name], effect(name)
     if not kind.named or issubclass(kind, Bank) or known == now:
         return state
-    whole = _held(state, name, known)  # and stays so: what is fitted later would move it again
-    if whole.total < state.total + naming(kind.stage) + _need(state, None):
-        return whole
-    alike = known.form == now.form or kind.apart not in (known.form, now.form)
-    for column in (None, *known.columns) if alike else ():
-        trial = _held(state, name, back(state.hypothesis[name], known, column))
-        state = trial if trial.total < state.total + _need(state, column) else state
+    trials = [_held(state, name, known, kind.used(now.form))]
+    if known.form == now.form or kind.apart not in (known.form, now.form):
+        trials += _ways(state, name)
+    best: Fit = min([state, *trials], key=lambda fit: fit.total + _price(fit, name))
+    return best
+
+
+def _ways(state: Fit, name: str) -> Iterator[Fit]:
+    """With what joints share as the model has it, with what each has, and with one joint after the other."""
+    known, now, used = state.context.known[name], state.hypothesis[name], effect(name).used
+    yield _held(state, name, back(now, known, None), [p for p in used(now.form) if p.shared])
+    each = reduce(lambda term, column: back(term, known, column), known.columns, now)
+    yield _held(state, name, each, [p for p in used(now.form) if not p.shared])
+    for column in known.columns:
+        trial = _held(state, name, back(state.hypothesis[name], known, column), used(now.form))
+        if trial.total + _price(trial, name) < state.total + _price(state, name):
+            state = trial
     there = replace(state.hypothesis[name], given=now.given)
-    return replace(state, hypothesis=Hypothesis({**state.hypothesis, name: there}))
+    yield replace(state, hypothesis=Hypothesis({**state.hypothesis, name: there}))
+
+
+def _price(fit: Fit, name: str) -> float:
+    """Of what differs from the model: of the name once, of each joint, and of each value that joints share,
+    as much as an effect has to explain there; of what another form has besides, as of further values.
+    """
+    known, now = fit.context.known[name], fit.hypothesis[name]
+    moments = {m.name for m in effect(name).moments()}
+    shared = [n for n in known.shared.keys() | now.shared.keys() if known.shared.get(n) != now.shared.get(n)]
+    both = {c: (known.own.get(c, {}), now.own.get(c, {})) for c in known.own.keys() | now.own.keys()}
+    own = [
+        c
+        for c, (old, new) in both.items()
+        if any(new.get(n) != old.get(n) for n in old.keys() | (moments & new.keys()))
+    ]
+    besides = sum(len(new.keys() - old.keys() - moments) for old, new in both.values())
+    price = FURTHER * besides + sum(_need(fit, c) for c in [*own, *(None for _ in shared)])
+    return price + (naming(effect(name).stage) if price else 0.0)
 
 
 def back(now: Term, known: Term, column: int | None) -> Term:
@@ -61,10 +92,10 @@ def back(now: Term, known: Term, column: int | None) -> Term:
     return out
 
 
-def _held(state: Fit, name: str, term: Term) -> Fit:
-    """What is left with an effect exactly so, and all else fitted."""
-    values = frozenset(p.name for p in effect(name).used(term.form))
-    return refit(state.context, Hypothesis({**state.hypothesis, name: replace(term.copy(), given=values)}))
+def _held(state: Fit, name: str, term: Term, values: Iterable[Parameter]) -> Fit:
+    """All else fitted beside some values of an effect that stay exactly so, also in what is fitted later."""
+    held = replace(term.copy(), given=frozenset(p.name for p in values))
+    return refit(state.context, Hypothesis({**state.hypothesis, name: held}))
 
 
 def _need(state: Fit, column: int | None) -> float:
