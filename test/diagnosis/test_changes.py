@@ -69,6 +69,33 @@ def test_a_payload_that_changed_is_said_also_where_the_wires_are_as_they_were() 
     assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.15, abs=0.01)
 
 
+def test_a_weight_that_is_taken_up_for_a_time_is_said_also_where_the_model_has_only_the_wires() -> None:
+    soft = {"compliance": np.full(5, 6e-3)}
+    lifted = {"payload": 0.1, "payload_from": 7.5, "payload_until": 17.5}
+    result = told({"load_elasticity": soft}, {"load_elasticity": {**soft, **lifted}})
+    ((only,), (event,)) = result.findings, result.events
+    assert list(only.parameters) == ["arm"]
+    assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.1, rel=0.05)
+    assert (event.begin, event.until) == (pytest.approx(7.5, abs=0.05), pytest.approx(17.5, abs=0.05))
+    assert list(result.model.effects["load_elasticity"]["compliance"]) == [6e-3] * 5
+
+
+def test_a_weight_at_the_tip_is_said_and_no_softer_wires_where_the_model_knows_them() -> None:
+    soft = {"compliance": np.full(5, 6e-3)}
+    result = told({"load_elasticity": soft}, {"load_elasticity": {**soft, "payload": 0.02}})
+    (only,) = result.findings
+    assert list(only.parameters) == ["arm"]
+    assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.02, rel=0.1)
+
+
+def test_what_the_recording_does_not_show_to_be_another_stays_as_the_model_has_it() -> None:
+    has = {"load_elasticity": {"compliance": np.full(5, 2e-4)}, "backlash": {"half_width": on(3, 3e-3)}}
+    result = told(has, has)
+    assert (result.verdict, result.findings) == ("no_mismatch", [])
+    assert list(result.model.effects["load_elasticity"]["compliance"]) == [2e-4] * 5
+    assert list(result.model.effects["backlash"]["half_width"]) == list(on(3, 3e-3))
+
+
 def test_an_effect_of_the_model_that_now_begins_in_mid_run_keeps_its_moment() -> None:
     late = {"backlash": {"half_width": on(3, 3e-3), "from": np.full(5, 12.0)}}
     (only,) = told(SLACK, late).findings

@@ -12,8 +12,8 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.hum import hums
-from trunk_ros.diagnosis.data.sensing.physics import apart
+from trunk_ros.diagnosis.data.sensing.hum import _beside, _physics, hums
+from trunk_ros.diagnosis.data.sensing.physics import apart, motion_of
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.greedy import begun
@@ -96,6 +96,15 @@ def test_what_a_steady_motion_does_to_joints_that_are_alike_is_no_hum(model: Mod
     alike = replace(model, arm=replace(model.arm, dead_band=np.full(5, 2e-3)))
     moving = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + PHASES)
     assert clocks_put_right(_recording(alike, 0.0 * moving, moving), model).observed == ()
+
+
+def test_what_late_readings_do_to_a_joint_leaves_nothing_that_may_be_hum(model: Model) -> None:
+    moving = _recording(model, np.zeros((len(STAMP), 5))).series["gearbox_states"].position * model.arm.ratio
+    late = np.stack([np.interp(STAMP - 0.03, STAMP, one) for one in moving.T], axis=1) - moving
+    series = _recording(model, late).series
+    motion = motion_of(series["gearbox_states"], series["joint_states"], model.arm)
+    left = [_beside(_physics(motion, j), motion.off[:, j])[0] for j in range(5)]
+    assert np.std(left, axis=1) == pytest.approx(NOISE, rel=0.25)  # 30 ms late makes 1.3 to 2.8 mrad
 
 
 def test_a_clean_recording_has_no_hum_and_few_joints_tell_of_none(model: Model) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.from_the_start import from_the_start
+from trunk_ros.diagnosis.evidence.as_given import as_given
 from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_evidence, spreads
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
@@ -44,7 +45,7 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     done = searched(context, say)
     say("evidence")
     steady = steadied(done.state)
-    state = harmless(steady)
+    state = as_given(harmless(steady))
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
     state, part, found = believed(state, part)
     state = from_the_start(state, settle)

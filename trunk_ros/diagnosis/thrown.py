@@ -21,10 +21,12 @@ from trunk_ros.parameter import GROWN
 
 class Rest(NamedTuple):
     """A joint that rests from a moment on: the rows of the target at which it does, the first one after the
-    moment, and of all from that on (rows,) how much of it has happened by then, and how many rad the gearbox
-    would have moved the joint since.
+    moment, by how many rad what happens moves the joint where nothing holds it, if it says so, and of all rows
+    from the first on (rows,) how much of it has happened by then, and how many rad the gearbox would have moved
+    the joint since.
     """
 
+    size: float
     still: slice
     first: int
     happened: Array
@@ -35,7 +37,7 @@ def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[Rest]:
     """Where a joint with a dead band rests from a moment of its effects on, one after the other."""
     width, valid = float(view.arm.dead_band[column]), view.span.valid[:, column]
     stamp = view.span.stamp
-    for at in sorted(_moments(hypothesis, column)) if width > 0.0 else []:
+    for at, size in sorted(_moments(hypothesis, column).items()) if width > 0.0 else []:
         first, done = int(stamp.searchsorted(at - RISE / 2)), int(stamp.searchsorted(at + RISE / 2))
         if not 0 < first < len(valid) - FEWEST:
             continue
@@ -45,7 +47,7 @@ def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[Rest]:
             path = path[view.span.rows[first - 1 :]]
             moved = (path[1:] - path[0]) * ratio
             happened = np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0)
-            yield Rest(still, first, happened, moved)
+            yield Rest(size, still, first, happened, moved)
 
 
 @compiled
@@ -62,13 +64,12 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
     out, seen, band = predicted, view.columns[column], 2.0 * view.arm.dead_band[column]
-    for still, first, happened, moved in rests(view, hypothesis, column):
-        rest, pushed = (
-            (seen.target - out)[still][seen.valid[still]],
-            predicted[still.start] - predicted[first - 1],
-        )
-        way = np.sign(pushed if abs(pushed) > PART * band / 2 else rest.mean())  # within the band either way
-        far = float(np.clip(way * rest.mean(), 0.0, band))
+    for size, still, first, happened, moved in rests(view, hypothesis, column):
+        rest = (seen.target - out)[still][seen.valid[still]]
+        pushed = predicted[still.start] - predicted[first - 1]
+        held = abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
+        way, most = np.sign(size if held else pushed), abs(size) if held else band
+        far = float(np.clip(way * rest.mean(), 0.0, min(most, band)))
         if far > 0.0:
             on, back = (np.maximum.accumulate(np.maximum(each, 0.0)) for each in (way * moved, -way * moved))
             left = np.clip(np.minimum(far - on, band - back), 0.0, far)
@@ -76,11 +77,15 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
     return out
 
 
-def _moments(hypothesis: Hypothesis, column: int) -> set[float]:
-    """When [s] something happens to a joint at once."""
-    terms = [term for term in hypothesis.values() if column in term.own]
-    said = [t.own[column].get(name, t.shared.get(name)) for t in terms for name in _names(t.effect)]
-    return {at for at in said if at is not None}
+def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:
+    """When [s] something happens to a joint at once, and how many rad it moves it where it says so."""
+    out = dict[float, float]()
+    for term in hypothesis.values():
+        if column in term.own:
+            values = {**term.shared, **term.own[column]}
+            size = float(values.get(_size(term.effect), 0.0))
+            out |= {values[name]: size for name in _names(term.effect) if name in values}
+    return out
 
 
 @cache
@@ -89,3 +94,10 @@ def _names(name: str) -> tuple[str, ...]:
     kind = effect(name)
     every = (*kind.parameters, *kind.moments()) if kind.named and kind.stage == "wire" else ()
     return tuple(p.name for p in every if p.moment and p.name != GROWN.name)
+
+
+@cache
+def _size(name: str) -> str:
+    """The parameter that says how far an effect moves a joint at its moment, if that is all that it does."""
+    lead, *others = effect(name).parameters
+    return lead.name if lead.unit == "rad" and any(p.moment for p in others) else ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -34,13 +35,19 @@ def with_width(best: Fit, half_width: float) -> Fit:
     )
 
 
-def to(half_width: float, **kind: bool) -> Move:
+def to(half_width: float, what: str = "width", **kind: bool) -> Move:
     """A change to one half-width."""
 
     def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-        yield Group("width", [2], lambda: [with_width(best, half_width)])
+        yield Group((what, 2), [2], lambda: [with_width(best, half_width)])
 
     return Move(f"to {half_width}", groups, **kind)
+
+
+def half(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Half of it, which is not fitted."""
+    stated = Term("backlash", own={2: {"half_width": HALF}}, given=frozenset({"half_width"}))
+    yield Group("half", [2], lambda: [costed(best.context, Hypothesis({"backlash": stated}))])
 
 
 def noting(
@@ -78,6 +85,18 @@ def test_what_explains_most_comes_before_anything_is_mended() -> None:
     assert steps(to(HALF), to(ALL, grows=True)) == 1
 
 
+@pytest.mark.parametrize(("what", "taken"), [("backlash", 1), ("ratio_error", 2)])
+def test_what_the_model_has_may_be_there_in_another_way_before_anything_is_made_up(
+    what: str, taken: int
+) -> None:
+    nothing, said = fitted("backlash"), list[str]()
+    stage = copy(nothing.context.stage)
+    stage.known = with_width(nothing, LITTLE).hypothesis
+    best = costed(replace(nothing.context, stage=stage), stage.known)
+    descend(best, [to(ALL, what, settles=True), Move("half", half, grows=True)], Desk(said.append))
+    assert len(said) == taken
+
+
 def test_while_much_is_left_cheap_mends_come_before_what_explains_more_and_the_others_after_it() -> None:
     tried: list[tuple[str, float]] = []
 
@@ -94,10 +113,6 @@ def test_while_much_is_left_cheap_mends_come_before_what_explains_more_and_the_o
 
 def test_how_an_effect_is_what_it_is_comes_before_the_next_one_while_much_is_left() -> None:
     tried: list[tuple[str, float]] = []
-
-    def half(best: Fit, desk: Desk) -> Iterator[Group]:
-        stated = Term("backlash", own={2: {"half_width": HALF}}, given=frozenset({"half_width"}))
-        yield Group("half", [2], lambda: [costed(best.context, Hypothesis({"backlash": stated}))])
 
     forms = [noting(tried, "form", "backlash", settles=True), noting(tried, "another's form", settles=True)]
     add = noting(tried, "add", again=True, grows=True)

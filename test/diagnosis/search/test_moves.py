@@ -11,8 +11,9 @@ import pytest
 
 from test.diagnosis.search.looks import best_of, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.descent import Desk, Move, renewed
+from trunk_ros.diagnosis.search.descent import Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for

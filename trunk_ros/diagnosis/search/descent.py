@@ -9,19 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.arrivals import arrived
-from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
-from trunk_ros.diagnosis.levels import HALF, HARDLY, TURNS
-from trunk_ros.diagnosis.pace import differ, paced, with_unseen_skew
+from trunk_ros.diagnosis.levels import HALF, HARDLY
 from trunk_ros.diagnosis.search.candidates import Candidate
-from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.hummed import told_from_hum
-from trunk_ros.diagnosis.search.score import BETTER, beats, naming, need, score
+from trunk_ros.diagnosis.search.looked_again import relooked, renewed, told_from_clocks
+from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
 from trunk_ros.diagnosis.search.state import state_of, structure
-from trunk_ros.effects import effect, imitated
+from trunk_ros.effects import effect
 
 LARGE = HALF  # of what is left: what explains so much of it, and much of all, comes before anything is mended
 COARSE = (0.2, HARDLY, 0.0)  # of what is left: what a change has to gain then, later, and in the end
@@ -41,9 +39,9 @@ class Group:
 @dataclass(frozen=True)
 class Move:
     """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
-    ``cheap``: its trials are few, or on one joint. ``settles``: it finds out how an effect is what it is.
-    ``resort``: it waits until no other one gains much. ``descends``: its trials take steps of their own, so
-    that what they gain depends on what a step has to.
+    ``cheap``: its trials are few, or on one joint. ``settles``: it finds out how an effect is what it is,
+    and when. ``resort``: it waits until no other one gains much. ``descends``: its trials
+    take steps of their own, so that what they gain depends on what a step has to.
     """
 
     name: str
@@ -142,7 +140,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
         best = told_from_noise(best, partial(desk.looks_at, best)) if steady else best
         best = told_from_clocks(best) if steady and desk.share == 0.0 else best
         while _is_large(best, desk.share):
-            better = first_that_pays(best, _ordered(now, best, desk.share, newest), desk)
+            better = _next(best, _ordered(now, best, desk.share, newest), moves, desk)
             if better is None and stale and not best.context.work.over:
                 best, stale = renewed(best), False  # what was mended may have been most of the noise
                 continue
@@ -156,23 +154,16 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     return best
 
 
-def told_from_clocks(now: Fit) -> Fit:
-    """With a skew of two clocks that did not show before the physics was known, and without the effects that
-    it looks like, where that leaves less by the price of an effect, or as little without them.
+def _next(best: Fit, now: Sequence[Move], moves: Sequence[Move], desk: Desk) -> tuple[Move, Fit] | None:
+    """The next change. While large things are missing, the better one of what is new and of what the model
+    has in another way: other options, or for a time.
     """
-    known, name = now.hypothesis, naming(now.context.stage.name)
-    less = Hypothesis({name: term for name, term in known.items() if name not in imitated("skew")})
-    price = name + max(need(now.context, c) for c in now.cost)
-    for hypothesis in (less, known) if len(less) < len(known) else (known,):
-        context = with_unseen_skew(now.context, hypothesis)
-        if context is None or context.work.over:
-            break
-        trial = renewed(refit(context, hypothesis))
-        alike = costed(replace(trial.context, noise=now.context.noise), trial.hypothesis)
-        pays = score(alike) + price < score(now) if hypothesis is known else alike.total < now.total
-        if pays and differ(trial.context, trial.hypothesis):
-            return trial
-    return now
+    found = first_that_pays(best, now, desk)
+    if desk.share != LARGE or not best.context.known:
+        return found
+    theirs = [of(move, *best.context.known) for move in moves if move.settles]
+    other = first_that_pays(best, theirs, desk)
+    return min(filter(None, (found, other)), key=lambda step: score(step[1]), default=None)
 
 
 def _ordered(moves: Sequence[Move], best: Fit, share: float, newest: list[str]) -> Sequence[Move]:
@@ -272,29 +263,3 @@ def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
         return False
     desk.been[there, best.context.claims] = trial.hypothesis
     return True
-
-
-def renewed(now: Fit) -> Fit:
-    """In the angles and the noise that it leads to, fitted there; in turns with how drives came to their
-    stops, where only these were recorded, and with the pace of clocks that differ.
-    """
-    for _ in range(TURNS):
-        looked = now.context.seen_with(now.hypothesis)
-        context = paced(arrived(looked, now.hypothesis), now.hypothesis)
-        now = _settled(context.weighed(now.hypothesis), now.hypothesis)
-        if context is looked:
-            break
-    return now
-
-
-def relooked(now: Fit) -> Fit:
-    """In the angles that it leads to; what joints share is fitted anew, as a trial on one joint left it."""
-    context = now.context.seen_with(now.hypothesis)
-    if any(set(term.shared) - term.given for term in now.hypothesis.values()):
-        return _settled(context, now.hypothesis)
-    return now if context is now.context else costed(context, now.hypothesis)
-
-
-def _settled(context: Context, hypothesis: Hypothesis) -> Fit:
-    """Fitted in a context, or as it is where a fit would lead to values that the motion cannot show."""
-    return min(refit(context, hypothesis), costed(context, hypothesis), key=score)

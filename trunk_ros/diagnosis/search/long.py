@@ -12,9 +12,10 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.descent import Desk, descend, renewed
+from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.greedy import begun, plain, search
+from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import ADD, DROP, ONSET
 from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats

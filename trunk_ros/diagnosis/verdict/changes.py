@@ -152,12 +152,12 @@ def _values(
     for source, (gain, was, there) in gains.items():
         unit = unit_of(gain.unit, joint)
         yield Value(gain, f"of {source} ", was, there, std.get((name, gain.name, column)), unit, True)
-    form = (now or known).form
+    form, both = (now or known).form, now is not None and all(_on(term, column) for term in (known, now))
     for p in kind.used(form):
         if p.shared != (column is None) or (p.name not in old and p.name not in new) or _has_a_word(kind, p):
             continue
         size = p == kind.own_parameters(form)[0]
-        if size or (old and new):
+        if size or both:
             theirs, seen = (values.get(p.name, p.null) for values in (old, new))
             label = "" if size else f"{p.name}: "
             spread = std.get((name, p.name, column), std.get((name, p.name, None)))
@@ -168,6 +168,11 @@ def _of(term: Term | None, column: int | None) -> dict[str, float]:
     if term is None:
         return {}
     return term.shared if column is None else term.own.get(column, {})
+
+
+def _on(term: Term, column: int | None) -> bool:
+    """Whether an effect is on a joint, or anywhere."""
+    return column is None or column in term.own
 
 
 def _has_a_word(kind: type[Effect], parameter: Parameter) -> bool:

@@ -53,10 +53,10 @@ class WireSlip(Effect):
         """The likeliest jumps, each as large as it shows at once and in the long run: what is within the dead
         band shows in full once the joint moves.
         """
-        ends = now.stamp[0] + (now.stamp[-1] - now.stamp[0]) * np.array(SEEN)
+        ends = np.asarray(now.stamp[0] + (now.stamp[-1] - now.stamp[0]) * np.array(SEEN))
         if rest is None:
             step = self.parameters[0].typical
-            return [{"step": step, "onset": at} for at in np.linspace(*ends, MOMENTS).tolist()]
+            return [{"step": step, "onset": at} for at in np.linspace(ends[0], ends[1], MOMENTS).tolist()]
         jumps = [_jumps(now.stamp, rest, ends, reach) for reach in (NEAR, np.inf)]
         likely = sorted({k for jump, gain in jumps for k in _peaks(gain)})
         at = np.arange(*np.searchsorted(now.stamp, ends))

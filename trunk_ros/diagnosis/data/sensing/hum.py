@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -16,7 +17,7 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, apart, basis, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, apart, basis, motion_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, NEARLY, SURE
 from trunk_ros.guards import BLIND, TINY
@@ -56,12 +57,17 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     motion = motion_of(gearbox, shown, arm)
     off, found = motion.off, list[Hum]()
     while len(found) < TONES:
-        more = tone(motion.stamp, off, motion.asked, lambda joint: basis(motion, joint, True), COMES_BACK)
+        more = tone(motion.stamp, off, motion.asked, partial(_physics, motion), COMES_BACK)
         if more is None:
             break
         off = off - more.at(motion.stamp)
         found.append(more)
     return found
+
+
+def _physics(motion: Motion, joint: int) -> Array:
+    """(n, features): what physics may do to a joint, and readings that are late."""
+    return np.column_stack([motion.speed[:, joint], basis(motion, joint, True)])
 
 
 @dataclass(frozen=True)

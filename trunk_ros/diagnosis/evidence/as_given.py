@@ -1,0 +1,106 @@
+"""What the model has stays as it is where the recording does not tell another value: a fit moves every value,
+and of one that the motion hardly shows it makes whatever the noise asks for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import reduce
+
+import numpy as np
+
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.score import FURTHER, naming, need
+from trunk_ros.effects import effect
+from trunk_ros.effects.bank import Bank
+from trunk_ros.parameter import Parameter
+
+
+def as_given(state: Fit) -> Fit:
+    """With the values of the model, of each effect that it has, but for those by which the recording is so
+    much better explained as effects have to: the fewest that do.
+    """
+    for name in state.context.known:
+        if name in state.hypothesis:
+            state = _as_given(state, name)
+    return state
+
+
+def _as_given(state: Fit, name: str) -> Fit:
+    known, now, kind = state.context.known[name], state.hypothesis[name], effect(name)
+    if not kind.named or issubclass(kind, Bank) or known == now:
+        return state
+    trials = [_held(state, name, known, kind.used(now.form))]
+    if known.form == now.form or kind.apart not in (known.form, now.form):
+        trials += _ways(state, name)
+    best: Fit = min([state, *trials], key=lambda fit: fit.total + _price(fit, name))
+    return best
+
+
+def _ways(state: Fit, name: str) -> Iterator[Fit]:
+    """With what joints share as the model has it, with what each has, and with one joint after the other."""
+    known, now, used = state.context.known[name], state.hypothesis[name], effect(name).used
+    yield _held(state, name, back(now, known, None), [p for p in used(now.form) if p.shared])
+    each = reduce(lambda term, column: back(term, known, column), known.columns, now)
+    yield _held(state, name, each, [p for p in used(now.form) if not p.shared])
+    for column in known.columns:
+        trial = _held(state, name, back(state.hypothesis[name], known, column), used(now.form))
+        if trial.total + _price(trial, name) < state.total + _price(state, name):
+            state = trial
+    there = replace(state.hypothesis[name], given=now.given)
+    yield replace(state, hypothesis=Hypothesis({**state.hypothesis, name: there}))
+
+
+def _price(fit: Fit, name: str) -> float:
+    """Of what differs from the model: of the name once, of each joint, and of each value that joints share,
+    as much as an effect has to explain there; of what another form has besides, as of further values.
+    """
+    known, now = fit.context.known[name], fit.hypothesis[name]
+    moments = {m.name for m in effect(name).moments()}
+    shared = [n for n in known.shared.keys() | now.shared.keys() if known.shared.get(n) != now.shared.get(n)]
+    both = {c: (known.own.get(c, {}), now.own.get(c, {})) for c in known.own.keys() | now.own.keys()}
+    own = [
+        c
+        for c, (old, new) in both.items()
+        if any(new.get(n) != old.get(n) for n in old.keys() | (moments & new.keys()))
+    ]
+    besides = sum(len(new.keys() - old.keys() - moments) for old, new in both.values())
+    price = FURTHER * besides + sum(_need(fit, c) for c in [*own, *(None for _ in shared)])
+    return price + (naming(effect(name).stage) if price else 0.0)
+
+
+def back(now: Term, known: Term, column: int | None) -> Term:
+    """A term with the values of the model on a joint, or those that joints share; what a form has besides
+    stays, what happens in mid-run is gone.
+    """
+    out, kind = now.copy(), effect(now.effect)
+    moments = {m.name for m in kind.moments()}
+    if column is None:
+        options = {p.name for p in kind.parameters if p.optional} | moments
+        kept = {n: v for n, v in now.shared.items() if n not in options}
+        used = {p.name for p in kind.used(now.form) if p.shared}
+        out.shared = kept | {n: v for n, v in known.shared.items() if n in used}
+    else:
+        had = {n: v for n, v in now.own.get(column, {}).items() if n not in moments}
+        out.have(column, had | known.own[column])
+        out.words.pop(column, None)
+        if column in known.words:
+            out.words[column] = dict(known.words[column])
+    return out
+
+
+def _held(state: Fit, name: str, term: Term, values: Iterable[Parameter]) -> Fit:
+    """All else fitted beside some values of an effect that stay exactly so, also in what is fitted later."""
+    held = replace(term.copy(), given=frozenset(p.name for p in values))
+    return refit(state.context, Hypothesis({**state.hypothesis, name: held}))
+
+
+def _need(state: Fit, column: int | None) -> float:
+    """What an effect has to explain on a joint, or on the usual one."""
+    context: Context = state.context
+    if column in context.columns:
+        return need(context, column, state.rest(column))
+    return float(np.median([need(context, c, state.rest(c)) for c in context.columns]))
