@@ -20,10 +20,9 @@ from trunk_ros.parameter import GROWN
 
 
 class Rest(NamedTuple):
-    """A joint that rests from a moment on: the rows of the target at which it does, the first one after the
-    moment, by how many rad what happens moves the joint where nothing holds it, if it says so, and of all rows
-    from the first on (rows,) how much of it has happened by then, and how many rad the gearbox would have moved
-    the joint since.
+    """A joint that rests from a moment on: how many rad what happens moves it where nothing holds it, if it
+    says so, the rows of the target at which it rests, the first one after the moment, and of all from that on
+    (rows,) how much of it has happened by then, and how many rad the gearbox would have moved the joint since.
     """
 
     size: float
