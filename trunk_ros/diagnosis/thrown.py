@@ -22,7 +22,7 @@ from trunk_ros.parameter import GROWN
 class Rest(NamedTuple):
     """A joint that rests from a moment on: how many rad what happens moves it where nothing holds it, if it
     says so, the rows of the target at which it rests, the first one after the moment, and of all from that on
-    (rows,) how much of it has happened by then, and how many rad the gearbox would have moved the joint since.
+    (rows,) how much of it has happened by then, and by how many rad the gearbox would have moved it since.
     """
 
     size: float
