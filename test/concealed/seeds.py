@@ -21,10 +21,10 @@ CONCEALED = {
     "hard": range(54_000, 54_060),  # one to four effects; coloured noise, 25 Hz, losses, drifting clock …
     "wire": range(55_000, 55_042),  # finite-element wires
     "mujoco": range(56_000, 56_060),  # tendons, masses and friction in an engine, four rounds of 15
-    "masses": range(102_000, 102_090),  # integrated from inertia, wires, friction and weight, five rounds of 18
+    "masses": range(102_000, 102_090),  # integrated from inertia, wires, friction and weight, five of 18
     "everyday": range(102_500, 102_554),  # such arms at work: motions that were not made to identify anything
     "events": range(103_000, 103_056),  # such arms to which something happens in mid-run, seven rounds of 8
-    "awkward": range(104_000, 104_108),  # such arms under sensors, clocks and loggers of 12 kinds, nine rounds
+    "awkward": range(104_000, 104_108),  # such arms under sensors, clocks and loggers of 12 kinds, nine times
 }
 CLEAN = {
     "clean": range(60_000, 60_210),

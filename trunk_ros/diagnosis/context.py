@@ -117,7 +117,8 @@ class Context:
         colour = float(np.quantile(judged, PLAIN)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
         noises = enumerate(self.stage.noises(found))
-        return replace(self, noise=tuple(self.wanders.get(c, noise) for c, noise in noises))
+        told = tuple(self.wanders.get(c, noise) for c, noise in noises)
+        return replace(self, noise=told, shown_before={})
 
     def doubting(self) -> Context:
         """The same for what may stand in the place of what was found."""

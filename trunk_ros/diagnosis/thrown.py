@@ -66,7 +66,7 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
     for size, still, first, happened, moved in rests(view, hypothesis, column):
         rest = (seen.target - out)[still][seen.valid[still]]
         pushed = predicted[still.start] - predicted[first - 1]
-        held = abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
+        held = size != 0.0 and abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
         way, most = np.sign(size if held else pushed), abs(size) if held else band
         far = float(np.clip(way * rest.mean(), 0.0, min(most, band)))
         if far > 0.0:

@@ -98,6 +98,7 @@ def test_a_zero_within_the_play_is_seen_on_a_joint_that_stands_at_first() -> Non
 def test_a_stretch_before_the_friction_is_looked_for_from_the_beginning() -> None:
     nothing = fitted("upstream")
     found = Screen(nothing.context, nothing.hypothesis).all_everywhere(effect("load_elasticity"))
+    assert found
     assert all(candidate.start.get("upstream") == 1.0 for candidate in found)
     behind = fitted("sag")
     found = Screen(behind.context, behind.hypothesis).all_everywhere(effect("load_elasticity"))

@@ -33,7 +33,7 @@ def _as_given(state: Fit, name: str) -> Fit:
     known, now, kind = state.context.known[name], state.hypothesis[name], effect(name)
     if not kind.named or issubclass(kind, Bank) or known == now:
         return state
-    trials = [_held(state, name, known, kind.used(now.form))]
+    trials = [_held(state, name, known, kind.used(known.form))]
     if known.form == now.form or kind.apart not in (known.form, now.form):
         trials += _ways(state, name)
     best: Fit = min([state, *trials], key=lambda fit: fit.total + _price(fit, name))

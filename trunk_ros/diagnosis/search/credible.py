@@ -76,8 +76,8 @@ def _moments(block: Effect) -> list[float]:
 
 
 def _jumps(context: Context, term: Term, column: int, at: float) -> bool:
-    """Whether a joint that rests at a moment [s] is predicted to jump then by more than its noise."""
-    hypothesis = Hypothesis({term.effect: term})
+    """Whether an effect makes a joint that rests at a moment [s] jump then by more than its noise."""
+    hypothesis, near = Hypothesis({term.effect: term}), max(TOGETHER, (SEVERAL + 1) * context.step)
     for index, view in enumerate(context.views):
         seen, stamp, gearbox = (
             view.columns[column],
@@ -86,14 +86,15 @@ def _jumps(context: Context, term: Term, column: int, at: float) -> bool:
         )
         before, after = (
             seen.valid & (low < stamp) & (stamp < high)
-            for low, high in ((at - TOGETHER, at - RISE / 2), (at + RISE / 2, at + TOGETHER))
+            for low, high in ((at - near, at - RISE / 2), (at + RISE / 2, at + near))
         )
         if min(np.count_nonzero(before), np.count_nonzero(after)) < SEVERAL:
             continue
         if np.ptp(gearbox[before | after]) > HARDLY * np.ptp(gearbox):
             continue
-        predicted = context.predict(index, hypothesis, column)
-        if abs(predicted[after].mean() - predicted[before].mean()) > SURE * context.noise[column].std:
+        moved, still = (context.stage.predict(context, index, h, column) for h in (hypothesis, Hypothesis()))
+        change = moved - still
+        if abs(change[after].mean() - change[before].mean()) > SURE * context.noise[column].std:
             return True
     return False
 

@@ -106,6 +106,10 @@ class Desk:
         """The looks at a column that are kept."""
         return self.kept_looks.setdefault((column, state_of(best, [column])), {})
 
+    def stands_on(self, best: Fit) -> None:
+        """The search has come to a structure."""
+        self.been[structure(best.hypothesis), best.context.claims] = best.hypothesis
+
     @property
     def inner_share(self) -> float:
         """What a step within a move has to gain of what is left: large things first."""
@@ -147,6 +151,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
             if better is None:
                 break
             move, found = better
+            desk.stands_on(found)
             if move.grows:
                 newest = [name for name in found.hypothesis if name not in best.hypothesis]
             best, stale = (renewed if move.grows else relooked)(found), not move.grows
@@ -198,6 +203,7 @@ def descend_with(best: Fit, moves: Sequence[Move], desk: Desk, goal: float = np.
     desk = Desk(share=desk.inner_share, goal=goal, vain=desk.vain)
     while (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
+        desk.stands_on(best)
     return best
 
 
@@ -259,7 +265,4 @@ def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
     if there == structure(best.hypothesis):
         return True
     before = desk.been.get((there, best.context.claims))
-    if before is not None and not beats(trial, costed(trial.context, before)):
-        return False
-    desk.been[there, best.context.claims] = trial.hypothesis
-    return True
+    return before is None or beats(trial, costed(trial.context, before))

@@ -187,7 +187,7 @@ def _throws(context: Context, term: Term) -> float:
 
 def _apart(times: list[tuple[float, float]]) -> float:
     """Of times [s] on several joints, each with its price: what happens on several at once is one event, of
-    which one joint tells the others; a further joint makes it no cheaper.
+    which one joint tells the others: that which asks most.
     """
     total, first, most = 0.0, -np.inf, 0.0
     for at, price in sorted(times):

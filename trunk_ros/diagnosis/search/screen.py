@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.followed import directions
 from trunk_ros.diagnosis.search.score import FURTHER, chance, may_be_for_a_time, need
 from trunk_ros.diagnosis.search.size import different, leading, merit, reach, scaled, too_large
-from trunk_ros.diagnosis.search.starts import Starts
+from trunk_ros.diagnosis.search.starts import Starts, whens
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_course, best_window
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
@@ -107,6 +107,8 @@ class Screen:
         """
         kind, context = effect(candidate.effect), self.context
         columns = [c for c in columns if context.timed(c)]
+        if any(moment.name in candidate.start for moment in kind.moments()):
+            return None
         if not kind.begins or len(context.views) > 1:
             return None
         there = extended(context, self.hypothesis, candidate)
@@ -171,7 +173,7 @@ class Screen:
         ``kept`` are not looked at again.
         """
         kept = {} if kept is None else kept
-        keys = {kind.id: (kind.id, *self._forms(kind, column), *self._shared_of(kind)) for kind in kinds}
+        keys = {kind.id: self._key(kind, column) for kind in kinds}
         for kind in kinds:
             if keys[kind.id] not in kept:
                 kept[keys[kind.id]] = self.forms(kind, column)
@@ -179,9 +181,14 @@ class Screen:
         further = [forms for forms in found[most:] if forms[0].effect in always]
         return [candidate for forms in [*found[:most], *further] for candidate in forms]
 
-    def _shared_of(self, kind: type[Effect]) -> tuple[tuple[str, float], ...]:
-        """What an effect shares with the joints that have it already."""
-        return tuple(self.hypothesis[kind.id].shared.items()) if kind.id in self.hypothesis else ()
+    def _key(self, kind: type[Effect], column: int) -> Hashable:
+        """What the starts of an effect depend on besides: what joints that have it already share, and when it
+        acts on them.
+        """
+        shared = tuple(self.hypothesis[kind.id].shared.items()) if kind.id in self.hypothesis else ()
+        forms = self._forms(kind, column)
+        others = [w for form in forms for w in whens(self.hypothesis, kind, form, column)]
+        return kind.id, forms, shared, tuple(tuple(when.items()) for when in others)
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
         """The most promising start of an effect on one column; those that come near the best one are looked

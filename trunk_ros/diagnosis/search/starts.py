@@ -17,6 +17,15 @@ SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fi
 BAGS = 2  # of an arm's recordings that give an effect its starts
 
 
+def whens(hypothesis: Hypothesis, kind: type[Effect], form: str, column: int) -> list[dict[str, float]]:
+    """The moments of an effect on other joints: what happened to them may have happened to a further one."""
+    others = hypothesis[kind.id].own if kind.id in hypothesis else {}
+    lasting = kind.moments()
+    names = [p.name for p in kind.used(form) if not p.shared and (p.moment or p in lasting)]
+    found = [{n: own[n] for n in names if n in own} for c, own in others.items() if c != column]
+    return different([when for when in found if when])
+
+
 class Starts:
     """Of effects beside a hypothesis."""
 
@@ -43,9 +52,13 @@ class Starts:
         context = self.context
         rest = None if column in context.wide else self._residual(column, index)
         begun = kind({}, {}, form).starts(context.shown(column, index), 0, rest)
-        whens = self._whens(kind, form, column)
-        besides = [{**option, **when} for option in kind.options(form) for when in whens]
-        for start in [{**start, **more} for more in besides for start in begun]:
+        options = ({},) if kind.id in self.hypothesis else kind.options(form)  # others share what is there
+        both = [{**start, **option} for option in options for start in begun]
+        others = [{**start, **when} for when in whens(self.hypothesis, kind, form, column) for start in both]
+        if kind.scalable:  # a look scales the first value by itself
+            lead = kind.own_parameters(form)[0].name
+            others = list({tuple((n, v) for n, v in s.items() if n != lead): s for s in others}.values())
+        for start in different([*both, *others]):
             if not kind.texts:
                 yield start
                 yield from self._wide(index, kind, form, column, start)
@@ -54,13 +67,6 @@ class Starts:
             for joint in context.joints:
                 if joint != context.joints[column] and joint not in words:
                     yield {**start, kind.texts[0]: joint}
-
-    def _whens(self, kind: type[Effect], form: str, column: int) -> list[dict[str, float]]:
-        """All the time, and when the same happens to other joints."""
-        others = self.hypothesis[kind.id].own if kind.id in self.hypothesis else {}
-        lasting = kind.moments()
-        names = [p.name for p in kind.used(form) if not p.shared and (p.moment or p in lasting)]
-        return different([{}, *({n: own[n] for n in names if n in own} for own in others.values())])
 
     def _wide(
         self, index: int, kind: type[Effect], form: str, column: int, start: dict[str, Any]

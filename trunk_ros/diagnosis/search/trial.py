@@ -84,10 +84,8 @@ def may_win(best: Fit, there: Hypothesis, screen: Screen, gain: float) -> bool:
     return screen.may_come_to(there, gain) + priced(Fit(there, {}, best.context)) <= score(best)
 
 
-def refit_to_win(best: Fit, there: Hypothesis, column: int | None = None) -> Fit:
-    """A hypothesis refitted on all joints or on one, given up where it will not beat ``best``."""
-    if column is not None:
-        return refit_column(best, there, column, _goal(best, there, column))
+def refit_to_win(best: Fit, there: Hypothesis) -> Fit:
+    """A hypothesis refitted on all joints, given up where it will not beat ``best``."""
     return refit(best.context, there, score(best) - priced(Fit(there, {}, best.context)))
 
 

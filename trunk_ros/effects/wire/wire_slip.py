@@ -59,7 +59,7 @@ class WireSlip(Effect):
             return [{"step": step, "onset": at} for at in np.linspace(ends[0], ends[1], MOMENTS).tolist()]
         jumps = [_jumps(now.stamp, rest, ends, reach) for reach in (NEAR, np.inf)]
         likely = sorted({k for jump, gain in jumps for k in _peaks(gain)})
-        at = np.arange(*np.searchsorted(now.stamp, ends))
+        at = _inside(now.stamp, ends)
         return [
             {"step": float(jump[k]), "onset": float(now.stamp[at[k] - 1 : at[k] + 1].mean())}
             for k in likely
@@ -68,14 +68,21 @@ class WireSlip(Effect):
         ]
 
 
+def _inside(stamp: Array, ends: Array) -> np.ndarray:
+    """(k,) samples between two ends [s], with one before each."""
+    first, last = np.searchsorted(stamp, ends)
+    return np.arange(max(int(first), 1), int(last))
+
+
 def _jumps(stamp: Array, rest: Array, ends: Array, reach: float) -> tuple[Array, Array]:
     """By how much the mean of ``rest`` (n,) jumps at each sample between two ``ends`` (s), by so many seconds
     before and after, and what that explains.
     """
     sums = np.concatenate([[0.0], np.cumsum(rest)])
-    at = np.arange(*np.searchsorted(stamp, ends))
+    at = _inside(stamp, ends)
     low, high = (np.searchsorted(stamp, np.clip(stamp[at] + s * reach, *stamp[[0, -1]])) for s in (-1, 1))
-    before, after = np.maximum(at - low, 1), np.maximum(high - at, 1)
+    low, high = np.minimum(low, at - 1), np.maximum(high, at + 1)
+    before, after = at - low, high - at
     jump = (sums[high] - sums[at]) / after - (sums[at] - sums[low]) / before
     return jump, jump**2 * before * after / (before + after)
 

@@ -31,7 +31,7 @@ from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
-from trunk_ros.effects import Effect
+from trunk_ros.effects import Effect, effect
 
 
 class Tried(NamedTuple):
@@ -56,7 +56,7 @@ def additions(best: Fit, desk: Desk) -> Iterator[Fit]:
     with more to them than what is there.
     """
     leader = best
-    for trial in chain(with_more(best, desk), on_joints(best, desk)):
+    for trial in chain(with_more(best), on_joints(best, desk)):
         leader = min(leader, trial, key=score)
         yield trial
     yield from everywhere(best, desk, leader)
@@ -103,8 +103,9 @@ def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
     """The effects that would help each of the columns; kept while nothing that bears on it changes."""
     context = best.context
     forms = frozenset((term.effect, term.form) for term in best.hypothesis.values())
+    whens = tuple(sorted(_whens(best.hypothesis)))
     frame = context.look, context.claims
-    keys = {c: (c, *frame, context.noise[c], forms, best.hypothesis.key(c)) for c in columns}
+    keys = {c: (c, *frame, context.noise[c], forms, whens, best.hypothesis.key(c)) for c in columns}
     new = [c for c, key in keys.items() if key not in desk.tried]
     kept = {c: desk.looks_at(best, c) for c in new}
     for column, (tried, looked) in zip(
@@ -113,6 +114,14 @@ def trials(best: Fit, desk: Desk, columns: list[int]) -> list[Trials]:
         desk.tried[keys[column]] = tried
         kept[column] |= looked
     return [desk.tried[key] for key in keys.values()]
+
+
+def _whens(hypothesis: Hypothesis) -> Iterator[tuple[str, str, float]]:
+    """When an effect acts on any joint, as far as a start of it on another one asks."""
+    for term in hypothesis.values():
+        moments = {p.name for p in effect(term.effect).used(term.form) if p.moment and not p.shared}
+        for own in term.own.values():
+            yield from ((term.effect, name, round(own[name], 1)) for name in moments if name in own)
 
 
 def _tried(best: Fit, kept: dict[int, Kept], column: int) -> tuple[Trials, Kept]:

@@ -12,12 +12,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
-from trunk_ros.diagnosis.search.trial import refit_to_win
 from trunk_ros.diagnosis.search.windows import Window
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import LASTING
@@ -142,7 +141,7 @@ def _changed(now: Fit, one: Sized, seen: Callable[[], Window | None]) -> Iterato
     for other in dict.fromkeys(others):
         there = one.taking(now.hypothesis, other) if other.first else None
         if there is not None and there != now.hypothesis:
-            trials.append(refit_to_win(now, there, one.column))
+            trials.append(_refitted(now, one, there))
     yield from trials
     best = min(trials, key=score, default=now)
     if one.course(best.hypothesis).moments:
@@ -154,7 +153,11 @@ def _otherwise_grown(now: Fit, one: Sized) -> Iterator[Fit]:
     for moment in (m for m in LASTING if m.name in one.values(now.hypothesis)):
         there = now.hypothesis.copy()
         del one.values(there)[moment.name]
-        yield refit_to_win(now, there, one.column)
+        yield _refitted(now, one, there)
+
+
+def _refitted(now: Fit, one: Sized, there: Hypothesis) -> Fit:
+    return refit(now.context, there) if one.column is None else refit_column(now, there, one.column)
 
 
 SPELL = Move("spell", groups)

@@ -184,10 +184,11 @@ def _with_less(best: Fit, desk: Desk) -> Iterator[Group]:
             yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
 
 
-def with_more(best: Fit, desk: Desk) -> Iterator[Fit]:
+def with_more(best: Fit) -> Iterator[Fit]:
     """Each effect by what includes it: a law with more to it explains as a further effect would."""
     for name in best.hypothesis:
-        yield from _swapped(best, desk, name, [k for k in _further(best) if name in k.replaces])
+        for kind in (k for k in _further(best) if name in k.replaces):
+            yield from _inherited(best, best.hypothesis.without(name), name, kind)
 
 
 def _further(best: Fit) -> list[type[Effect]]:
