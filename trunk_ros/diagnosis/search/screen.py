@@ -38,7 +38,7 @@ class Screen:
         columns = context.columns if columns is None else columns
         self.rest = {c: context.whitened(hypothesis, c) for c in columns}
         self.basis, self._shared = directions(context, hypothesis, columns)
-        self.starts = Starts(context, hypothesis)
+        self.starts = Starts(context, hypothesis, columns)
         self.unshown = unshown(context, hypothesis)
 
     def left(self, column: int) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -27,30 +27,29 @@ def whens(hypothesis: Hypothesis, kind: type[Effect], form: str, column: int) ->
 
 
 class Starts:
-    """Of effects beside a hypothesis."""
+    """Of effects beside a hypothesis, on some columns."""
 
-    def __init__(self, context: Context, hypothesis: Hypothesis):
+    def __init__(self, context: Context, hypothesis: Hypothesis, columns: Iterable[int]):
         self.context, self.hypothesis = context, hypothesis
-        self._residuals: dict[tuple[int, int], Array] = {}
+        self._telling = {c: context.telling(c)[:BAGS] for c in columns}
+        self._left = {  # beforehand: what is left counts as work once, on any number of cores
+            (c, k): self._residual(c, k) for c in columns if c not in context.wide for k in self._telling[c]
+        }
 
     def _residual(self, column: int, index: int) -> Array:
         """(m,) residual of a recording over its whole grid."""
-        if (column, index) not in self._residuals:
-            span = self.context.views[index].span
-            valid = span.valid[:, column]
-            off = self.context.residual(index, self.hypothesis, column)[valid]
-            found = np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
-            self._residuals[column, index] = found
-        return self._residuals[column, index]
+        span = self.context.views[index].span
+        valid = span.valid[:, column]
+        off = self.context.residual(index, self.hypothesis, column)[valid]
+        return np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
 
     def on(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
         """Where an effect may begin on a column, by the recordings with most to explain."""
-        telling = self.context.telling(column)[:BAGS]
-        return different([s for index in telling for s in self._in(index, kind, form, column)])
+        return different([s for k in self._telling[column] for s in self._in(k, kind, form, column)])
 
     def _in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         context = self.context
-        rest = None if column in context.wide else self._residual(column, index)
+        rest = self._left.get((column, index))
         begun = kind({}, {}, form).starts(context.shown(column, index), 0, rest)
         options = ({},) if kind.id in self.hypothesis else kind.options(form)  # others share what is there
         both = [{**start, **option} for option in options for start in begun]
