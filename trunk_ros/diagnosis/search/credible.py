@@ -92,6 +92,7 @@ def _jumps(context: Context, term: Term, column: int, at: float) -> bool:
             continue
         if np.ptp(gearbox[before | after]) > HARDLY * np.ptp(gearbox):
             continue
+        # no work of the search: what is kept of it on another core is lost, and the count would differ
         moved, still = (context.stage.predict(context, index, h, column) for h in (hypothesis, Hypothesis()))
         change = moved - still
         if abs(change[after].mean() - change[before].mean()) > SURE * context.noise[column].std:
