@@ -27,7 +27,6 @@ class StribeckFriction(Effect):
         "exp(-abs(v/v_s)^delta); film: the same, eq. (5): frictional memory."
     )
     forms = ("exponential", "gaussian", "hyperbolic", "film")
-    refined = ("film",)
     parameters = (
         Parameter("amplitude", "rad", (0.0, 1.0), "half-width added at rest", typical=5e-4),
         Parameter(
@@ -41,7 +40,14 @@ class StribeckFriction(Effect):
             scan=(0.015, 0.05, 0.15, 0.4),
         ),
         Parameter(
-            "memory", "s", (1e-3, 2.0), "time that a film of oil takes", typical=0.05, null=0.05, scale="log"
+            "memory",
+            "s",
+            (1e-3, 2.0),
+            "time that a film of oil takes",
+            typical=0.05,
+            null=0.05,
+            scale="log",
+            scan=(0.05, 0.3),
         ),
     )
     confused_with = (("backlash", "reverse slowly and fast: a backlash stays the same"),)
