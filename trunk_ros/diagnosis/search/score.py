@@ -91,11 +91,13 @@ def naming(stage: str) -> float:
 
 def chance(context: Context, column: int) -> float:
     """How many times more chance gains on a column than by white noise: as long as a reading stays the same
-    it counts once, and of coloured noise the colour is known only roughly.
+    it counts once, but chance gains no more than all that steps leave; and of coloured noise the colour is
+    known only roughly.
     """
     stage, noise = context.stage, context.noise[column]
     still = stage.own_steps(column) / noise.std
-    return (1.0 + noise.correlation) * max(stage.stands[column] * still**2, 1.0)
+    all_steps = STANDING * context.count(column) / SIGNIFICANT
+    return (1.0 + noise.correlation) * max(min(stage.stands[column], all_steps) * still**2, 1.0)
 
 
 def price(fit: Fit, term: Term) -> float:
@@ -115,7 +117,7 @@ def price(fit: Fit, term: Term) -> float:
         return sum(_curve(fit, term, c, n) for c, n in needs.items())
     free = Hypothesis({term.effect: term}).free(list(term.columns))
     if kind.everywhere:
-        usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
+        usual = _usual(fit)
         each = _further(context, free, columns, 1) - name * len(needs)
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
             usual, each = sum(needs.values()), _further(context, free, columns, len(needs))
@@ -174,8 +176,17 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     shared = sum(m.moment and m.name in term.shared for m in kind.moments())
     if not shared:
         return own
+    return own + _usual(fit) * shared + sum(left.values())
+
+
+def _usual(fit: Fit) -> float:
+    """What is needed of all joints together: what most need, and that formulas are off by where they are off
+    most, so that what explains one joint is no cheaper on all.
+    """
+    context = fit.context
+    most = max(context.formed_misfit.get(c, 0.0) for c in context.columns)
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
-    return own + usual * shared + sum(left.values())
+    return max(usual, FORMULAS * most)
 
 
 def _throws(context: Context, term: Term) -> float:
