@@ -13,9 +13,9 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.sensing.hum import JOINTS, TONES, Hum, tone
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
 from trunk_ros.diagnosis.data.surroundings import View
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, scales
 from trunk_ros.diagnosis.levels import SEVERAL
-from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.fit import STEP, Fit, costed, refit
 from trunk_ros.diagnosis.search.score import measured
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -38,15 +38,30 @@ def told_from_hum(now: Fit) -> Fit:
 
 
 def _tone(context: Context, hypothesis: Hypothesis, index: int) -> Hum | None:
-    """The strongest tone of all joints that can be judged in what is left of a span, beside a constant."""
+    """The strongest tone of all joints that can be judged in what is left of a span, beside what the values
+    of a hypothesis do: they were fitted while the tone was there.
+    """
     span, columns = context.views[index].span, context.columns
     rows = span.valid[:, columns].all(axis=1)
     if np.count_nonzero(rows) < CLOCKED:
         return None
     off = np.column_stack([context.residual(index, hypothesis, c)[rows] for c in columns])
     asked = (span.gearbox[span.rows] * context.arm.ratio)[rows][:, columns]
-    constant = np.ones((len(off), 1))
-    return tone(span.stamp[rows], off, asked, lambda _: constant, SEVERAL)
+
+    def followed(joint: int) -> Array:
+        return _followed(context, hypothesis, index, columns[joint])[rows]
+
+    return tone(span.stamp[rows], off, asked, followed, SEVERAL)
+
+
+def _followed(context: Context, hypothesis: Hypothesis, index: int, column: int) -> Array:
+    """(n, 1 + values): a constant, and what is left of a column by small steps of the values that move it."""
+    free = hypothesis.free([column], context.columns)
+    x, steps = hypothesis.get(free), STEP * scales(free, context.stage.loads)
+    there = [hypothesis.moved(f, at + step) for f, at, step in zip(free, x, steps, strict=True)]
+    base, *moved = (context.residual(index, one, column) for one in (hypothesis, *there))
+    slopes = [one - base for one in moved if np.isfinite(one).all()]
+    return np.column_stack([np.ones(len(base)), *slopes])
 
 
 def _without(view: View, columns: list[int], found: Hum) -> View:
