@@ -16,6 +16,8 @@ from trunk_ros.diagnosis.data.sensing.hum import _beside, _physics, hums
 from trunk_ros.diagnosis.data.sensing.physics import apart, motion_of
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.hummed import told_from_hum
 from trunk_ros.diagnosis.wire import WireStage
@@ -128,6 +130,22 @@ def test_what_comes_back_three_times_is_hum_where_nothing_else_is_left(model: Mo
     (observed,) = result.quality["hum"]["observed"]
     assert observed["kind"] == "hum"
     assert observed["value"] == pytest.approx(2.0 * SIZE, rel=0.05)
+
+
+def test_a_tone_is_found_beside_physics_that_was_fitted_while_it_was_there(model: Model) -> None:
+    """A zero and a creep take a part of it: on that joint it looks smaller than on the others."""
+    seconds = 15.0
+    drift = np.exp(-STAMP / seconds)[:, None] * np.array([0.0, 0.0, 2e-3, 0.0, 0.0])
+    recording = _recording(model, drift + _tone(3.0 / STAMP[-1], np.full(5, 2.0 * SIZE)))
+    first = begun(first_look(WireStage([wire_span(recording, model)], model)))
+    own = {2: {"amplitude": -2e-3, "time_constant": seconds}}
+    zero = Term("zero_offset", own={2: {"offset": 2e-3}})
+    drifts = Term("thermal_drift", "exponential", own=own)
+    fitted = refit(first.context, Hypothesis(thermal_drift=drifts, zero_offset=zero))
+    right = told_from_hum(fitted)
+    assert [hum.size for view in right.context.views for _, hum in view.hums] == [
+        pytest.approx(2.0 * SIZE, rel=0.05)
+    ]
 
 
 @pytest.mark.parametrize("sizes", [(1.0, 1.0, 0.0, 1.0, 1.0), (1.0, 1.6, 0.6, 1.3, 0.8)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +25,7 @@ from trunk_ros.diagnosis.search.score import (
     price,
     score,
 )  # fmt: skip
+from trunk_ros.diagnosis.stage import STANDING
 
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
 
@@ -134,3 +136,23 @@ def test_a_further_joint_makes_no_moment_cheaper() -> None:
     two = Fit(both.hypothesis, both.cost, dear)
     prices = [price(fit, fit.hypothesis["load_elasticity"]) for fit in (one, two)]
     assert prices[1] >= prices[0] + needs[4]
+
+
+def test_what_explains_one_joint_is_no_cheaper_on_all() -> None:
+    """A law is off by a share of what it explains, of whichever joint that is."""
+    factor = Term("tension_error", shared={"factor": 3.0}, own={c: {} for c in range(5)})
+    width = Term("backlash", own={4: {"half_width": 1e-3}})
+    now = context("tension")
+    noise = {c: float(now.count(c)) for c in now.columns}  # nothing but noise is left
+    one_joint = replace(now, formed_misfit={c: 1e6 * (c == 4) for c in now.columns})
+    prices = [price(Fit(Hypothesis({t.effect: t}), noise, one_joint), t) for t in (factor, width)]
+    assert prices[0] > 0.9 * prices[1]  # but for its name, which is chosen once
+
+
+def test_chance_gains_no_more_than_all_that_an_encoders_steps_leave() -> None:
+    """A joint that mostly rests shows each of few readings many times."""
+    now = context("clean")
+    stage = copy(now.stage)
+    stage.coarse, stage.stands = [now.noise[0].std] * 5, [1e6] * 5
+    resting = replace(now, stage=stage)
+    assert need(resting, 2) == pytest.approx(STANDING * now.count(2), rel=0.01)

@@ -7,36 +7,21 @@ from functools import partial
 from itertools import combinations
 
 from trunk_ros.diagnosis.search.candidates import open_kinds, own_effects
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, only
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.moves.form import FORM
-from trunk_ros.diagnosis.search.score import need, score
 from trunk_ros.diagnosis.search.trial import PROMISING, Look, looks, most_promising, refitted
-from trunk_ros.effects import confused, effect
+from trunk_ros.effects import confused
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Joint by joint."""
     for column in best.context.columns:
         if own_effects(best.hypothesis, column):
-            yield Group(column, [column], partial(_swapped, best, desk, column))
+            yield Group(column, [column], partial(_swapped, best, column))
 
 
-def _swapped(best: Fit, desk: Desk, column: int) -> Iterator[Fit]:
-    """The most promising; and of an effect that the data hardly tell from what is there, its finer forms, as
-    what is there has had its own.
-    """
-    had, near = own_effects(best.hypothesis, column), dict[str, Fit]()
-    found = most_promising(best, column, _looks(best, column), 2 * PROMISING)
-    for trial in refitted(best, column, found):
-        yield trial
-        for term in trial.hypothesis.on(column):
-            if term.effect not in had and {*effect(term.effect).refined} - {term.form}:
-                near[term.effect] = min(trial, near.get(term.effect, trial), key=score)
-    limit = score(best) + need(best.context, column, best.rest(column))
-    for name, trial in near.items():
-        if score(trial) < limit:
-            yield descend_with(trial, (only(FORM, name),), desk)
+def _swapped(best: Fit, column: int) -> Iterator[Fit]:
+    yield from refitted(best, column, most_promising(best, column, _looks(best, column), 2 * PROMISING))
 
 
 def _looks(best: Fit, column: int) -> Iterator[Look]:
