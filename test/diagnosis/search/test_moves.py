@@ -4,15 +4,13 @@ that is.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import best_of, drawn_beside_a_ratio, fitted
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.search.descent import Desk, Move
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.option import put_down
