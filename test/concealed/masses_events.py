@@ -60,8 +60,12 @@ def _event(draw: Draw) -> Draw:
     return draw
 
 
-def _once(rng: Rng, seconds: float) -> float:
-    return float(rng.uniform(0.3, 0.65)) * seconds
+def _once(rng: Rng, wish: Wish, seconds: float) -> float:
+    """When one of its joints has gone a third to two thirds of its way: what happens before a joint moves at
+    all, or afterwards, no recording shows.
+    """
+    gone = np.abs(np.diff(wish.theta[:, wish.joints[0]])).cumsum()
+    return float(np.searchsorted(gone, rng.uniform(0.3, 0.65) * gone[-1])) / len(gone) * seconds
 
 
 def _told(effect: str, joints: tuple[int, ...], form: str, values: dict[str, Any], begin: float,
@@ -91,7 +95,7 @@ def payload_picked_up(rng: Rng, wish: Wish, seconds: float) -> Event:
 @_event
 def ratio_changes(rng: Rng, wish: Wish, seconds: float) -> Event:
     """A wire climbs to another radius of its wheel."""
-    begin, relative = _once(rng, seconds), wish.per(wish.theta) * signed(rng, len(wish.joints))
+    begin, relative = _once(rng, wish, seconds), wish.per(wish.theta) * signed(rng, len(wish.joints))
     told = _told("ratio_error", wish.joints, "climbs", {"relative": relative}, begin, same=("relative",))
     return Event(told, lambda b: having(b, wish.joints, wheel=1 + relative), begin)
 
@@ -99,7 +103,7 @@ def ratio_changes(rng: Rng, wish: Wish, seconds: float) -> Event:
 @_event
 def screw_loosens(rng: Rng, wish: Wish, seconds: float) -> Event:
     """From a moment on the wheel has play on its shaft."""
-    begin, gap = _once(rng, seconds), wish.size * 1.5 * sizes(rng, len(wish.joints))
+    begin, gap = _once(rng, wish, seconds), wish.size * 1.5 * sizes(rng, len(wish.joints))
     told = _told("backlash", wish.joints, "loose", {"half_width": gap}, begin, same=("half_width",))
     return Event(told, lambda b: having(b, wish.joints, gap=gap), begin)
 
@@ -107,7 +111,7 @@ def screw_loosens(rng: Rng, wish: Wish, seconds: float) -> Event:
 @_event
 def rubs(rng: Rng, wish: Wish, seconds: float) -> Event:
     """Something gets into the joint and rubs from then on."""
-    begin, joints = _once(rng, seconds), wish.joints
+    begin, joints = _once(rng, wish, seconds), wish.joints
     more, base = wish.size * 1.5 * sizes(rng, len(joints)), COMPLIANCE[list(joints)]
     told = _told("backlash", joints, "rubs", {"half_width": more}, begin, same=("half_width",))
     wide = (HALF_WIDTH[list(joints)] + more) / base
@@ -122,7 +126,7 @@ def rubs(rng: Rng, wish: Wish, seconds: float) -> Event:
 @_event
 def tension_rises(rng: Rng, wish: Wish, seconds: float) -> Event:
     """All wires are pulled harder from a moment on: every dead band grows by one factor."""
-    begin, factor = _once(rng, seconds), 1 + 1.5 * wish.size / float(HALF_WIDTH.mean())
+    begin, factor = _once(rng, wish, seconds), 1 + 1.5 * wish.size / float(HALF_WIDTH.mean())
     told = _told("tension_error", ALL, "pressed", {"factor": factor}, begin, same=("factor",))
     return Event(told, lambda b: replace(b, capstan=b.capstan * factor), begin)
 
@@ -130,7 +134,7 @@ def tension_rises(rng: Rng, wish: Wish, seconds: float) -> Event:
 @_event
 def wire_slips(rng: Rng, wish: Wish, seconds: float) -> Event:
     """A wire slips in its clamp."""
-    begin, step = _once(rng, seconds), wish.size * 1.5 * signed(rng, len(wish.joints))
+    begin, step = _once(rng, wish, seconds), wish.size * 1.5 * signed(rng, len(wish.joints))
     values = {"onset": np.full(len(step), begin), "step": step}
     told = _told("wire_slip", wish.joints, "clamp", values, begin, same=("onset", "step"))
     return Event(told, lambda b: having(b, wish.joints, zero=step), begin)
@@ -145,7 +149,7 @@ def _softer(rng: Rng, wish: Wish) -> tuple[Array, float]:
 @_event
 def strand_breaks(rng: Rng, wish: Wish, seconds: float) -> Event:
     """A wire that was stiff gives way from a moment on."""
-    begin, (gives, upstream) = _once(rng, seconds), _softer(rng, wish)
+    begin, (gives, upstream) = _once(rng, wish, seconds), _softer(rng, wish)
     told = _told("load_elasticity", wish.joints, "breaks", {"compliance": gives}, begin, same=("compliance",))
     return Event(told, lambda b: soft(b, wish.joints, gives, upstream), begin)
 

@@ -14,6 +14,7 @@ from test.concealed.masses_arm import Arm, having, soft
 from test.concealed.masses_case import draw_masses_case
 from test.concealed.masses_draw import MAKE, SIMPLE
 from test.concealed.masses_events import EVENTS
+from test.concealed.mujoco_draw import Wish
 from test.concealed.nominal import COMPLIANCE, COUNT, HALF_WIDTH, KP, RATIO, STEP, TAU_V, Array, load, play
 from test.concealed.servo import run_servo
 from test.concealed.trajectory import draw_reference
@@ -132,6 +133,15 @@ def test_every_way_to_build_it_and_every_event_shows_and_is_told() -> None:
         assert all(one["known"] and one["strength"] > 0.5 for one in case.truth)
         assert (kind == "events") == ("from" in case.truth[0]["extra"])
     assert len(EVENTS) == 8
+
+
+@pytest.mark.parametrize("event", [name for name in EVENTS if name not in ("payload_picked_up", "softens")])
+def test_what_happens_does_so_in_the_midst_of_a_joints_motion(event: str) -> None:
+    theta = np.zeros((6000, 5))
+    theta[4500:5000, 3] = 0.3 * np.sin(np.linspace(0.0, 12.0, 500))  # joints move one by one
+    rng = np.random.default_rng(2)
+    moments = [EVENTS[event](rng, Wish((3,), 1e-3, NOISE, theta), 60.0).begin for _ in range(20)]
+    assert 46.0 < min(moments) < max(moments) < 49.0
 
 
 @pytest.mark.parametrize("seed", range(4))
