@@ -39,12 +39,15 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
     bare, leader = best.hypothesis.without(name), best
+    others = [kind for kind in kinds if not alike(kind, effect(name))]
+    for kind in kinds:
+        if kind not in others:
+            yield from _inherited(best, bare, name, kind)
+    if not others:
+        return
     screen = Screen(best.context, bare)
     lost = {c: screen.left(c) - best.cost[c] for c in best.context.columns}
-    for kind in kinds:
-        if alike(kind, effect(name)):
-            yield from _inherited(best, bare, name, kind)
-            continue
+    for kind in others:
         again = kind.regime == effect(name).regime
         for candidate in screen.all_everywhere(kind):
             there = extended(best.context, bare, candidate)
