@@ -61,10 +61,10 @@ def _event(draw: Draw) -> Draw:
 
 
 def _once(rng: Rng, wish: Wish, seconds: float) -> float:
-    """When one of its joints has gone a third to two thirds of its way: what happens before a joint moves at
-    all, or afterwards, no recording shows.
+    """When one of its joints has gone a third to two thirds of its way, or of the time if it never moves: what
+    happens before a joint moves at all, or afterwards, no recording shows.
     """
-    gone = np.abs(np.diff(wish.theta[:, wish.joints[0]])).cumsum()
+    gone = (np.abs(np.diff(wish.theta[:, wish.joints[0]])) + 1e-12).cumsum()
     return float(np.searchsorted(gone, rng.uniform(0.3, 0.65) * gone[-1])) / len(gone) * seconds
 
 

@@ -209,6 +209,15 @@ def test_without_a_reference_the_rate_is_that_of_the_gearbox(clean: Run, model: 
     assert found.times in (3, 4)
 
 
+def test_thinned_setpoints_are_told_of_servos_that_are_not_the_nominal_ones(model: Model) -> None:
+    """What such a servo is off by is larger than the stairs."""
+    run = _spoiled(_run(Arm()), "thinned").series
+    slower = replace(model, arm=replace(model.arm, kp=0.4 * model.arm.kp))
+    found = thinned(run["setpoints"], run["gearbox_states"], slower, run["reference"])
+    assert found is not None
+    assert found.times == 4
+
+
 def test_setpoints_that_did_come_so_rarely_are_left_alone(model: Model) -> None:
     rng = np.random.default_rng(7)
     reference = draw_motion(rng, "mixed", np.arange(3000, dtype=np.float64) * 0.01)

@@ -10,7 +10,8 @@ from scipy.ndimage import uniform_filter1d
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, THREEFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, SURE, THREEFOLD
+from trunk_ros.guards import TINY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
@@ -38,12 +39,12 @@ def thinned(
     period = _period(setpoints.stamp)
     if period == 0.0 or len(gearbox.stamp) < ENOUGH or 2.0 * _usual(gearbox.stamp) > period:
         return None
-    kept = _stairs(setpoints, gearbox, model, period)
+    kept, chance = _stairs(setpoints, gearbox, model, period)
     tried = [
-        (_stairs(each, gearbox, model, period), times, each) for times, each in _fuller(setpoints, guide)
+        (_stairs(each, gearbox, model, period)[0], times, each) for times, each in _fuller(setpoints, guide)
     ]
     least = min(stairs for stairs, _, _ in tried)
-    if kept < THREEFOLD * least:
+    if kept < max(THREEFOLD * least, SURE * chance):
         return None
     shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
     _, times, whole = min(tried, key=lambda one: (one[0] > CLEARLY * least, one[1] != shown, one[0]))
@@ -91,12 +92,26 @@ def _between(stamp: Array, first: Array, known: Array) -> Array:
     return np.column_stack([np.interp(stamp, first, column) for column in known.T])
 
 
-def _stairs(setpoints: JointSeries, gearbox: JointSeries, model: Model, period: float) -> float:
-    """Rms [rad] of what is faster than the setpoints in how far the gearbox is from the servos' course."""
+def _stairs(setpoints: JointSeries, gearbox: JointSeries, model: Model, period: float) -> tuple[float, float]:
+    """Rms [rad] of stairs in how far the gearbox is from the course of the servos, which is what goes with
+    speed and with the time since the last setpoint that was kept; and what chance makes of it. A servo that
+    is another one is off at all of these times alike.
+    """
     course = servo_course(setpoints, gearbox.stamp, model)
     at = np.searchsorted(gearbox.stamp, course.stamp)
     off = course.position - fill(gearbox.position)[at]
     size = max(round(period / _usual(gearbox.stamp)), 2)
     fast = off - uniform_filter1d(off, size, axis=0)
+    speed = np.gradient(course.position, course.stamp, axis=0)
+    step = np.rint((course.stamp - setpoints.stamp[0]) / period * size).astype(int) % size
     settled = course.stamp > course.stamp[0] + SETTLING
-    return float(np.sqrt(np.mean(fast[settled] ** 2)))
+    power, along = (
+        np.bincount(step[settled], np.sum(x[settled], axis=1), size) for x in (speed**2, speed * fast)
+    )
+    heights = along / np.maximum(power, TINY)
+    heights -= power @ heights / max(power.sum(), TINY)
+    rows = np.count_nonzero(settled)
+    return (
+        float(np.sqrt(power @ heights**2 / off[settled].size)),
+        float(np.sqrt(np.mean(fast[settled] ** 2) * size / (rows * off.shape[1]))),
+    )
