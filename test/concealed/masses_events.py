@@ -61,7 +61,7 @@ def _event(draw: Draw) -> Draw:
 
 
 def _once(rng: Rng, wish: Wish, seconds: float) -> float:
-    """When one of its joints has gone a third to two thirds of its way, or of the time if it never moves: what
+    """When one of its joints has gone a third to two thirds of its way, or of the time if it rests: what
     happens before a joint moves at all, or afterwards, no recording shows.
     """
     gone = (np.abs(np.diff(wish.theta[:, wish.joints[0]])) + 1e-12).cumsum()
