@@ -180,13 +180,13 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
 
 
 def _usual(fit: Fit) -> float:
-    """What is needed of all joints together: what most need, and that formulas are off by where they are off
-    most, so that what explains one joint is no cheaper on all.
+    """What is needed of all joints together: what the middle one needs, and that formulas are off by in the
+    mean, so that what explains few joints is not cheaper on all.
     """
     context = fit.context
-    most = max(context.formed_misfit.get(c, 0.0) for c in context.columns)
+    mean = sum(context.formed_misfit.get(c, 0.0) for c in context.columns) / len(context.columns)
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
-    return max(usual, FORMULAS * most)
+    return max(usual, FORMULAS * mean)
 
 
 def _throws(context: Context, term: Term) -> float:
