@@ -188,10 +188,18 @@ def _with_less(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def with_more(best: Fit) -> Iterator[Fit]:
-    """Each effect by what includes it: a law with more to it explains as a further effect would."""
+    """Each effect by what includes it: a law with more to it explains as a further effect would; and with
+    options of its own, which the other one is looked for with.
+    """
     for name in best.hypothesis:
-        for kind in (k for k in _further(best) if name in k.replaces):
+        kinds = [k for k in _further(best) if name in k.replaces]
+        for kind in kinds:
             yield from _inherited(best, best.hypothesis.without(name), name, kind)
+        for option in effect(name).options(best.hypothesis[name].form) if kinds else ():
+            if option.keys() - best.hypothesis[name].shared.keys():
+                there = best.hypothesis.copy()
+                there[name].shared |= option
+                yield refit(best.context, there)
 
 
 def _further(best: Fit) -> list[type[Effect]]:
