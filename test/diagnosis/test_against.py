@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import setpoints_of
+from test.diagnosis.arms import diagnose, setpoints_of
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.against import with_room
 from trunk_ros.diagnosis.data.other_simulator import sides_told
 from trunk_ros.diagnosis.report.page import render
