@@ -69,7 +69,7 @@ def under_way() -> tuple[Array, list[Array]]:
     return wanted, [way(wanted, stamp)[0] for way in (chain.run, chain.invert)]
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(cuts=st.sets(st.integers(1, 1599), max_size=20))
 def test_all_effects_at_once_work_block_by_block(
     under_way: tuple[Array, list[Array]], cuts: set[int]

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
+from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.arm import Arm
 from trunk_ros.commands.simulate import main
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.load_cells import cell_remarks
 from trunk_ros.diagnosis.data.torque import torque_remarks

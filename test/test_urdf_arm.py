@@ -125,6 +125,7 @@ def test_places_of_joints_and_tip_are_those_of_the_library(name: str) -> None:
     body, theta = arm.body, postures(arm, 20)
     place, turn = body.places(theta)
     np.testing.assert_allclose(place[:, -1], body.poses(theta)[:, :3], atol=1e-12)
+    np.testing.assert_array_equal(body.ends(theta), place[:, -1])
     for k, one in enumerate(theta):
         frames = body.frames(one, [body.model.getFrameId(body.model.names[i]) for i in body.own])
         seen = [body.base.inverse() * frame for frame in [*frames, *body.frames(one, [body.tip])]]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-from trunk_ros.diagnosis import Diagnosis, diagnose
+from test.diagnosis.arms import diagnose
+from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.recording import Recording
 from trunk_ros.share import config_path
@@ -22,15 +24,19 @@ def marks(folder: str) -> list[pytest.MarkDecorator]:
     return [pytest.mark.skipif(absent, reason="no real recordings here"), pytest.mark.timeout(1200)]
 
 
-def read(folder: str, name: str, mapping: str) -> Recording:
-    """A recording."""
-    return read_csv(REAL / folder / f"{name}.csv", config_path(f"import/{mapping}"))
+def read(folder: str, name: str, mapping: str, joints: tuple[str, ...] = ()) -> Recording:
+    """A recording, of all joints or of some."""
+    whole = read_csv(REAL / folder / f"{name}.csv", config_path(f"import/{mapping}"))
+    some = {key: series.select(joints or series.joints) for key, series in whole.series.items()}
+    return replace(whole, series=some)
 
 
 @cache
-def diagnosed(folder: str, name: str, mapping: str, until: str | None = None) -> Diagnosis:
+def diagnosed(
+    folder: str, name: str, mapping: str, until: str | None = None, joints: tuple[str, ...] = ()
+) -> Diagnosis:
     """What is found where nothing is known of the arm; tests share it, and change nothing in it."""
-    return diagnose([read(folder, name, mapping)], model="direct", until=until)
+    return diagnose([read(folder, name, mapping, joints)], model="direct", until=until)
 
 
 def named(result: Diagnosis) -> set[str]:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import setpoints_of
+from test.diagnosis.arms import diagnose, setpoints_of
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.against import with_room
 from trunk_ros.diagnosis.data.other_simulator import sides_told
 from trunk_ros.diagnosis.report.page import render
@@ -29,10 +29,10 @@ TRUTH = {
 }
 
 
-def run(effects: dict[str, Any], noise: float, seconds: float = 20.0) -> Recording:
+def run(effects: dict[str, Any], noise: float) -> Recording:
     """An arm whose joints have names of their own, motor side and joint side."""
     direct = load_model("direct").for_joints(JOINTS)
-    phi = setpoints_of(seconds, len(JOINTS))
+    phi = setpoints_of(20.0, len(JOINTS))
     stamp = np.arange(len(phi)) / 100
     theta, _ = Chain(Model(direct.arm, effects), "wire").run(phi, stamp)
     theta = theta + noise * np.random.default_rng(0).standard_normal(theta.shape)
@@ -43,9 +43,9 @@ def run(effects: dict[str, Any], noise: float, seconds: float = 20.0) -> Recordi
     return Recording("run", 1_750_000_000_000_000_000, float(stamp[-1]), series)
 
 
-def found(simulated: dict[str, Any], seconds: float = 20.0) -> Diagnosis:
+def found(simulated: dict[str, Any]) -> Diagnosis:
     """The arm against a simulator with some effects, without a word on either."""
-    return diagnose([run(TRUTH, 1e-4, seconds)], against=run(simulated, 0.0, seconds))
+    return diagnose([run(TRUTH, 1e-4)], against=run(simulated, 0.0))
 
 
 def total(result: Diagnosis) -> dict[str, np.ndarray]:
@@ -88,7 +88,7 @@ def test_what_the_simulator_has_itself_is_no_finding() -> None:
 
 
 def test_too_much_of_an_effect_has_a_negative_size_and_says_so(tmp_path: Path) -> None:
-    result = found(SIMULATORS["too much"], 40.0)
+    result = found(SIMULATORS["too much"])
     (backlash,) = (f for f in result.findings if f.effect == "backlash")
     (delay,) = (f for f in result.findings if f.effect == "sensor_delay")
     missing = {joint: values["half_width"]["value"] for joint, values in backlash.parameters.items()}

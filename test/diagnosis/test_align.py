@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from test.diagnosis.arms import on, recorded
+from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.data.sensor_faults import without_faults

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from test.diagnosis.arms import on, recorded, setpoints_of
+from test.diagnosis.arms import diagnose, on, recorded, setpoints_of
 from test.effects.example import in_plane
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.verdict.finding import Finding

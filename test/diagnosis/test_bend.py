@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
+from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import Finding, diagnose
+from trunk_ros.diagnosis import Finding
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 

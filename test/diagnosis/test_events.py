@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded
+from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.search.credible import ends_within
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Sums, Window, best_course
 from trunk_ros.diagnosis.verdict.result import Diagnosis

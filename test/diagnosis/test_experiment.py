@@ -171,6 +171,13 @@ def test_a_rival_explains_in_one_form_what_is_said_of_it() -> None:
             assert cost - state.total == pytest.approx(other.loss, abs=0.01)
 
 
+def test_without_experiments_the_same_is_said(ambiguous: tuple[Path, Diagnosis]) -> None:
+    folder, result = ambiguous
+    without = diagnose([folder / "bag"], experiments=False)
+    assert (without.experiments, without.trajectories) == ([], {})
+    assert without.to_json() | {"experiments": result.experiments} == result.to_json()
+
+
 def test_each_pair_is_told_with_its_file_and_what_to_look_for(ambiguous: tuple[Path, Diagnosis]) -> None:
     folder, result = ambiguous
     (told,) = json.loads((folder / "diagnosis.json").read_text())["experiments"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
+from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.data.sensor_faults import sticks, strays, without_faults
 
 

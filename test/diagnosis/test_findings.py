@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import recorded, reshaped
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose, recorded, reshaped
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.verdict.findings import settled
 from trunk_ros.effects import effect

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.excerpt import taken
 from trunk_ros.effects.wire.play import SharpPlay

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from test.diagnosis.arms import diagnose
 from test.diagnosis.test_report import pictures
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.report import write
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 

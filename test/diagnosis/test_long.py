@@ -10,9 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded
+from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.excerpt import LENGTH, LONG, PARTS, WARM, excerpt

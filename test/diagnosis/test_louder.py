@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import recorded
+from test.diagnosis.arms import diagnose, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.louder import Louder, growth
 from trunk_ros.recording.recording import Recording
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.diagnosis.data.mix_ups import mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
 from trunk_ros.diagnosis.report import write

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from test.diagnosis.arms import diagnose
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.noise import Noise, noise_of
 from trunk_ros.evaluate.score import score
 from trunk_ros.evaluate.signals import Signal

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import diagnose
 from test.test_servo import STEP, reference
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.nominal_servo import with_its_servo
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording

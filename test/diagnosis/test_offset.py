@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.offset import Offset
 from trunk_ros.model import Model, load_model

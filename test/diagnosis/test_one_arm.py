@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.one_arm import contradiction

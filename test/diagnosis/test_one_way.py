@@ -6,7 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from trunk_ros.diagnosis import Diagnosis, diagnose
+from test.diagnosis.arms import diagnose
+from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.first_look import first_look

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import diagnose
 from test.diagnosis.real import QUASI_STATIC, diagnosed, marks, named, read, value
-from trunk_ros.diagnosis import diagnose
 
 SHEATH = "tendon-sheath"
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
 from trunk_ros.diagnosis.first_look import first_look

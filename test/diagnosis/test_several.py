@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.model import load_model
 from trunk_ros.simulate import simulate
 

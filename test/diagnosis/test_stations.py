@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, RATE, on
+from test.diagnosis.arms import NOISE, RATE, diagnose, on
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.model import Model, load_model

@@ -9,8 +9,8 @@ import pytest
 
 from test.concealed.bag import write_bag
 from test.concealed.mujoco_case import draw_mujoco_case
+from test.diagnosis.arms import diagnose
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording

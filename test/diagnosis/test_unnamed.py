@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import recorded, reshaped
+from test.diagnosis.arms import diagnose, recorded, reshaped
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import Diagnosis, diagnose
+from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.discrepancy.curves import smoothed
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by, turns_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum

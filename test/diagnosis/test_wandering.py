@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from test.diagnosis.arms import NOISE, on, recorded
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import NOISE, diagnose, on, recorded
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 WANDERS, FORGETS = 2.0 * NOISE, 0.97  # rad, from sample to sample

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis import diagnose
+from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.effects.effect import Motion
 from trunk_ros.effects.wire.friction_wear import FrictionWear
 from trunk_ros.model import load_model, save_model

@@ -16,7 +16,7 @@ from trunk_ros.export.missing import missing
 from trunk_ros.export.reality import RealityLayer
 from trunk_ros.model import Model, load_model
 
-RATE = 200.0
+RATE = 100.0
 STAMP = stamps(16.0, RATE)
 HELD = [(name, form) for name, form in WIRE if name != "distributed_wire"]
 

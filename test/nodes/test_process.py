@@ -43,6 +43,16 @@ def test_help_says_what_it_does_and_takes(name):
 
 
 @needs_ros
+def test_what_moves_the_arm_starts_without_scipy():
+    """Importing it takes as long as all else."""
+    modules = ["bringup", "bus", "tip_error", *NODES]
+    look = "\n".join(f"import trunk_ros.nodes.{name}" for name in modules)
+    look += "\nimport sys\nprint({'scipy.interpolate', 'scipy.optimize', 'scipy.ndimage'} & {*sys.modules})"
+    done = subprocess.run([sys.executable, "-c", look], cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout == "set()\n", done.stderr
+
+
+@needs_ros
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_help_lists_what_the_node_has_and_is_the_same_once_ros_is_there(name, peer, capsys):
     from trunk_ros.nodes.compose import kind_of

@@ -191,15 +191,32 @@ class Body:
         """Positions (n, joints + 1, 3) and rotations (n, joints + 1, 3, 3) of the joints' frames and the tip,
         in the base link.
         """
+        turn, place = self._frames(theta)
+        back, tip, rows = self.base.inverse(), self.model.frames[self.tip], list(self.own)
+        end = self._end(turn, place)
+        place = np.concatenate([place[:, rows], end[:, None]], axis=1)
+        turn = np.concatenate(
+            [turn[:, rows], (turn[:, tip.parentJoint] @ tip.placement.rotation)[:, None]], axis=1
+        )
+        return place @ back.rotation.T + back.translation, back.rotation @ turn
+
+    def ends(self, theta: Array) -> Array:
+        """Positions (n, 3) of the tip in the base link, many times faster than its poses."""
+        back = self.base.inverse()
+        return np.asarray(self._end(*self._frames(theta)) @ back.rotation.T + back.translation)
+
+    def _frames(self, theta: Array) -> tuple[Array, Array]:
+        """Rotations (n, njoints, 3, 3) and positions (n, njoints, 3) of all joints in the model's root."""
         model, _, tree = self._with(0.0, True)
-        q, back, tip = self._whole(theta) + self.offset, self.base.inverse(), model.frames[self.tip]
+        q = self._whole(theta) + self.offset
         turn, place = np.empty((len(q), model.njoints, 3, 3)), np.empty((len(q), model.njoints, 3))
         frames(q, tree, turn, place)
-        last, rows = tip.parentJoint, list(self.own)
-        end = place[:, last] + turn[:, last] @ tip.placement.translation
-        place = np.concatenate([place[:, rows], end[:, None]], axis=1)
-        turn = np.concatenate([turn[:, rows], (turn[:, last] @ tip.placement.rotation)[:, None]], axis=1)
-        return place @ back.rotation.T + back.translation, back.rotation @ turn
+        return turn, place
+
+    def _end(self, turn: Array, place: Array) -> Array:
+        """(n, 3): the tip in the model's root."""
+        tip = self.model.frames[self.tip]
+        return np.asarray(place[:, tip.parentJoint] + turn[:, tip.parentJoint] @ tip.placement.translation)
 
     def frames(self, theta: Array, ids: list[int]) -> list[Any]:
         """Poses (SE3) of frames in the model's root at joint angles (joints,)."""

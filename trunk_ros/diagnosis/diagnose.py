@@ -37,6 +37,7 @@ def diagnose(
     urdf: str = "",
     settle: float = SETTLE,
     servos: Servos | None = None,
+    experiments: bool = True,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
@@ -48,7 +49,8 @@ def diagnose(
     from an ideal transmission, and takes the place of the model.
     ``namespace``: of the arm, where recordings hold several. ``settle``: seconds of measured joint angles
     that tell how the wires lay where a recording that stops to measure begins; 0: none.
-    ``servos``: of the arm, found in other recordings where the model says nothing of them.
+    ``servos``: of the arm, found in other recordings where the model says nothing of them. ``experiments``:
+    whether motions are designed that tell findings from their equivalents, a third of the time of many.
     Raises RecordingError or ModelError in one line.
     """
     keep_what_is_freed()
@@ -66,7 +68,7 @@ def diagnose(
     read, mixed = put_right(read, nominal)
     give_back()
     if other is None:
-        return Diagnoser(read, nominal, None, progress, mixed, settle=settle, servos=servos).run()
+        return Diagnoser(read, nominal, None, progress, mixed, experiments, settle, servos).run()
     if nominal.arm.coupling is not None:
         raise ModelError("wire.coupling goes without --against so far: compare the two models instead")
     progress("what the simulation has itself")
@@ -74,7 +76,7 @@ def diagnose(
         other, read, nominal, lambda r, m: Diagnoser([r], m, None, progress, experiments=False).run()
     )
     own = replace(simulator.model, setpoints=nominal.setpoints)  # those of a table are no simulator's doing
-    result = Diagnoser(read, own, simulator, progress, mixed, settle=settle).run()
+    result = Diagnoser(read, own, simulator, progress, mixed, experiments, settle).run()
     return told_as_differences(result, simulator.model, simulator.found)
 
 

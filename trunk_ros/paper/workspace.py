@@ -39,7 +39,7 @@ def workspace(arm: Arm, levels: int = LEVELS) -> Workspace:
     theta = postures(arm, levels)
     stretch = {"load_elasticity": {"compliance": arm.compliance}}
     tight = replace(arm, dead_band=np.zeros_like(arm.dead_band))
-    tip = arm.forward_kinematics(theta)[:, :2]
+    tip = tip_of(arm, theta)
     errors = {
         WORST: worst_signs(arm, theta),
         HYSTERESIS: tip_error(arm, through_wire(arm, theta), tip),
@@ -61,16 +61,21 @@ def postures(arm: Arm, levels: int) -> Array:
     return np.vstack([arm.lower, np.zeros_like(arm.lower), arm.upper, grid])
 
 
+def tip_of(arm: Arm, theta: Array) -> Array:
+    """(n, 2) m: y, z at postures (n, joints), all of them together."""
+    return arm.body.ends(theta)[:, 1:3]
+
+
 def tip_error(arm: Arm, theta: Array, wanted: Array) -> Array:
     """Distance (n,) m of the tip at postures (n, joints) from where it is wanted (n, 2) m."""
-    off = arm.forward_kinematics(theta)[:, :2] - wanted
+    off = tip_of(arm, theta) - wanted
     distance: Array = np.hypot(off[:, 0], off[:, 1])
     return distance
 
 
 def worst_signs(arm: Arm, theta: Array) -> Array:
     """Tip error (n,) m with every joint off by its dead band, each whichever way is worst."""
-    tip = arm.forward_kinematics(theta)[:, :2]
+    tip = tip_of(arm, theta)
     off = np.array(list(product((-1.0, 1.0), repeat=len(arm.joints)))) * arm.dead_band
     worst: Array = np.max([tip_error(arm, theta + each, tip) for each in off], axis=0)
     return worst

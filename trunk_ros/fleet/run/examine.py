@@ -50,7 +50,7 @@ def told(local: Path, path: str, work: Callable[[], tuple[Row, Files]]) -> tuple
 
 def _examined(local: Path, path: str, model: Model, report: bool, servos: Servos | None) -> tuple[Row, Files]:
     recording = read_recording(local)
-    result = diagnose([recording], model, servos=servos)
+    result = diagnose([recording], model, servos=servos, experiments=report)
     result.provenance = {"trunk_ros": __version__, "model_hash": model.hash(), "bags": [path]}
     row = {
         "reason": "",
