@@ -12,11 +12,8 @@ from trunk_ros.diagnosis.data.excerpt import LONG, PARTS
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import ROWS
-from trunk_ros.diagnosis.search.candidates import shown_forms, usable
 from trunk_ros.diagnosis.sparse import Sparse, apart, sparse
 from trunk_ros.diagnosis.wire import WireStage
-from trunk_ros.effects import effect
-from trunk_ros.effects.effect import Motion
 from trunk_ros.model import load_model
 from trunk_ros.recording.signal.resample import FINE
 
@@ -73,16 +70,3 @@ def test_noise_is_that_of_all_readings(dense: Context) -> None:
 def test_recordings_by_themselves_are_as_sparse_as_together(dense: Context) -> None:
     together = [len(view.span.grid) for view in sparse(dense).views]
     assert [len(part.views[0].span.grid) for part in apart(dense)] == together
-
-
-def test_a_measured_load_shows_how_a_wire_hardens_but_not_on_a_joint_that_is_only_pushed() -> None:
-    """A push of a measured force goes with the angle: what bends over the one bends over the other."""
-    for name in ("wire_stiffening", "wire_slack"):
-        kind = effect(name)
-        assert kind.needs == ("load",)
-        assert kind.forms_shown(Motion(masses=False)) == kind.forms
-        assert kind.forms_shown(Motion(one_way=True, masses=False)) == ()
-        assert kind.forms_shown(Motion(one_way=True)) == kind.forms
-    context = look(100.0)
-    for kind in usable(context):
-        assert any(shown_forms(kind, context, [c]) for c in context.columns)
