@@ -19,8 +19,8 @@ STANDS = 1e-6  # of a column: it stands, and shows nothing
 
 @dataclass(frozen=True)
 class Run:
-    """A recording at the stamps of its joints: commands (n, k), loads (n, k or 0), joints (n, m), NaN where
-    lost.
+    """A recording at the stamps of its joints: commands (n, k), loads of motors and load cells (n, any),
+    joints (n, m), NaN where lost.
     """
 
     stamp: Array
@@ -47,7 +47,9 @@ def run_of(recording: Recording, joints: tuple[str, ...]) -> Run:
     driven, shown = (recording.require(topic) for topic in ends(recording))
     shown = shown.select(joints)
     last = np.clip(np.searchsorted(driven.stamp, shown.stamp + 1e-6, side="right") - 1, 0, None)
-    loads = np.empty((len(last), 0)) if driven.effort is None else driven.effort[last]
+    motors = [] if driven.effort is None else [driven.effort[last]]
+    cells = [] if shown.effort is None else [shown.effort]
+    loads = np.hstack([np.empty((len(last), 0)), *motors, *cells])
     return Run(shown.stamp, np.nan_to_num(driven.position[last]), np.nan_to_num(loads), shown.position)
 
 
@@ -88,5 +90,6 @@ class Features:
             for w in WIDTHS
         ]
         past = [np.vstack([run.commands[:1]] * k + [run.commands[:-k]]) for k in range(1, PAST + 1)]
-        loads = [run.loads, run.loads**2, run.loads * run.commands] if run.loads.size else []
+        turned = [run.commands * load[:, None] for load in run.loads.T]
+        loads = [run.loads, run.loads**2, *turned] if run.loads.size else []
         return np.column_stack([run.commands, *moved, *past, *loads])

@@ -11,7 +11,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import MOVED
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import ROWS
-from trunk_ros.recording.signal.resample import LONGEST_GAP
+from trunk_ros.recording.signal.resample import FINE, LONGEST_GAP
 
 PARTS = 6
 LENGTH = 50.0  # s of a block
@@ -40,6 +40,34 @@ def excerpt(span: Span) -> Span:
     for step in steps[1:]:
         forgotten[step] = ~_warm(time[step], span.gearbox[step], np.ptp(span.gearbox, axis=0))
     return taken(span, chosen, forgotten)
+
+
+def sparser(spans: Sequence[Span]) -> tuple[list[Span], int]:
+    """Recordings of an arm's wires with one of so many readings, and of how many: those that have more steps
+    together than a long recording, with steps that are as far apart as a model may be computed.
+    """
+    if sum(len(span.grid) for span in spans) < LONG * PARTS * ROWS:
+        return list(spans), 1
+    read, computed = (
+        min(max(1, int(FINE / _usual(np.diff(time)))) for time in times)
+        for times in ([span.stamp for span in spans], [span.grid for span in spans])
+    )
+    return ([_sparser(s, read, computed) for s in spans], read) if computed > 1 else (list(spans), 1)
+
+
+def _sparser(span: Span, read: int, computed: int) -> Span:
+    """One of so many readings of a span, with one of so many steps."""
+    kept = replace(
+        span,
+        rows=span.rows[::read],
+        target=span.target[::read],
+        valid=span.valid[::read],
+        start=tuple(rows[rows % read == 0] // read for rows in span.start),
+        early=None if span.early is None else span.early[::read],
+    )
+    chosen = np.zeros(len(span.grid), dtype=bool)
+    chosen[: span.before] = chosen[kept.rows] = chosen[::computed] = True
+    return taken(kept, chosen, np.zeros(span.gearbox.shape, dtype=bool))
 
 
 def moving(spans: Sequence[Span], column: int) -> list[Span]:

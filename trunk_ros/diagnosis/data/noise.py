@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import erf, exp, pi, sqrt
 from typing import Any
 
@@ -41,6 +41,11 @@ class Noise:
     correlation: float = 0.0
     white: float = 0.0
     slow: tuple[float, float] = (0.0, 0.0)
+
+    def of_every(self, readings: int) -> Noise:
+        """That of one of so many readings."""
+        std, correlation = self.slow
+        return replace(self, correlation=self.correlation**readings, slow=(std, correlation**readings))
 
     @property
     def goes_on(self) -> float:

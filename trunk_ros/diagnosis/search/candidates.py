@@ -51,6 +51,7 @@ def usable(context: Context) -> list[type[Effect]]:
         "several": len(arm.joints) > 1,
     }
     unseen = () if context.speed_tells else DYNAMIC
+    motions = {context.motion(c) for c in context.columns}
     return [
         kind
         for name, kind in registry().items()
@@ -59,6 +60,7 @@ def usable(context: Context) -> list[type[Effect]]:
         and kind.tried
         and kind.regime not in unseen
         and all(has[need] for need in kind.needs)
+        and any(map(kind.forms_shown, motions))
     ]
 
 

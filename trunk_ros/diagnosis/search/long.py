@@ -1,5 +1,5 @@
-"""Recordings too long to try everything on all of it: effects are chosen on an excerpt, fitted and judged on
-the whole."""
+"""Recordings too long, or too often read, to try everything on all of it: effects are chosen on an excerpt,
+fitted and judged on the whole."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from trunk_ros.diagnosis.search.moves import ADD, DROP, ONSET
 from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats
 from trunk_ros.diagnosis.search.windows import EDGES
+from trunk_ros.diagnosis.sparse import Sparse, sparse, thinned
 from trunk_ros.diagnosis.work import Work
 
 WORK = 2e8  # simulated joint-steps that a search may take: half a minute of one core
@@ -40,16 +41,18 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
     context = replace(context, work=Work(WORK))
     spans = [view.span for view in context.views]
     parts = [excerpt(span) for span in spans]
-    if all(part is span for part, span in zip(parts, spans, strict=True)):
+    whole = all(part is span for part, span in zip(parts, spans, strict=True))
+    some = sparse(context if whole else context.over(parts))
+    if some is context:
         state = search(context, Desk(say))
         return Searched(state, state, context.work.over)
     give_back()
-    some = replace(context.over(parts), work=Work(WORK))
-    first = search(some, Desk(lambda text: say(f"excerpt: {text}")))
+    first = search(replace(some, work=Work(WORK)), Desk(lambda text: say(f"excerpt: {text}")))
     say("the whole recording")
     give_back()
     state = _on_the_whole(context, first.hypothesis, Desk(say))
-    some = replace(first.context.seen_with(state.hypothesis), noise=state.context.noise)
+    noise = thinned(state.context.noise, some.every) if isinstance(some, Sparse) else state.context.noise
+    some = replace(first.context.seen_with(state.hypothesis), noise=noise)
     return Searched(state, refit(some, state.hypothesis), context.work.over or first.context.work.over)
 
 

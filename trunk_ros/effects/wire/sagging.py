@@ -7,7 +7,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.wire.on_both_sides import OnBothSides
 from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
@@ -21,12 +21,19 @@ class Sagging(OnBothSides):
     stage, place, regime = "wire", 200, "posture"
     begins = grows = True
     scalable = False
-    needs = ("load", "weight")
+    needs = ("load",)
     everywhere = True
     replaces = ("load_elasticity",)
 
     levels: ClassVar[tuple[float, ...]]
     """Quantiles of the load that a fit starts the bend at."""
+
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """None of a joint that is only pushed: a measured load then follows the angle, and what bends over
+        the one bends over the other.
+        """
+        return () if motion.one_way and not motion.masses else super().forms_shown(motion)
 
     @abstractmethod
     def sag(self, load: Array) -> Array:

@@ -1,0 +1,42 @@
+"""A load that sensors measure, on an arm of which nothing is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from trunk_ros.diagnosis import diagnose
+from trunk_ros.effects import effect
+from trunk_ros.effects.effect import Motion
+from trunk_ros.recording.recording import JointSeries, Recording
+
+BENDING = ("wire_stiffening", "wire_slack")
+
+
+def loaded() -> Recording:
+    """20 s of a joint with a load cell, another ratio and zero, and a wire that hardens."""
+    t = np.arange(2000) / 100.0
+    phi = 0.5 + 0.3 * np.sin(2 * np.pi * 0.11 * t) + 0.2 * np.sin(2 * np.pi * 0.31 * t)
+    load = 0.1 + 0.09 * np.sin(2 * np.pi * 0.07 * t)
+    theta = 0.9 * phi + 0.2 + 0.075 * np.log1p(load / 0.05)
+    theta += 1e-4 * np.random.default_rng(0).normal(size=len(t))
+    joints = ("jaw",)
+    series = {
+        "gearbox_states": JointSeries(t, joints, phi[:, None]),
+        "joint_states": JointSeries(t, joints, theta[:, None], None, load[:, None]),
+    }
+    return Recording("loaded", 1_750_000_000_000_000_000, float(t[-1]), series)
+
+
+def test_a_wire_that_hardens_under_a_measured_load_is_named_and_nothing_else_in_its_place() -> None:
+    found = {finding.effect for finding in diagnose(loaded(), model="direct").findings}
+    assert found == {"wire_stiffening", "ratio_error", "zero_offset"}
+
+
+@pytest.mark.parametrize("name", BENDING)
+def test_the_measured_force_of_a_push_does_not_show_how_a_wire_bends(name: str) -> None:
+    """It goes with the way of the joint: a curve of either says the same."""
+    kind = effect(name)
+    assert kind.forms_shown(Motion(one_way=True, masses=False)) == ()
+    assert kind.forms_shown(Motion(masses=False)) == kind.forms
+    assert kind.forms_shown(Motion(one_way=True)) == kind.forms

@@ -1,0 +1,72 @@
+"""Recordings that are read so often that effects are chosen on some of the readings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import recorded
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.data.excerpt import LONG, PARTS
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import ROWS
+from trunk_ros.diagnosis.sparse import Sparse, apart, sparse
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.model import load_model
+from trunk_ros.recording.signal.resample import FINE
+
+RATE = 1000.0
+
+
+def look(rate: float, count: int = 1) -> Context:
+    """At nominal arms: as many steps together as a long recording has, at 1 kHz."""
+    nominal = load_model("trunk")
+    seconds = 1.01 * LONG * PARTS * ROWS / RATE / count
+    made = [recorded(seconds=seconds, seed=seed, rate=rate) for seed in range(count)]
+    return first_look(WireStage([wire_span(r, nominal) for r in made], nominal))
+
+
+@pytest.fixture(scope="module")
+def dense() -> Context:
+    """Two recordings at 1 kHz."""
+    return look(RATE, 2)
+
+
+def test_what_is_read_no_more_often_than_it_has_to_be_is_searched_as_it_is() -> None:
+    context = look(100.0)
+    assert sparse(context) is context
+
+
+def test_what_is_read_too_often_is_searched_on_readings_that_are_as_far_apart_as_models_are_computed(
+    dense: Context,
+) -> None:
+    some = sparse(dense)
+    for view, whole in zip(some.views, dense.views, strict=True):
+        steps = np.diff(view.span.stamp)
+        assert FINE / 2.0 < steps.min() <= steps.max() <= FINE
+        rows = np.searchsorted(whole.span.stamp, view.span.stamp)
+        np.testing.assert_array_equal(whole.span.target[rows], view.span.target)
+        np.testing.assert_array_equal(whole.span.valid[rows], view.span.valid)
+
+
+def test_where_joints_stood_at_first_is_said_of_the_same_readings(dense: Context) -> None:
+    some = sparse(dense)
+    for view, whole in zip(some.views, dense.views, strict=True):
+        for few, all_rows in zip(view.span.start, whole.span.start, strict=True):
+            assert set(view.span.stamp[few]) <= set(whole.span.stamp[all_rows])
+
+
+def test_noise_is_that_of_all_readings(dense: Context) -> None:
+    some = sparse(dense)
+    assert isinstance(some, Sparse)
+    again = some.weighed(Hypothesis())
+    for few, whole in zip(again.noise, dense.weighed(Hypothesis()).noise, strict=True):
+        assert few.std == pytest.approx(whole.std)
+        assert few.correlation == pytest.approx(whole.correlation**some.every)
+
+
+def test_recordings_by_themselves_are_as_sparse_as_together(dense: Context) -> None:
+    together = [len(view.span.grid) for view in sparse(dense).views]
+    assert [len(part.views[0].span.grid) for part in apart(dense)] == together
