@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from test.diagnosis.arms import recorded
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.excerpt import LONG, PARTS
+from trunk_ros.diagnosis.data.excerpt import LONG, PARTS, sparser
+from trunk_ros.diagnosis.data.noise import WHITE
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import ROWS
-from trunk_ros.diagnosis.sparse import Sparse, apart, sparse
+from trunk_ros.diagnosis.sparse import Sparse, sparse
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.recording.signal.resample import FINE
@@ -64,9 +68,30 @@ def test_noise_is_that_of_all_readings(dense: Context) -> None:
     again = some.weighed(Hypothesis())
     for few, whole in zip(again.noise, dense.weighed(Hypothesis()).noise, strict=True):
         assert few.std == pytest.approx(whole.std)
-        assert few.correlation == pytest.approx(whole.correlation**some.every)
+        correlation = whole.correlation**some.every
+        assert few.correlation == pytest.approx(correlation if correlation > WHITE else 0.0)
 
 
-def test_recordings_by_themselves_are_as_sparse_as_together(dense: Context) -> None:
-    together = [len(view.span.grid) for view in sparse(dense).views]
-    assert [len(part.views[0].span.grid) for part in apart(dense)] == together
+def test_a_reading_that_stays_the_same_counts_once_however_many_are_looked_at(dense: Context) -> None:
+    stage = copy(dense.stage)
+    stage.stands = [60.0] * 5
+    some = sparse(replace(dense, stage=stage))
+    assert isinstance(some, Sparse)
+    assert some.stage.stands == pytest.approx([60.0 / some.every] * 5)
+    assert stage.stands == [60.0] * 5
+
+
+def test_readings_in_packets_are_as_many_as_their_mean_says(dense: Context) -> None:
+    first, second = (view.span for view in dense.views)
+    packets = np.floor(first.grid / 0.01) * 0.01 + (first.grid % 0.01) * 0.1
+    found = sparser([replace(first, grid=packets), second])
+    assert found is not None
+    assert found[1] in (11, 12)
+
+
+def test_a_recording_of_one_reading_says_nothing_of_how_often_it_was_read(dense: Context) -> None:
+    first, second = (view.span for view in dense.views)
+    few = {name: getattr(second, name)[:1] for name in ("rows", "target", "valid")}
+    found = sparser([first, replace(second, **few, start=tuple(rows[:0] for rows in second.start))])
+    assert found is not None
+    assert found[1] in (11, 12)

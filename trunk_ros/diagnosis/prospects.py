@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import Effect, registry
+from trunk_ros.effects.effect import UNTOLD
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -30,7 +31,8 @@ LACKS = {
     "several": "there is one joint only",
 }
 RARE = "the recording stops and measures, or always moves alike: it shows nothing of speed and holds"
-ONE_WAY = "no joint turns back: the recording shows nothing of reversals"
+ONE_WAY = "no joint turns back: the recording shows nothing of reversals, holds and time"
+HIDDEN = "the motion of no joint can show it"
 
 
 @dataclass
@@ -71,7 +73,7 @@ def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
     silent = [joint for joint in context.joints if joint not in judged]
     if not judged:
         return Prospect(stage, "no joint moves enough", silent=silent)
-    seen = [kind.id for kind in usable(context) if not _one_way(context, kind)]
+    seen = [kind.id for kind in usable(context)]
     return Prospect(stage, "", judged, silent, seen, _unseen(context, seen))
 
 
@@ -85,7 +87,7 @@ def _unseen(context: Context, seen: list[str]) -> dict[str, list[str]]:
 
 
 def _reason(context: Context, kind: type[Effect]) -> str:
-    if _one_way(context, kind):
+    if kind.regime in UNTOLD and set(context.columns) <= context.stage.one_way:
         return ONE_WAY
     if kind.regime in DYNAMIC and not context.speed_tells:
         return RARE
@@ -94,11 +96,7 @@ def _reason(context: Context, kind: type[Effect]) -> str:
         "weight": context.arm.has_load,
         "several": len(context.arm.joints) > 1,
     }
-    return next(LACKS[need] for need in kind.needs if not has.get(need, False))
-
-
-def _one_way(context: Context, kind: type[Effect]) -> bool:
-    return kind.regime == "reversal" and set(context.columns) <= context.stage.one_way
+    return next((LACKS[need] for need in kind.needs if not has.get(need, False)), HIDDEN)
 
 
 def _arm(recording: Recording, model: Model) -> Prospect:

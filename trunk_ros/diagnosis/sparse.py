@@ -24,7 +24,8 @@ class Sparse(Context):
     def weighed(self, hypothesis: Hypothesis) -> Context:
         """With the noise that a hypothesis leaves in all readings."""
         assert self.denser is not None
-        found = thinned(self.denser.seen_with(hypothesis).weighed(hypothesis).noise, self.every)
+        denser = replace(self.denser, work=self.work)
+        found = thinned(denser.seen_with(hypothesis).weighed(hypothesis).noise, self.every)
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(found))
         return replace(self, noise=told, shown_before={})
 
@@ -36,20 +37,25 @@ def thinned(noise: Sequence[Noise], every: int) -> tuple[Noise, ...]:
 
 def sparse(context: Context) -> Context:
     """The context, or what stands for it where its wires were read very often."""
-    spans = [view.span for view in context.views]
-    fewer, every = sparser(spans) if context.stage.name == "wire" else (spans, 1)
-    return context if every == 1 else _over(context, fewer, every)
+    found = _sparser(context)
+    return context if found is None else _over(context, *found)
 
 
 def apart(context: Context) -> list[Context]:
     """Each recording by itself, as often read as it is in ``sparse``."""
-    spans = [view.span for view in context.views]
-    fewer, every = sparser(spans) if context.stage.name == "wire" else (spans, 1)
-    alone = [context.over([span]) for span in spans]
-    return alone if every == 1 else [_over(c, [f], every) for c, f in zip(alone, fewer, strict=True)]
+    found, alone = _sparser(context), [context.over([view.span]) for view in context.views]
+    if found is None:
+        return alone
+    fewer, every = found
+    return [_over(c, [f], every) for c, f in zip(alone, fewer, strict=True)]
+
+
+def _sparser(context: Context) -> tuple[list[Span], int] | None:
+    return sparser([view.span for view in context.views]) if context.stage.name == "wire" else None
 
 
 def _over(context: Context, spans: Sequence[Span], every: int) -> Sparse:
     there = context.over(spans)
+    there.stage.stands = [max(samples / every, 1.0) for samples in there.stage.stands]
     own = {f.name: getattr(there, f.name) for f in fields(Context) if f.init}
     return Sparse(**{**own, "noise": thinned(context.noise, every)}, denser=context, every=every)

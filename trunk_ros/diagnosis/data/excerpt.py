@@ -42,17 +42,23 @@ def excerpt(span: Span) -> Span:
     return taken(span, chosen, forgotten)
 
 
-def sparser(spans: Sequence[Span]) -> tuple[list[Span], int]:
+def sparser(spans: Sequence[Span]) -> tuple[list[Span], int] | None:
     """Recordings of an arm's wires with one of so many readings, and of how many: those that have more steps
-    together than a long recording, with steps that are as far apart as a model may be computed.
+    together than a long recording, with steps that are as far apart as a model may be computed. None for
+    others.
     """
     if sum(len(span.grid) for span in spans) < LONG * PARTS * ROWS:
-        return list(spans), 1
+        return None
     read, computed = (
-        min(max(1, int(FINE / _usual(np.diff(time)))) for time in times)
+        min((max(1, int(FINE / step)) for time in times if (step := _mean_step(time)) > 0.0), default=1)
         for times in ([span.stamp for span in spans], [span.grid for span in spans])
     )
-    return ([_sparser(s, read, computed) for s in spans], read) if computed > 1 else (list(spans), 1)
+    return ([_sparser(s, read, computed) for s in spans], read) if computed > 1 else None
+
+
+def _mean_step(time: Array) -> float:
+    """The mean of the steps between stamps (n,) s, gaps left out: readings may come in packets."""
+    return float(recorded_time(time)[-1]) / (len(time) - 1) if len(time) > 1 else 0.0
 
 
 def _sparser(span: Span, read: int, computed: int) -> Span:

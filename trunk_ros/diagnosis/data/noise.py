@@ -43,9 +43,9 @@ class Noise:
     slow: tuple[float, float] = (0.0, 0.0)
 
     def of_every(self, readings: int) -> Noise:
-        """That of one of so many readings."""
-        std, correlation = self.slow
-        return replace(self, correlation=self.correlation**readings, slow=(std, correlation**readings))
+        """That of one of so many readings: what cannot be told from none is no correlation."""
+        (std, slow), own = self.slow, self.correlation**readings
+        return replace(self, correlation=own if own > WHITE else 0.0, slow=(std, slow**readings))
 
     @property
     def goes_on(self) -> float:
