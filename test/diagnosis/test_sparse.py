@@ -95,3 +95,8 @@ def test_a_recording_of_one_reading_says_nothing_of_how_often_it_was_read(dense:
     found = sparser([first, replace(second, **few, start=tuple(rows[:0] for rows in second.start))])
     assert found is not None
     assert found[1] in (11, 12)
+
+
+def test_recordings_by_themselves_are_as_sparse_as_together(dense: Context) -> None:
+    together = [len(view.span.grid) for view in sparse(dense).views]
+    assert [len(part.views[0].span.grid) for part in apart(dense)] == together
