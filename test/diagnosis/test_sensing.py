@@ -218,7 +218,18 @@ def test_thinned_setpoints_are_told_of_servos_that_are_not_the_nominal_ones(mode
     assert found.times == 4
 
 
-def test_setpoints_that_did_come_so_rarely_are_left_alone(model: Model) -> None:
+def test_thinned_setpoints_are_told_where_they_came_unevenly(clean: Run, model: Model) -> None:
+    """As a logger that sleeps between two of them keeps them: its phase wanders through all of them."""
+    series = _recording(clean).series
+    stamp, at = series["setpoints"].stamp, np.arange(0.0, 39.0, 0.0404)
+    rows = np.unique(np.searchsorted(stamp, at))
+    found = thinned(series["setpoints"].rows(rows), series["gearbox_states"], model, series["reference"])
+    assert found is not None
+    assert found.times == 4
+
+
+@pytest.mark.parametrize("gain", [1.0, 4.0])
+def test_setpoints_that_did_come_so_rarely_are_left_alone(model: Model, gain: float) -> None:
     rng = np.random.default_rng(7)
     reference = draw_motion(rng, "mixed", np.arange(3000, dtype=np.float64) * 0.01)
     held = np.repeat(reference[::4], 4, axis=0)[: len(reference)] / RATIO
@@ -226,7 +237,8 @@ def test_setpoints_that_did_come_so_rarely_are_left_alone(model: Model) -> None:
     run = record(rng, "mixed", reference, held, motion, Sensing())
     series = _recording(run).series
     kept = series["setpoints"].rows(np.arange(len(held)) % 4 == 0)
-    assert thinned(kept, series["gearbox_states"], model) is None
+    quicker = replace(model, arm=replace(model.arm, kp=gain * model.arm.kp))
+    assert thinned(kept, series["gearbox_states"], quicker) is None
 
 
 @pytest.mark.parametrize("kind", ["mixed", "pick_and_place", "one_by_one"])

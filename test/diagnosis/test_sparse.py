@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.noise import WHITE
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import ROWS
-from trunk_ros.diagnosis.sparse import Sparse, sparse
+from trunk_ros.diagnosis.sparse import Sparse, apart, sparse
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.recording.signal.resample import FINE
