@@ -16,7 +16,7 @@ from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
 diagnose = partial(diagnosis.diagnose, experiments=False)
-"""What is found, without the motions that would tell more: they take up to half of the time."""
+"""What is found, without the motions that would tell more: they take up to a third of the time."""
 
 RATE = 100.0
 NOISE = 1e-4

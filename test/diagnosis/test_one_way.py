@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.prospects import HIDDEN, ONE_WAY, prospects
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.wire import WireStage
@@ -53,6 +54,13 @@ def test_a_joint_that_never_comes_back_has_a_curve_beside_its_names_and_no_memor
     assert set(one_way) == {"load_elasticity", "unknown"}
     assert one_way["unknown"].words[0]["on"] == "position"
     assert "unknown" not in with_what_no_name_explains(back=True)
+
+
+def test_what_no_motion_can_show_is_said_with_the_reason() -> None:
+    wires = next(one for one in prospects(pushed()[0], load_model("direct")) if one.stage == "wire")
+    assert {"backlash", "wire_slip", "thermal_drift"} <= set(wires.unseen[ONE_WAY])
+    assert "wire_stiffening" in wires.unseen[HIDDEN]
+    assert not set(wires.effects) & {name for names in wires.unseen.values() for name in names}
 
 
 @cache

@@ -50,7 +50,7 @@ def diagnose(
     ``namespace``: of the arm, where recordings hold several. ``settle``: seconds of measured joint angles
     that tell how the wires lay where a recording that stops to measure begins; 0: none.
     ``servos``: of the arm, found in other recordings where the model says nothing of them. ``experiments``:
-    whether motions are designed that tell findings from their equivalents, a third of the time of many.
+    whether motions are designed that tell findings from their equivalents, up to a third of the time.
     Raises RecordingError or ModelError in one line.
     """
     keep_what_is_freed()

@@ -125,7 +125,7 @@ def extended(context: Context, hypothesis: Hypothesis, candidate: Candidate) -> 
     kind = effect(candidate.effect)
     columns = (candidate.columns or context.columns) if candidate.column is None else [candidate.column]
     if "load" in kind.needs:
-        columns = [column for column in columns if context.stage.bears(column)]
+        columns = [c for c in columns if context.stage.bears(c) and kind.forms_shown(context.motion(c))]
     for rival in replaced(kind, out):
         del out[rival]
     term = out.setdefault(candidate.effect, Term(candidate.effect, candidate.form))

@@ -92,8 +92,10 @@ def _inherited(best: Fit, bare: Hypothesis, name: str, kind: type[Effect]) -> It
 
 def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect]) -> list[Hypothesis]:
     """An effect with the values and moments that one of its like has, and the best starts of what it has
-    besides.
+    besides; none where the motion of one of its joints cannot show that.
     """
+    if not all(kind.forms_shown(context.motion(c)) for c in old.columns):
+        return []
     begun = []
     for form in kind.forms:
         starts = {c: kind({}, {}, form).starts(context.shown(c), 0) for c in old.columns}
@@ -198,7 +200,7 @@ def with_more(best: Fit) -> Iterator[Fit]:
         for option in effect(name).options(best.hypothesis[name].form) if kinds else ():
             if option.keys() - best.hypothesis[name].shared.keys():
                 there = best.hypothesis.copy()
-                there[name].shared |= option
+                there[name].shared = option | there[name].shared
                 yield refit(best.context, there)
 
 
