@@ -4,7 +4,7 @@ is in no model.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -15,24 +15,44 @@ from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit, fit, groups
+from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
+from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 
 
 def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     """A fit and one of the same to what rivals are fitted to, without the names that gain less than they have
-    to, and the evidence for the others. One at a time, the weakest first.
+    to, and the evidence for the others. One at a time, the weakest first. A rival that turns out to be better
+    takes the place of the name: a search that ended early may not have come to it.
     """
     while True:
         found = evidence(part, state)
+        better, both = _better(part, found), part is state
+        if better is not None:
+            part = better
+            state = part if both else refit(state.context, part.hypothesis)
+            continue
         weak = {n: e.gain_share for n, e in found.items() if effect(n).named and n not in state.context.known}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
             return state, part, found
-        both = part is state
         state = dropped(state, name)
         part = state if both else dropped(part, name)
+
+
+def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
+    """The best fit with a rival that explains more than the name in the place of which it was tried; None
+    where none is better.
+    """
+    ahead = [
+        evidence.fitted[rival]
+        for name, evidence in found.items()
+        for rival, lost in evidence.rivals.items()
+        if lost < 0.0 and name not in part.context.known and rival in evidence.fitted
+    ]
+    best = min((refit(part.context, there) for there in ahead), key=score, default=part)
+    return best if beats(best, part) else None
 
 
 def harmless(state: Fit) -> Fit:
