@@ -8,10 +8,11 @@ import numpy as np
 
 from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.discrepancy.curves import followed
-from trunk_ros.diagnosis.evidence.evidence import one_evidence
-from trunk_ros.diagnosis.evidence.veto import believed, harmless, unseen
+from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
+from trunk_ros.diagnosis.evidence.veto import _share, believed, harmless, unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
+from trunk_ros.diagnosis.search.score import beats
 
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
 RIPPLE = Term(
@@ -75,7 +76,28 @@ def test_a_name_that_gains_less_than_an_effect_has_to_is_not_said() -> None:
     own = fitted("rippled", SMALL)
     assert one_evidence(beside, "transmission_ripple").gain_share < 1.0
     assert one_evidence(own, "transmission_ripple").gain_share > 1.0
-    assert not believed(beside, beside)[0].hypothesis
+    assert "transmission_ripple" not in believed(beside, beside)[0].hypothesis
     state, part, found = believed(own, own)
     assert state is part is own
     assert list(found) == ["transmission_ripple"]
+
+
+def test_a_rival_that_is_better_takes_the_place_of_a_name() -> None:
+    """Which a search that ended early may have left."""
+    wrong = fitted(
+        "backlash", Term("stribeck_friction", "gaussian", own={2: {"amplitude": 1e-3, "velocity": 0.05}})
+    )
+    assert list(wrong.hypothesis) == ["stribeck_friction"]
+    state, part, found = believed(wrong, wrong)
+    assert state is part
+    assert list(state.hypothesis) == list(found) == ["backlash"]
+    assert beats(state, wrong)
+
+
+def test_a_name_gains_more_than_a_rival_does_beyond_it() -> None:
+    gained = Evidence({2: 300.0}, 100.0, 1.0)
+    behind = replace(gained, rivals={"backlash": 50.0, "wire_slip": -200.0})
+    ahead = replace(gained, rivals={"backlash": 50.0, "wire_slip": -2000.0})
+    assert _share(gained) == 3.0
+    assert _share(behind) == 1.5
+    assert _share(ahead) < 1.0

@@ -23,8 +23,9 @@ from trunk_ros.effects import effect
 
 def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     """A fit and one of the same to what rivals are fitted to, without the names that gain less than they have
-    to, and the evidence for the others. One at a time, the weakest first. A rival that turns out to be better
-    takes the place of the name: a search that ended early may not have come to it.
+    to, or than a rival gains beyond them, and the evidence for the others. One at a time, the weakest first.
+    A rival that turns out to be better takes the place of the name: a search that ended early may not have
+    come to it.
     """
     while True:
         found = evidence(part, state)
@@ -33,12 +34,20 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
             part = better
             state = part if both else refit(state.context, part.hypothesis)
             continue
-        weak = {n: e.gain_share for n, e in found.items() if effect(n).named and n not in state.context.known}
+        weak = {n: _share(e) for n, e in found.items() if effect(n).named and n not in state.context.known}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
             return state, part, found
         state = dropped(state, name)
         part = state if both else dropped(part, name)
+
+
+def _share(found: Evidence) -> float:
+    """What a name gains over what it has to, or over what a rival gains beyond it if that is more: then it is
+    bent to what neither is.
+    """
+    lead = max((-lost for lost in found.rivals.values()), default=0.0)
+    return min(found.gain_share, sum(found.gain.values()) / lead if lead > 0.0 else np.inf)
 
 
 def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
