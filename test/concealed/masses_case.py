@@ -83,8 +83,8 @@ def _work(rng: Rng, plan: Plan) -> _Work:
     t = np.arange(round(plan.seconds / PERIOD), dtype=np.float64) * PERIOD
     kinds = (plan.motion or "mixed", plan.other or "mixed")
     train, test = (draw_motion(rng, kind, t) for kind in kinds)
-    slides = plan.awkward == "wandering"
-    asked = acting(rng, train / RATIO, slides), acting(rng, test / RATIO, False)
+    slides = plan.awkward == "wandering"  # of the drives' own, in every run
+    asked = acting(rng, train / RATIO, slides), acting(rng, test / RATIO, slides)
     return _Work(kinds, (train, test), (train / RATIO, test / RATIO), asked)
 
 
