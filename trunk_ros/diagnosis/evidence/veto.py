@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import beats, score
@@ -51,17 +52,29 @@ def _share(found: Evidence) -> float:
 
 
 def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
-    """The best fit with a rival that explains more than the name in the place of which it was tried; None
-    where none is better.
+    """The best fit with a rival that explains more than the name in the place of which it was tried, of those
+    that the motion can show; None where none is better.
     """
+    context = part.context
+    shown = {
+        kind.id: [c for c in context.columns if kind.forms_shown(context.motion(c))]
+        for kind in usable(context)
+    }
     ahead = [
-        evidence.fitted[rival]
+        there
         for name, evidence in found.items()
-        for rival, lost in evidence.rivals.items()
-        if lost < 0.0 and name not in part.context.known and rival in evidence.fitted
+        for rival, there in evidence.fitted.items()
+        if evidence.rivals[rival] < 0.0 and name not in context.known
+        if rival in shown and set(there[rival].columns) <= {*shown[rival], *_shared(there, rival)}
     ]
-    best = min((refit(part.context, there) for there in ahead), key=score, default=part)
+    best = min((refit(context, there) for there in ahead), key=score, default=part)
     return best if beats(best, part) else None
+
+
+def _shared(hypothesis: Hypothesis, name: str) -> list[int]:
+    """The joints of an effect that says nothing of single ones: what it is, some joint shows."""
+    term = hypothesis[name]
+    return [c for c in term.columns if not term.own[c]]
 
 
 def harmless(state: Fit) -> Fit:

@@ -117,7 +117,7 @@ def price(fit: Fit, term: Term) -> float:
         return sum(_curve(fit, term, c, n) for c, n in needs.items())
     free = Hypothesis({term.effect: term}).free(list(term.columns))
     if kind.everywhere:
-        usual = _usual(fit, columns)
+        usual = _usual(fit)
         each = _further(context, free, columns, 1) - name * len(needs)
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
             usual, each = sum(needs.values()), _further(context, free, columns, len(needs))
@@ -176,15 +176,15 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     shared = sum(m.moment and m.name in term.shared for m in kind.moments())
     if not shared:
         return own
-    return own + _usual(fit, list(needs)) * shared + sum(left.values())
+    return own + _usual(fit) * shared + sum(left.values())
 
 
-def _usual(fit: Fit, columns: list[int]) -> float:
+def _usual(fit: Fit) -> float:
     """What is needed of all joints together: what the middle one needs, and that formulas are off by in the
-    mean over those that it is on, so that what explains few joints is not cheaper on all.
+    mean, so that what explains few joints is not cheaper on all, nor dearer on few.
     """
     context = fit.context
-    mean = sum(context.formed_misfit.get(c, 0.0) for c in columns) / len(columns)
+    mean = sum(context.formed_misfit.get(c, 0.0) for c in context.columns) / len(context.columns)
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
     return max(usual, FORMULAS * mean)
 
