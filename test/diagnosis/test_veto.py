@@ -9,7 +9,7 @@ import numpy as np
 from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
-from trunk_ros.diagnosis.evidence.veto import _share, believed, harmless, unseen
+from trunk_ros.diagnosis.evidence.veto import believed, harmless, unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
 from trunk_ros.diagnosis.search.score import beats
@@ -98,6 +98,6 @@ def test_a_name_gains_more_than_a_rival_does_beyond_it() -> None:
     gained = Evidence({2: 300.0}, 100.0, 1.0)
     behind = replace(gained, rivals={"backlash": 50.0, "wire_slip": -200.0})
     ahead = replace(gained, rivals={"backlash": 50.0, "wire_slip": -2000.0})
-    assert _share(gained) == 3.0
-    assert _share(behind) == 1.5
-    assert _share(ahead) < 1.0
+    assert gained.gain_share == 3.0
+    assert behind.gain_share == 1.5
+    assert ahead.gain_share < 1.0

@@ -25,12 +25,12 @@ class Sparse(Context):
         """With the noise that a hypothesis leaves in all readings."""
         assert self.denser is not None
         denser = replace(self.denser, work=self.work)
-        found = thinned(denser.seen_with(hypothesis).weighed(hypothesis).noise, self.every)
+        found = noise_of_every(denser.seen_with(hypothesis).weighed(hypothesis).noise, self.every)
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(found))
         return replace(self, noise=told, shown_before={})
 
 
-def thinned(noise: Sequence[Noise], every: int) -> tuple[Noise, ...]:
+def noise_of_every(noise: Sequence[Noise], every: int) -> tuple[Noise, ...]:
     """That of one of ``every`` so many readings, of each column."""
     return tuple(own.of_every(every) for own in noise)
 
@@ -58,4 +58,4 @@ def _over(context: Context, spans: Sequence[Span], every: int) -> Sparse:
     there = context.over(spans)
     there.stage.stands = [max(samples / every, 1.0) for samples in there.stage.stands]
     own = {f.name: getattr(there, f.name) for f in fields(Context) if f.init}
-    return Sparse(**{**own, "noise": thinned(context.noise, every)}, denser=context, every=every)
+    return Sparse(**{**own, "noise": noise_of_every(context.noise, every)}, denser=context, every=every)

@@ -49,8 +49,11 @@ class Evidence:
 
     @property
     def gain_share(self) -> float:
-        """What it gains over what is asked for; 1 where it was not judged."""
-        return sum(self.gain.values()) / self.asked if self.asked > 0.0 else 1.0
+        """What it gains over what is asked for, or over what a rival gains beyond it if that is more: then it
+        is bent to what neither is; 1 where it was not judged.
+        """
+        asked = max(self.asked, *(-lost for lost in self.rivals.values()), 0.0)
+        return sum(self.gain.values()) / asked if self.asked > 0.0 else 1.0
 
 
 def spreads(state: Fit) -> Spread:

@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
@@ -35,7 +35,7 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
             part = better
             state = part if both else refit(state.context, part.hypothesis)
             continue
-        weak = {n: _share(e) for n, e in found.items() if effect(n).named and n not in state.context.known}
+        weak = {n: e.gain_share for n, e in found.items() if effect(n).named and n not in state.context.known}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
             return state, part, found
@@ -43,38 +43,27 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
         part = state if both else dropped(part, name)
 
 
-def _share(found: Evidence) -> float:
-    """What a name gains over what it has to, or over what a rival gains beyond it if that is more: then it is
-    bent to what neither is.
-    """
-    lead = max((-lost for lost in found.rivals.values()), default=0.0)
-    return min(found.gain_share, sum(found.gain.values()) / lead if lead > 0.0 else np.inf)
-
-
 def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     """The best fit with a rival that explains more than the name in the place of which it was tried, of those
     that the motion can show; None where none is better.
     """
-    context = part.context
-    shown = {
-        kind.id: [c for c in context.columns if kind.forms_shown(context.motion(c))]
-        for kind in usable(context)
-    }
     ahead = [
         there
         for name, evidence in found.items()
         for rival, there in evidence.fitted.items()
-        if evidence.rivals[rival] < 0.0 and name not in context.known
-        if rival in shown and set(there[rival].columns) <= {*shown[rival], *_shared(there, rival)}
+        if evidence.rivals[rival] < 0.0 and name not in part.context.known
+        if _is_shown(part.context, there[rival])
     ]
-    best = min((refit(context, there) for there in ahead), key=score, default=part)
+    best = min((refit(part.context, there) for there in ahead), key=score, default=part)
     return best if beats(best, part) else None
 
 
-def _shared(hypothesis: Hypothesis, name: str) -> list[int]:
-    """The joints of an effect that says nothing of single ones: what it is, some joint shows."""
-    term = hypothesis[name]
-    return [c for c in term.columns if not term.own[c]]
+def _is_shown(context: Context, term: Term) -> bool:
+    """Whether the motion can show an effect, on each joint of which it says something by itself."""
+    kind, said = effect(term.effect), [c for c in term.columns if term.own[c]]
+    return kind in usable(context) and all(
+        c in context.columns and kind.forms_shown(context.motion(c)) for c in said
+    )
 
 
 def harmless(state: Fit) -> Fit:

@@ -80,13 +80,7 @@ class Residuals:
         """By column: the values that move its residual, and (rows, values) by how much. Of long recordings
         those of one column at a time fit into memory.
         """
-        base = self.parts(x)
-        _, high = bounds(self.free)
-        steps = STEP * self.scale * np.where(x + STEP * self.scale <= high, 1.0, -1.0)
-        moving = [
-            [k for k, f in enumerate(self.free) if f.parameter.carried or c in self._touched(f)]
-            for c in self.columns
-        ]
+        base, steps, moving = self.parts(x), self.steps(x), [self.moving(c) for c in self.columns]
         there = {k: self._moved.moved(f, x[k] + steps[k]) for k, f in enumerate(self.free)}
         many = max(self.context.together // max(max(map(len, moving), default=0), 1), 1)
         for first in range(0, len(moving), many):
@@ -100,6 +94,14 @@ class Residuals:
                     if not np.isfinite(slope).all():
                         slope[:] = 0.0
                 yield some, out.T
+
+    def steps(self, x: Array) -> Array:
+        """(free,) by which each value is moved to see what it does, away from a bound that is near."""
+        return STEP * self.scale * np.where(x + STEP * self.scale <= bounds(self.free)[1], 1.0, -1.0)
+
+    def moving(self, column: int) -> list[int]:
+        """The values that move what is predicted of a column."""
+        return [k for k, f in enumerate(self.free) if f.parameter.carried or column in self._touched(f)]
 
     def _touched(self, f: Free) -> list[int]:
         """The columns that a value acts on."""

@@ -13,9 +13,9 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.sensing.hum import JOINTS, TONES, Hum, tone
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
 from trunk_ros.diagnosis.data.surroundings import View
-from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds, scales
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SEVERAL
-from trunk_ros.diagnosis.search.fit import STEP, Fit, costed, refit
+from trunk_ros.diagnosis.search.fit import Fit, Residuals, costed, refit
 from trunk_ros.diagnosis.search.score import measured
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -56,19 +56,13 @@ def _tone(context: Context, hypothesis: Hypothesis, index: int) -> Hum | None:
 
 def _followed(context: Context, hypothesis: Hypothesis, index: int, column: int) -> Array:
     """(n, 1 + values): a constant, and what is left of a column by small steps of the values that move it."""
-    free = [f for f in hypothesis.free(context.columns, context.columns) if _moves(hypothesis, f, column)]
-    x, steps = hypothesis.get(free), STEP * scales(free, context.stage.loads)
-    steps = np.where(x + steps <= bounds(free)[1], steps, -steps)
-    there = [hypothesis.moved(f, at + step) for f, at, step in zip(free, x, steps, strict=True)]
-    base, *moved = (context.residual(index, one, column) for one in (hypothesis, *there))
+    values = Residuals(context, hypothesis, context.columns)
+    x = hypothesis.get(values.free)
+    there = x + values.steps(x)
+    moves = [hypothesis.moved(values.free[k], there[k]) for k in values.moving(column)]
+    base, *moved = (context.residual(index, one, column) for one in (hypothesis, *moves))
     slopes = [one - base for one in moved if np.isfinite(one).all()]
     return np.column_stack([np.ones(len(base)), *slopes])
-
-
-def _moves(hypothesis: Hypothesis, free: Free, column: int) -> bool:
-    """Whether a value, of its own or shared, may move what is predicted of a column."""
-    of_all = free.parameter.carried or column in hypothesis[free.effect].columns
-    return free.column == column or (free.column is None and of_all)
 
 
 def _without(view: View, columns: list[int], found: Hum) -> View:

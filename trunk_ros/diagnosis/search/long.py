@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.search.moves import ADD, DROP, ONSET
 from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats
 from trunk_ros.diagnosis.search.windows import EDGES
-from trunk_ros.diagnosis.sparse import Sparse, sparse, thinned
+from trunk_ros.diagnosis.sparse import Sparse, noise_of_every, sparse
 from trunk_ros.diagnosis.work import Work
 
 WORK = 2e8  # simulated joint-steps that a search may take: half a minute of one core
@@ -51,7 +51,9 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
     say("the whole recording")
     give_back()
     state = _on_the_whole(context, first.hypothesis, Desk(say))
-    noise = thinned(state.context.noise, some.every) if isinstance(some, Sparse) else state.context.noise
+    noise = (
+        noise_of_every(state.context.noise, some.every) if isinstance(some, Sparse) else state.context.noise
+    )
     some = replace(first.context.seen_with(state.hypothesis), noise=noise)
     return Searched(state, refit(some, state.hypothesis), context.work.over or first.context.work.over)
 

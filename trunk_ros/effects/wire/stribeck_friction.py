@@ -47,7 +47,7 @@ class StribeckFriction(Effect):
             typical=0.05,
             null=0.05,
             scale="log",
-            scan=(0.05, 0.3),
+            scan=(0.05, 0.3),  # from shorter ones a joint chatters, and no small step pays
         ),
     )
     confused_with = (("backlash", "reverse slowly and fast: a backlash stays the same"),)

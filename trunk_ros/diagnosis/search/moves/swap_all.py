@@ -39,10 +39,10 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Iterator[Fit]:
     bare, leader = best.hypothesis.without(name), best
-    others = [kind for kind in kinds if not alike(kind, effect(name))]
-    for kind in kinds:
-        if kind not in others:
-            yield from _inherited(best, bare, name, kind)
+    like = [kind for kind in kinds if alike(kind, effect(name))]
+    others = [kind for kind in kinds if kind not in like]
+    for kind in like:
+        yield from _inherited(best, bare, name, kind)
     if not others:
         return
     screen = Screen(best.context, bare)
