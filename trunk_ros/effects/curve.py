@@ -50,7 +50,7 @@ class Curve(Effect):
     follows_readings: ClassVar[bool] = False
     """Over time it adds to the angle whatever there is, as a reading that wanders does."""
     linear: ClassVar[bool] = False
-    """It is added to the angle as it is."""
+    """It is added to the angle, times its ``factor``."""
     hides: ClassVar[bool] = False
     """A small one shows nothing of a large one: a fit begins at the best constant."""
     of: ClassVar[str] = "the angle"
@@ -58,11 +58,16 @@ class Curve(Effect):
     also: ClassVar[tuple[str, ...]] = ()
     """What the change depends on besides."""
 
+    @classmethod
+    def factor(cls, now: Now) -> Array:
+        """(n, columns) by which the curve is multiplied before it is added to the angle."""
+        return np.ones(1)
+
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return x + self._curve(now), None
+        return x + self.factor(now) * self._curve(now), None
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y - self._curve(now), None
+        return y - self.factor(now) * self._curve(now), None
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)

@@ -84,14 +84,13 @@ def promised(context: Context, bare: Hypothesis, column: int) -> float:
     """
     rest = context.whitened(bare, column)
 
-    def left(variable: str) -> float:
-        place = Place(Unknown.id, variable, *ends(context, column, variable))
+    def left(place: Place) -> float:
         design = design_of(context, column, place)
         values, _ = smoothed(design, rest, place.curve.bend())
         return float(np.sum((rest - design @ values) ** 2))
 
-    over = variables(context, column) if context.stage.name == "wire" else []
-    return max(min(map(left, over), default=np.inf) - context.count(column), 0.0)
+    smooth = (place for some in _smooth(context, column) for place in some if place.curve.linear)
+    return max(min(map(left, smooth), default=np.inf) - context.count(column), 0.0)
 
 
 def redrawn(context: Context, hypothesis: Hypothesis, column: int) -> Hypothesis:
@@ -127,15 +126,19 @@ def _place(term: Term, column: int) -> Place:
 
 def places(context: Context, bare: Hypothesis, column: int) -> list[list[Place]]:
     """The curves that may be drawn in a stage, those of one kind together."""
+    timed = context.stage.name == "wire" and context.timed(column) and column not in context.wide
+    return [*_smooth(context, column), *(_in_time(context, bare, column) if timed else [])]
+
+
+def _smooth(context: Context, column: int) -> list[list[Place]]:
+    """Those over what is measured."""
     over = variables(context, column)
     moving = [v for v in over if v.removeprefix(SPEED_OF) not in context.joints]
     own = [] if column in context.wide else moving
     stage = [kind for kind in registry().values() if kind.stage == context.stage.name]
     tried = [(kind, kind.over(over, own)) for kind in stage if issubclass(kind, Curve)]
     tried.sort(key=lambda one: (not one[0].linear, -len(one[1])))
-    found = [[Place(kind.id, v, *ends(context, column, v)) for v in some] for kind, some in tried if some]
-    timed = context.stage.name == "wire" and "time" in over
-    return [*found, *(_in_time(context, bare, column) if timed else [])]
+    return [[Place(kind.id, v, *ends(context, column, v)) for v in some] for kind, some in tried if some]
 
 
 def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[Place]]:
@@ -241,8 +244,10 @@ def design_of(context: Context, column: int, place: Place) -> Array:
     """(rows, knots) change of the whitened prediction per value of a curve that is added to the angle."""
     parts = []
     for i, view in enumerate(context.views):
-        x = view.span.measured(abscissa(place.variable, context.now(i, column), 0))
-        parts.append(place.basis(x))
+        now = context.now(i, column)
+        x = view.span.measured(abscissa(place.variable, now, 0))
+        factor = np.broadcast_to(place.curve.factor(now), (len(now.stamp), 1))
+        parts.append(place.basis(x) * view.span.measured(factor))
     return np.column_stack([context.whiten_change([p[:, k] for p in parts], column) for k in range(KNOTS)])
 
 

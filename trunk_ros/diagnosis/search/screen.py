@@ -169,8 +169,9 @@ class Screen:
         always: Collection[str] = (),
         kept: Kept | None = None,
     ) -> list[Candidate]:
-        """The most promising effects and those of ``always``, each in its promising forms; those that are
-        ``kept`` are not looked at again.
+        """The most promising effects, as many of those that act all the time, as what comes and goes imitates
+        much, and those of ``always``; each in its promising forms. Those that are ``kept`` are not looked at
+        again.
         """
         kept = {} if kept is None else kept
         keys = {kind.id: self._key(kind, column) for kind in kinds}
@@ -178,7 +179,8 @@ class Screen:
             if keys[kind.id] not in kept:
                 kept[keys[kind.id]] = self.forms(kind, column)
         found = sorted(filter(None, map(kept.get, keys.values())), key=lambda f: -max(c.gain for c in f))
-        further = [forms for forms in found[most:] if forms[0].effect in always]
+        steady = sorted(found, key=lambda f: -max((c.gain for c in f if not c.lasts), default=0.0))
+        further = [f for f in found[most:] if f in steady[:most] or f[0].effect in always]
         return [candidate for forms in [*found[:most], *further] for candidate in forms]
 
     def _key(self, kind: type[Effect], column: int) -> Hashable:

@@ -1,7 +1,6 @@
 """A gain of the wire that depends on something in a way that no name fits."""
 
 from dataclasses import replace
-from typing import Any
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.curve import RANGE, VALUES, Curve
@@ -18,6 +17,7 @@ class UnknownGain(Curve):
     place = 260
     signature = "The share of the motion that arrives depends on something in a way that no named effect has."
     parameters = (*RANGE, *(replace(p, unit="1") for p in VALUES))
+    linear = True
     of, also = "the share of the motion that arrives", ("position",)
     confused_with = (("unknown", "be at one posture at different times, speeds and loads"),)
 
@@ -25,8 +25,6 @@ class UnknownGain(Curve):
     def over(cls, variables: list[str], own: list[str]) -> list[str]:
         return [variable for variable in own if variable not in cls.also]
 
-    def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return x + now.gearbox * now.ratio * self._curve(now), None
-
-    def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y - now.gearbox * now.ratio * self._curve(now), None
+    @classmethod
+    def factor(cls, now: Now) -> Array:
+        return now.gearbox * now.ratio

@@ -42,7 +42,7 @@ def _straight(best: Fit, kind: type[Bank]) -> Iterator[tuple[str, int]]:
     context, hypothesis = best.context, best.hypothesis
     for name, term in hypothesis.items():
         like, known = effect(name), context.known
-        if not (name in confused(kind.id) or (issubclass(like, Curve) and like.linear)):
+        if not (name in confused(kind.id) or (issubclass(like, Curve) and like.linear and not like.also)):
             continue
         for column in [c for c in term.columns if c in context.columns]:
             has = kind.id in hypothesis and column in hypothesis[kind.id].own

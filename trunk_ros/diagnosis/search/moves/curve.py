@@ -81,8 +81,8 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
 
 
 def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
-    """Whether a curve may explain what several names do, by a linear look."""
-    if len(local) < SEVERAL:
+    """Whether a curve may explain what says several things, by a linear look."""
+    if _claims(now, column, local) < SEVERAL:
         return False
     bare = now.hypothesis.less(local, column)
     saved = priced(replace(now, cost={})) - priced(Fit(bare, {}, now.context))
@@ -91,11 +91,16 @@ def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
 
 
 def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:
-    """Whether a curve explains clearly more than one or two names do, if it is to take their place."""
-    if not local or len(local) > SEVERAL:
+    """Whether a curve explains clearly more than what says one or two things, if it is to take its place."""
+    if not local or _claims(now, column, local) > SEVERAL:
         return True
     without = fit(now.context, now.hypothesis.less(local, column), [column]).cost[column]
     return now.cost[column] - trial.cost[column] > LITTLE * (without - now.cost[column])
+
+
+def _claims(now: Fit, column: int, local: list[str]) -> int:
+    """How many things are said of a joint: names, and the moments at which they begin, change and end."""
+    return sum(1 + len(now.hypothesis[name].moments(column)) for name in local)
 
 
 def _curved(best: Fit, column: int, local: list[str]) -> Iterator[Fit]:
