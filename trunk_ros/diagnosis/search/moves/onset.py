@@ -61,16 +61,30 @@ def _at_once(best: Fit, name: str, columns: list[int], moment: str) -> Iterator[
 
 
 def dated(now: Fit, name: str, on: int | None = None) -> Fit:
-    """With the moments of one effect where each fits best nearby, on one joint or on all."""
+    """With the moments of one effect where each fits best nearby, on one joint or on all; then all that may
+    follow them is fitted.
+    """
+    there, columns = Fit(now.hypothesis.copy(), now.cost, now.context), set[int | None]()
     for one, column, moment in moments(now):
         if one == name and on in (None, column):
-            now = min(now, *_nearby(now, name, column, moment), key=lambda fit: fit.total)
-    return now
+            _home(there.hypothesis, name, column)[moment] = _nearest(there, name, column, moment)
+            columns.add(column)
+    if None in columns:
+        there = refit(now.context, there.hypothesis)
+    else:
+        for column in (c for c in columns if c is not None):
+            there = refit_column(there, there.hypothesis, column)
+    return min(now, there, key=lambda fit: fit.total)
 
 
 def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
-    rough = best_time(best, name, column, moment, _home(best.hypothesis, name, column)[moment] + ROUGHLY)
-    return [moved(best, name, column, moment, rough + NEARBY)]
+    return [moved(best, name, column, moment, np.array([_nearest(best, name, column, moment)]))]
+
+
+def _nearest(now: Fit, name: str, column: int | None, moment: str) -> float:
+    """Where [s] a moment fits best nearby, all else as it is."""
+    first = _home(now.hypothesis, name, column)[moment]
+    return best_time(now, name, column, moment, best_time(now, name, column, moment, first + ROUGHLY) + NEARBY)
 
 
 def moved(now: Fit, name: str, column: int | None, moment: str, at: Array) -> Fit:
