@@ -25,6 +25,7 @@ from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
+from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_what_it_stood_for
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
@@ -196,7 +197,7 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         trial = dated(refit(context, there), candidate.effect)
         if score(trial) < score(best) and not shared_by_most(best, trial, candidate.effect):
             trial = with_what_it_stood_for(best, trial)
-        own = of(EVENT, candidate.effect), of(SPELL, candidate.effect)
+        own = (of(move, candidate.effect) for move in (OPTION, EVENT, SPELL))
         trial = descend_with(
             shown_again(best, desk, trial, candidate.effect), (MEMBER, *own), desk, score(leader)
         )
