@@ -73,6 +73,12 @@ class Term:
         """Which of its beginnings and ends on a joint are said."""
         return tuple(m.name for m in effect(self.effect).moments() if m.moment and m.name in self.own[column])
 
+    @property
+    def timed(self) -> bool:
+        """Whether it does not act all the time, or not alike."""
+        shared = {m.name for m in effect(self.effect).moments() if m.moment}.intersection(self.shared)
+        return bool(shared) or any(map(self.moments, self.own))
+
     def values(self, column: int) -> dict[str, float]:
         """All values for one joint, the shared ones included."""
         return {**self.shared, **self.own[column]}

@@ -141,7 +141,9 @@ def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf) -> Fit
         seen = done.context.seen_with(done.hypothesis)
         if seen is done.context:
             break
-        done = _refit(seen, done.hypothesis, goal)
+        before, done = done, _refit(seen, done.hypothesis, goal)
+        if done.total - goal > abs(before.total - done.total):  # what is still to come is a part of that
+            break
     return done
 
 

@@ -42,18 +42,20 @@ def _settled(context: Context, hypothesis: Hypothesis) -> Fit:
 
 def told_from_clocks(now: Fit) -> Fit:
     """With a skew of two clocks that did not show before the physics was known, and without the effects that
-    it looks like, where that leaves less by the price of an effect, or as little without them.
+    it looks like, and without those that come and go with time, where that leaves less by the price of an
+    effect, or as little without them.
     """
-    known, name = now.hypothesis, naming(now.context.stage.name)
-    less = Hypothesis({name: term for name, term in known.items() if name not in imitated("skew")})
-    price = name + max(need(now.context, c) for c in now.cost)
-    for hypothesis in (less, known) if len(less) < len(known) else (known,):
+    known, like = now.hypothesis, imitated("skew")
+    price = naming(now.context.stage.name) + max(need(now.context, c) for c in now.cost)
+    timed = {name for name, term in known.items() if term.timed}
+    for gone in dict.fromkeys((frozenset(timed | {*like}), frozenset(like), frozenset(timed), frozenset())):
+        hypothesis = Hypothesis({name: term for name, term in known.items() if name not in gone})
         context = with_unseen_skew(now.context, hypothesis)
         if context is None or context.work.over:
             break
         trial = renewed(refit(context, hypothesis))
         alike = costed(replace(trial.context, noise=now.context.noise), trial.hypothesis)
-        pays = score(alike) + price < score(now) if hypothesis is known else alike.total < now.total
+        pays = score(alike) + price < score(now) if len(hypothesis) == len(known) else alike.total < now.total
         if pays and differ(trial.context, trial.hypothesis):
             return trial
     return now

@@ -89,6 +89,11 @@ def refit_to_win(best: Fit, there: Hypothesis) -> Fit:
     return refit(best.context, there, score(best) - priced(Fit(there, {}, best.context)))
 
 
+def refit_column_to_win(best: Fit, there: Hypothesis, column: int) -> Fit:
+    """One joint of a hypothesis refitted, given up where it will not beat ``best``."""
+    return refit_column(best, there, column, _goal(best, there, column))
+
+
 def _goal(best: Fit, hypothesis: Hypothesis, column: int) -> float:
     """What a joint's squared residuals have to come to for the score to be as good as that of ``best``."""
     others = Fit(hypothesis, {c: cost for c, cost in best.cost.items() if c != column}, best.context)

@@ -31,7 +31,7 @@ from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
-from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win
+from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win, refit_to_win
 from trunk_ros.effects import Effect, effect
 
 
@@ -180,7 +180,7 @@ def _merged(best: Fit, name: str, chosen: dict[int, Tried]) -> Fit:
     """The same, fitted."""
     out = _joined(best, name, chosen)
     cost = best.cost | {c: trial.cost for c, trial in chosen.items()}
-    return refit(best.context, out) if out[name].shared else Fit(out, cost, best.context)
+    return refit_to_win(best, out) if out[name].shared else Fit(out, cost, best.context)
 
 
 def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:

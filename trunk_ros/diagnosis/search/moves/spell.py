@@ -12,11 +12,12 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
-from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
+from trunk_ros.diagnosis.search.trial import refit_column_to_win, refit_to_win
 from trunk_ros.diagnosis.search.windows import Window
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import LASTING
@@ -137,14 +138,14 @@ def _changed(now: Fit, one: Sized, seen: Callable[[], Window | None]) -> Iterato
     if (window := seen()) is not None:
         more = course.plus(window.size, *window.ends)
         others += [more, more.rounded()]
-    trials = []
+    best = now
     for other in dict.fromkeys(others):
         there = one.taking(now.hypothesis, other) if other.first else None
         if there is not None and there != now.hypothesis:
-            trials.append(_refitted(now, one, there))
-    yield from trials
-    best = min(trials, key=score, default=now)
-    if one.course(best.hypothesis).moments:
+            trial = _refitted(best, one, there)
+            best = min(best, trial, key=score)
+            yield trial
+    if best is not now and one.course(best.hypothesis).moments:
         yield dated(best, one.effect, one.column)
 
 
@@ -156,8 +157,9 @@ def _otherwise_grown(now: Fit, one: Sized) -> Iterator[Fit]:
         yield _refitted(now, one, there)
 
 
-def _refitted(now: Fit, one: Sized, there: Hypothesis) -> Fit:
-    return refit(now.context, there) if one.column is None else refit_column(now, there, one.column)
+def _refitted(best: Fit, one: Sized, there: Hypothesis) -> Fit:
+    """A hypothesis refitted, given up where it will not beat the best."""
+    return refit_to_win(best, there) if one.column is None else refit_column_to_win(best, there, one.column)
 
 
 SPELL = Move("spell", groups)
