@@ -12,6 +12,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.abreast import columns_of
+from trunk_ros.diagnosis.data.align import STANDS
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, beside, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
@@ -38,7 +39,7 @@ class WireStage(Stage):
 
     def _load(self, spans: Sequence[Span]) -> None:
         super()._load(spans)
-        self._stands: dict[tuple[str, int], tuple[Array, tuple[int, ...], float]] = {}
+        self._stands: dict[tuple[str, int], tuple[Array, tuple[int, ...], Array]] = {}
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         payload, blocks = payload_of(hypothesis), hypothesis.bound(column)
@@ -66,23 +67,25 @@ class WireStage(Stage):
         span, order, state = sight.views[index].span, Order.of(blocks), None
         width = self.arm.dead_band[None, column : column + 1].repeat(times, axis=1)
         if len(span.start[column]):
-            rows, level = self._stand(span, column)
+            rows, levels = self._stand(span, column)
             stood = beside(sight.now(index, column, payload, rows), times)
-            state = begun(stood, order, width, level)
+            state = begun(stood, order, width, levels)
         now = beside(sight.now(index, column, payload), times)
         shown, true, _ = wire_pass(now.gearbox, now, order, Core(nominal_width=width, width=width), state)
         return shown, true
 
-    def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], float]:
-        """Steps over the time in which a joint stands as it began, the first of all at first, and what its
-        sensor reads there.
+    def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], Array]:
+        """Steps (k,) over the time in which a motor stands as it began, the first of all at first, and what
+        the joint's sensor reads until each.
         """
         known = self._stands.get((span.name, column))
         if known is None or known[0] is not span.target:
             seen = span.start[column]
             chosen = seen[np.linspace(0, len(seen) - 1, min(len(seen), STOOD)).astype(int)]
             rows = np.unique(np.concatenate([[0], span.rows[chosen]]))
-            known = span.target, tuple(rows.tolist()), float(np.median(span.target[seen, column]))
+            until = np.maximum(np.searchsorted(span.rows[seen], rows, "right"), 1)
+            levels = np.array([np.median(span.target[seen[:count], column]) for count in until])
+            known = span.target, tuple(rows.tolist()), levels
             self._stands[span.name, column] = known
         return known[1:]
 
@@ -177,9 +180,10 @@ def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Arr
     return shown
 
 
-def begun(seen: Now, order: Order, width: Array, level: float) -> State:
-    """The state in which the friction element shows the ``level`` that was measured while the joint stood, as
-    far as its play lets it. ``seen``: the surroundings until then.
+def begun(seen: Now, order: Order, width: Array, levels: Array) -> State:
+    """The state in which the friction element shows what was measured, as far as its play lets it, while
+    nothing had moved what comes to it. ``seen``: the surroundings (k,) while the motor stood; ``levels``
+    (k,): what was measured until then.
     """
     core, memory = Core(nominal_width=width, width=width), Memory()
     adjusted(core, order, seen, {}, memory)
@@ -188,8 +192,13 @@ def begun(seen: Now, order: Order, width: Array, level: float) -> State:
     moved, _ = element.run(u, core.width, None)
     true = through(moved, order.after, seen, {}, memory)
     shown = through(true, order.sensor, seen, {}, memory)
-    start = u[:1]
-    ends = np.concatenate([start + level - middle(shown[1:]), start])
+    stands = np.maximum.accumulate(np.abs(u - u[0]), axis=0) < STANDS
+    last, start = np.count_nonzero(stands, axis=0) - 1, u[:1]
+    if np.all(last == len(u) - 1):
+        off = levels[-1] - middle(shown[1:])
+    else:
+        off = np.array([levels[k] - middle(shown[min(k, 1) : k + 1, c : c + 1])[0] for c, k in enumerate(last)])
+    ends = np.concatenate([start + off, start])
     _, stuck = element.run(ends, core.width[:1], None)
     return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
 
