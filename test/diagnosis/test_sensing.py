@@ -25,8 +25,11 @@ from trunk_ros.diagnosis.data.sensing.thinned import thinned
 from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.pace import paced
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.pace import paced, with_its_clocks
+from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.search.looked_again import told_from_clocks
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -144,6 +147,23 @@ def test_a_skew_that_only_shows_beside_the_physics_is_told_from_a_late_sensor(
     observed = result.quality["made"]["observed"]
     assert [(one["kind"], one["corrected"]) for one in observed] == ([] if delay else [("skew", True)])
     assert delay or observed[0]["value"] == pytest.approx(12.0, abs=3 * observed[0]["std"])
+
+
+def test_what_comes_in_steps_gives_way_to_a_skew(clean: Run, model: Model) -> None:
+    """12 ppm, which friction that fades in steps had imitated."""
+    recording = _recording(clean)
+    shown = recording.series["joint_states"]
+    off = replace(shown, stamp=shown.stamp * (1.0 + 12e-6))
+    recording = replace(recording, series={**recording.series, "joint_states": off})
+    span = with_its_clocks(wire_span(recording, model), recording, model)
+    first = begun(first_look(WireStage([span], model)))
+    moments = {"factor": 0.99, "from_2": 20.0, "times_2": 3.0, "from_3": 40.0, "times_3": 5.0}
+    fades = Term("tension_error", shared=moments, own={c: {} for c in range(5)})
+    steps = refit(first.context, Hypothesis({"tension_error": fades}))
+    assert steps.total < first.total
+    found = told_from_clocks(steps)
+    assert not found.hypothesis
+    assert found.context.views[0].span.pace[0] == pytest.approx(12e-6, abs=2e-6)
 
 
 def test_friction_that_grows_is_no_skew(model: Model) -> None:

@@ -93,6 +93,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         "tension_error": {"factor": 0.5},
         "friction_wear": {"rate": on(2, 1.5e-5) + on(3, 1.5e-5), "form": "straight"},
     },
+    "wearing": {
+        "unknown_gain": {
+            "low": on(3, 0.0),
+            "high": on(3, 40.0),
+            "on": ["", "", "time", "", ""],
+            **{p.name: on(3, 2e-3 * k / len(VALUES)) for k, p in enumerate(VALUES)},
+        }
+    },
     "rough": {
         "unknown": {
             "low": on(2, -0.5),

@@ -238,6 +238,18 @@ def test_option_finds_on_which_side_of_the_friction_a_wire_stretches() -> None:
     assert best.hypothesis["load_elasticity"].shared["upstream"] == pytest.approx(1.0, abs=0.05)
 
 
+def test_a_curve_takes_the_place_of_one_name_that_comes_in_many_steps() -> None:
+    steps = {"relative": 1e-3, "from_2": 13.0, "times_2": 2.0, "from_3": 26.0, "times_3": 3.0}
+    now = fitted("wearing", Term("ratio_error", own={2: steps}))
+    assert now.beyond_noise(2) == 0.0
+    found = best_of(MOVE["curve"], now)
+    assert found is not None
+    assert set(found.hypothesis) == {"unknown_gain"}
+    assert found.hypothesis["unknown_gain"].words == {2: {"on": "time"}}
+    twice = Term("ratio_error", own={2: {"relative": 0.02}}), Term("backlash", own={2: {"half_width": 1.5e-3}})
+    assert best_of(MOVE["curve"], fitted("two", *twice)) is None
+
+
 def test_what_a_curve_can_do_is_dropped_beside_it() -> None:
     now = drawn_beside_a_ratio()
     best = best_of(MOVE["drop"], now)

@@ -11,13 +11,13 @@ from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.candidates import extended, local_kinds
+from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kinds
 from trunk_ros.diagnosis.search.fit import Residuals, refit, refit_column
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.trial import may_win
 from trunk_ros.diagnosis.wire import WireStage
-from trunk_ros.effects import effect
+from trunk_ros.effects import Effect, effect
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -76,6 +76,21 @@ def test_looks_that_were_kept_are_not_taken_again() -> None:
     assert "backlash" in {candidate.effect for candidate in found}
 
 
+def test_what_comes_and_goes_hides_nothing_that_acts_all_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = fitted("clean")
+    screen, kinds = Screen(now.context, now.hypothesis, [2]), local_kinds(now.context)[:4]
+    gains = {kind.id: gain for kind, gain in zip(kinds, (9.0, 8.0, 7.0, 6.0), strict=True)}
+
+    def forms(kind: type[Effect], column: int) -> list[Candidate]:
+        comes = {"from": 12.0} if gains[kind.id] > 7.0 and kind.begins else {}
+        return [Candidate(kind.id, kind.forms[0], column, comes, gains[kind.id])]
+
+    monkeypatch.setattr(screen, "forms", forms)
+    found = screen.ranked(kinds, 2, 2)
+    assert [c.gain for c in found] == [9.0, 8.0, 7.0, 6.0][: 2 + sum(c.lasts for c in found[:2])]
+    assert any(c.lasts for c in found)
+
+
 def test_a_zero_within_the_play_is_seen_on_a_joint_that_stands_at_first() -> None:
     model, stamp = load_model("trunk"), np.arange(0.0, 30.0, 0.01)
     turns = np.where(stamp > 18.0, 0.2 * np.sin(2.0 * (stamp - 18.0)), 0.0)[:, None] * np.ones(5)
@@ -121,3 +136,26 @@ def test_a_slip_is_looked_for_at_the_sample_and_at_the_height_that_it_shows() ->
     assert start is not None
     assert start.start["onset"] == pytest.approx(17.0, abs=0.02)
     assert start.start["step"] == pytest.approx(2e-3, rel=0.02)
+
+
+def test_how_a_wire_lay_is_told_by_what_was_measured_until_a_neighbour_moved_it() -> None:
+    model, stamp = load_model("trunk"), np.arange(0.0, 40.0, 0.01)
+    turns = np.zeros((len(stamp), 5))
+    for column, begins, ends in ((1, 6.0, 18.0), (3, 28.0, 40.0)):
+        moves = (stamp > begins) & (stamp < ends)
+        turns[moves, column] = 0.3 * np.sin(2.0 * np.pi * (stamp[moves] - begins) / 6.0)
+    dragged = {"joint_coupling": {"gain": on(4, 0.04), "source": ["", "", "", "joint_2", ""]}}
+    chain = Chain(Model(model.arm, dragged), "wire")
+    lay = np.linspace([0.0, 0.0, 0.0, 0.01, 0.0], np.zeros(5), 50)  # it had come from above
+    theta, _ = chain.run(np.vstack([lay, turns]), np.concatenate([stamp[:50] - 1.0, stamp]))
+    theta = theta[50:] + np.random.default_rng(1).normal(size=turns.shape) * 1e-4
+    series = {
+        "gearbox_states": JointSeries(stamp, model.arm.joints, turns),
+        "joint_states": JointSeries(stamp, model.arm.joints, theta),
+    }
+    recording = Recording("lay", 0, float(stamp[-1]), series)
+    first = begun(first_look(WireStage([wire_span(recording, model)], model)))
+    drag = Term("joint_coupling", "angle", own={3: {"gain": 0.04}}, words={3: {"source": "joint_2"}})
+    off = first.context.residual(0, Hypothesis({"joint_coupling": drag}), 3)
+    assert abs(off[stamp < 6.0].mean()) < 2e-5
+    assert np.sqrt(np.mean(off**2)) == pytest.approx(1e-4, rel=0.05)
