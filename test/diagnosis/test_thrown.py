@@ -78,12 +78,13 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     there = Hypothesis({term.effect: term})
     predicted = context.predict(0, there, column)
     more = thrown(view, there, column, predicted) - predicted
-    (rest,) = rests(view, there, column)
+    ((_, rest),) = rests(view, there, column)
+    way = np.maximum(rest.ahead, rest.back)
     stamp, band = view.span.stamp, 2.0 * model.arm.dead_band[column]
     assert not more[stamp < at - 0.1].any()
     assert 2e-4 < np.abs(more[rest.still]).mean() < band
-    assert rest.still.stop == rest.first + int(np.argmax(np.abs(rest.moved) > PART * band / 2.0))
-    moves = rest.first + int(np.argmax(np.abs(rest.moved) > band))
+    assert rest.still.stop == rest.first + int(np.argmax(way > PART * band / 2.0))
+    moves = rest.first + int(np.argmax(way > band))
     assert not more[moves:].any()
     assert not (thrown(view, Hypothesis(), column, predicted) - predicted).any()
     left = [(view.span.target[:, column] - p)[rest.still].mean() for p in (predicted, predicted + more)]

@@ -5,14 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
-from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
+from trunk_ros.diagnosis.evidence import veto
+from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, one_evidence
 from trunk_ros.diagnosis.evidence.veto import believed, harmless, unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import costed
+from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.score import beats
+from trunk_ros.diagnosis.work import Work
 
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
 RIPPLE = Term(
@@ -101,3 +105,41 @@ def test_a_name_gains_more_than_a_rival_does_beyond_it() -> None:
     assert gained.gain_share == 3.0
     assert behind.gain_share == 1.5
     assert ahead.gain_share < 1.0
+
+
+def test_what_did_not_change_is_not_fitted_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One ripple after the other goes; the dead band of another joint stays what it is."""
+    asked: list[tuple[str, ...]] = []
+
+    def noted(context: Context, hypothesis: Hypothesis, columns: list[int]) -> np.ndarray:
+        asked.append((*map(str, columns), *(str(hypothesis.key(c)) for c in columns)))
+        return unseen(context, hypothesis, columns)
+
+    now = fitted("backlash", BACKLASH, RIPPLE)
+    monkeypatch.setattr(veto, "unseen", noted)
+    assert list(harmless(now).hypothesis) == ["backlash"]
+    assert len(asked) == len(set(asked)) == 4
+
+
+def test_evidence_is_gathered_anew_for_what_a_change_touched(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[list[str]] = []
+
+    def noted(state: Fit, whole: Fit, work: Work, before: dict[str, Evidence]) -> dict[str, Evidence]:
+        asked.append([name for name in state.hypothesis if name not in before])
+        return evidence(state, whole, work, before)
+
+    beside = fitted("backlash", BACKLASH, Term("ratio_error", own={4: {"relative": 1e-6}}))
+    monkeypatch.setattr(veto, "evidence", noted)
+    assert list(believed(beside, beside)[0].hypothesis) == ["backlash"]
+    first, *later = asked
+    assert first == ["backlash", "ratio_error"]
+    assert later
+    assert not any("backlash" in names for names in later)
+
+
+def test_evidence_counts_as_work_of_the_diagnosis() -> None:
+    now = fitted("backlash", BACKLASH)
+    counted = replace(now, context=replace(now.context, work=Work()))
+    believed(counted, counted)
+    assert counted.context.work.done > 0
+    assert not counted.context.work.over

@@ -18,35 +18,51 @@ from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import RISE
 from trunk_ros.parameter import GROWN
 
+ASKED = 16  # moments of which it is kept how a joint rests
+
 
 class Rest(NamedTuple):
-    """A joint that rests from a moment on: how many rad what happens moves it where nothing holds it, if it
-    says so, the rows of the target at which it rests, the first one after the moment, and of all from that on
-    (rows,) how much of it has happened by then, and by how many rad the gearbox would have moved it since.
+    """A joint that rests from a moment on: the rows of the target at which it does, the first one after the
+    moment, and of all from that on (rows,) how much of what happens has happened by then, and by how many rad
+    at most the gearbox would have moved it ahead and back since.
     """
 
-    size: float
     still: slice
     first: int
     happened: Array
-    moved: Array
+    ahead: Array
+    back: Array
 
 
-def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[Rest]:
-    """Where a joint with a dead band rests from a moment of its effects on, one after the other."""
-    width, valid = float(view.arm.dead_band[column]), view.span.valid[:, column]
-    stamp = view.span.stamp
-    for at, size in sorted(_moments(hypothesis, column).items()) if width > 0.0 else []:
-        first, done = int(stamp.searchsorted(at - RISE / 2)), int(stamp.searchsorted(at + RISE / 2))
-        if not 0 < first < len(valid) - FEWEST:
-            continue
-        path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-        still = slice(done, goes_on(path, view.span.rows, first, ratio, PART * width))
-        if np.count_nonzero(valid[still]) >= FEWEST:
-            path = path[view.span.rows[first - 1 :]]
-            moved = (path[1:] - path[0]) * ratio
-            happened = np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0)
-            yield Rest(size, still, first, happened, moved)
+def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[float, Rest]]:
+    """Where a joint with a dead band rests from a moment of its effects on, one after the other, with how
+    many rad what happens moves it where nothing holds it, if it says so.
+    """
+    banded = view.arm.dead_band[column] > 0.0
+    for at, size in sorted(_moments(hypothesis, column).items()) if banded else []:
+        if (column, at) not in view.rests:  # a fit asks again and again
+            while len(view.rests) >= ASKED:
+                del view.rests[next(iter(view.rests))]
+            view.rests[column, at] = _rest(view, column, at)
+        rest = view.rests[column, at]
+        if rest is not None:
+            yield size, rest
+
+
+def _rest(view: View, column: int, at: float) -> Rest | None:
+    """The rest of a joint from a moment [s] on, None where it goes on."""
+    stamp, valid, rows = view.span.stamp, view.span.valid[:, column], view.span.rows
+    first, done = int(stamp.searchsorted(at - RISE / 2)), int(stamp.searchsorted(at + RISE / 2))
+    if not 0 < first < len(valid) - FEWEST:
+        return None
+    path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
+    still = slice(done, goes_on(path, rows, first, ratio, PART * float(view.arm.dead_band[column])))
+    if np.count_nonzero(valid[still]) < FEWEST:
+        return None
+    path = path[rows[first - 1 :]]
+    moved = (path[1:] - path[0]) * ratio
+    ahead, back = (np.maximum.accumulate(np.maximum(way, 0.0)) for way in (moved, -moved))
+    return Rest(still, first, np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0), ahead, back)
 
 
 @compiled
@@ -63,14 +79,14 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
     out, seen, band = predicted, view.columns[column], 2.0 * view.arm.dead_band[column]
-    for size, still, first, happened, moved in rests(view, hypothesis, column):
+    for size, (still, first, happened, ahead, behind) in rests(view, hypothesis, column):
         rest = (seen.target - out)[still][seen.valid[still]]
         pushed = predicted[still.start] - predicted[first - 1]
         held = size != 0.0 and abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
         way, most = np.sign(size if held else pushed), abs(size) if held else band
         far = float(np.clip(way * rest.mean(), 0.0, min(most, band)))
         if far > 0.0:
-            on, back = (np.maximum.accumulate(np.maximum(each, 0.0)) for each in (way * moved, -way * moved))
+            on, back = (ahead, behind) if way > 0.0 else (behind, ahead)
             left = np.clip(np.minimum(far - on, band - back), 0.0, far)
             out = np.concatenate([out[:first], out[first:] + way * happened * left])
     return out

@@ -267,3 +267,23 @@ def test_a_law_with_more_to_it_is_better_by_a_step_than_the_plainer_one_beside_a
 
     assert taken(beside(1e3)) == ["load_elasticity", "ratio_error"]
     assert taken(beside(2e4)) == ["wire_slack"]
+
+
+def test_no_further_trial_of_a_group_is_made_once_the_work_is_done() -> None:
+    made: list[float] = []
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        def trials() -> Iterator[Fit]:
+            for width in (LITTLE, HALF, ALL):
+                made.append(width)
+                yield with_width(best, width)
+
+        yield Group("widths", [2], trials)
+
+    best = fitted("backlash")
+    steps = len(best.context.views[0].span.grid) * len(best.context.columns)
+    granted = replace(best, context=replace(best.context, work=Work(2 * steps)))
+    found = first_that_pays(granted, [Move("widths", groups)], Desk())
+    assert made == [LITTLE, HALF]
+    assert found is not None
+    assert found[1].hypothesis["backlash"].own[2]["half_width"] == HALF

@@ -10,7 +10,7 @@ import pytest
 from test.diagnosis.search.looks import context
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import Fit, Residuals, fit
+from trunk_ros.diagnosis.search.fit import Fit, Residuals, fit, refit
 from trunk_ros.diagnosis.work import Work
 
 
@@ -55,3 +55,35 @@ def test_a_shared_value_of_joints_that_are_not_judged_is_not_fitted_with_others(
     assert crept.free([2], [2]) == []
     assert [f.column for f in crept.free([3], [2, 3])] == [3, None]
     assert [f.column for f in crept.free([3], [3, 4])] == [3]
+
+
+def slackened(goal: float, spared: int = 0) -> tuple[Fit, int]:
+    """Wires that go slack with a value that all joints share, refitted; and the joint-steps that it took."""
+    look = replace(context("slack"), work=Work())
+    own = {c: {"compliance": 0.01, "threshold": 0.1} for c in look.columns}
+    slack = Term("wire_slack", own=own, shared={"upstream": 0.3})
+    return refit(look, Hypothesis(wire_slack=slack), goal, spared), look.work.done
+
+
+def test_what_will_not_come_to_its_goal_is_given_up() -> None:
+    (whole, took), (_, less) = slackened(np.inf), slackened(0.0)
+    (same, as_much) = slackened(1.01 * whole.total)
+    assert less < 0.75 * took
+    assert (same.total, as_much) == (whole.total, took)
+
+
+def test_what_is_left_on_few_joints_may_be_spared() -> None:
+    """Something else may explain it: all but one of them come down to the goal."""
+    (whole, took), noise = slackened(np.inf), context("slack").least_noise
+    goal = whole.total - max(cost - noise(c) for c, cost in whole.cost.items())
+    assert slackened(1.01 * goal)[1] < took
+    assert slackened(1.01 * goal, spared=1)[1] == took
+
+
+def test_a_goal_that_others_have_used_up_is_missed_by_a_joint_of_its_own() -> None:
+    look = context("backlash")
+    wide = Hypothesis(backlash=Term("backlash", own={c: {"half_width": 6e-3} for c in look.columns}))
+    works = [Work(), Work()]
+    for work, goal in zip(works, (np.inf, 1.0), strict=True):
+        refit(replace(look, work=work), wide, goal)
+    assert works[1].done < works[0].done

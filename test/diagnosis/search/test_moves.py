@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.option import put_down
-from trunk_ros.diagnosis.search.moves.swap_all import with_what_it_stood_for
+from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_what_it_stood_for
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 
@@ -319,3 +319,16 @@ def test_what_is_added_may_be_a_law_with_more_to_it() -> None:
     assert best is not None
     assert list(best.hypothesis) == ["wire_stiffening"]
     assert best.hypothesis["wire_stiffening"].shared["upstream"] > 0.8
+
+
+def test_a_law_in_the_place_of_one_that_it_includes_is_fitted_once_by_all_moves() -> None:
+    best, desk = fitted("sag", sag(range(5))), Desk()
+    (group,) = (g for g in SWAP_ALL.groups(best, desk) if g.what == "load_elasticity")
+    swapped = list(group.trials())
+    before = best.context.work.done
+    added = [trial for trial in with_more(best, desk) if "load_elasticity" not in trial.hypothesis]
+    again = best.context.work.done - before
+    assert added
+    assert all(any(trial is other for other in swapped) for trial in added)
+    list(with_more(best, Desk()))
+    assert again < 0.5 * (best.context.work.done - before - again)

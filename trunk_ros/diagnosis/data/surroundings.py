@@ -49,6 +49,8 @@ class View:
         default_factory=dict, init=False, repr=False, compare=False
     )
     """What is known at angles, and those: of long recordings only that of the last looks fits into memory."""
+    rests: dict[tuple[int, float], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """How columns rest from moments [s] on."""
 
     @cached_property
     def columns(self) -> list[Column]:
@@ -104,7 +106,7 @@ class View:
     def turned(self, angles: Array) -> View:
         """The same with the joints at other angles (m, joints); what does not go by these is there once."""
         other = replace(self, angles=angles)
-        vars(other).update(columns=self.columns, cuts=self.cuts, large=self.large)
+        vars(other).update(columns=self.columns, cuts=self.cuts, large=self.large, rests=self.rests)
         return other
 
     def only(self, rows: np.ndarray) -> View:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trunk_ros.diagnosis.cores import each
-from trunk_ros.diagnosis.evidence.rivals import Looks, by_its_own_angles, loss, rivals, without
+from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, loss, rivals, without
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH, SCATTER
@@ -134,14 +134,22 @@ def _natural(f: Free, hypothesis: Hypothesis, std: float, late: float) -> float:
     return std if f.parameter.moment else float(np.hypot(std, ROUGH * value))
 
 
-def evidence(state: Fit, whole: Fit | None = None) -> dict[str, Evidence]:
+def evidence(
+    state: Fit,
+    whole: Fit | None = None,
+    work: Work | None = None,
+    before: Mapping[str, Evidence] | None = None,
+) -> dict[str, Evidence]:
     """Evidence for each effect of a hypothesis; ``whole``: a fit of the same to more, for effects of which
-    ``state`` shows nothing.
+    ``state`` shows nothing. ``work``: where what is simulated for it is counted. ``before``: what is known of
+    some of them.
     """
-    names, work = list(state.hypothesis), Work()
+    known, work = before or {}, work or Work()
+    names = [name for name in state.hypothesis if name not in known]
     own, more = (replace(f, context=replace(f.context, work=work)) for f in (state, whole or state))
     told = each(work, lambda name: one_evidence(_showing(own, more, name), name), names)
-    return dict(zip(names, told, strict=True))
+    new = dict(zip(names, told, strict=True))
+    return {name: new[name] if name in new else known[name] for name in state.hypothesis}
 
 
 def banks_evidence(state: Fit, found: Mapping[str, Evidence]) -> dict[str, Evidence]:
@@ -190,7 +198,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     if effect(name).named:
         doubted = replace(bare, context=context.doubting())
         looks = Looks.of(doubted, [c for c in columns if c in context.columns])
-        fits = rivals(state, name, doubted, looks, limit)
+        fits = rivals(state, name, doubted, looks, limit or 1.0)
         out.rivals = {rival: lost for rival, (lost, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
         for rival in [rival for rival, lost in out.rivals.items() if lost < limit]:
@@ -229,7 +237,7 @@ def likely(limit: float, gain: float, losses: list[float]) -> float:
     """Probability that a name is right, from its gain and its rivals' losses, both against the ``limit`` that
     an effect must gain.
     """
-    margin = min(losses, default=5 * limit) / limit
+    margin = min(losses, default=FAR * limit) / limit
     surplus = gain / limit
     sure = 1.0 - np.exp(-0.5 * max(surplus, 0.0) - 0.3)
     ahead = 1.0 / (1.0 + np.exp(-2.0 * (margin + 0.6)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
+from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, is_open, usable
@@ -14,6 +15,9 @@ from trunk_ros.diagnosis.search.moves.swap_all import alike, inherited
 from trunk_ros.diagnosis.search.score import priced
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.effects import Effect, confused, effect
+
+FAR = 5.0
+"""Losses that tell: what loses so many is no rival, and how much it loses makes no difference."""
 
 Found = dict[str, tuple[float, Hypothesis]]
 """Loss of each rival, and the hypothesis with it."""
@@ -53,10 +57,10 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
     on all joints where others show too little of it to rule it out. Also of what the motion cannot show, as
     it cannot rule it out either. ``limit``: a loss that tells.
     """
-    context = bare.context
+    context, far = bare.context, FAR * limit
     columns = [c for c in state.hypothesis[name].columns if c in context.columns]
     kinds, like = [k for k in usable(context) if k.id != name], confused(name)
-    losses = _local_rivals(state, bare, looks, columns, [k for k in kinds if not k.everywhere], like)
+    losses = _local_rivals(state, bare, looks, columns, [k for k in kinds if not k.everywhere], like, far)
     whole = effect(name).everywhere or len(columns) == len(context.columns)
     others = [k for k in kinds if k.everywhere and k.id not in state.hypothesis and (whole or k.id in like)]
     screen = Screen(context, bare.hypothesis, None if others else [])
@@ -69,9 +73,17 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
             there = extended(context, bare.hypothesis, candidate)
             if whole or screen.may_come_to(there, candidate.gain) < state.total + limit:
                 tried = [there, *_as_it_is(bare, state.hypothesis[name], kind)]
-                trial = min((refit(context, one) for one in tried), key=lambda fit: fit.total)
+                trial = _best_of(context, tried, state.total + far)
                 losses[kind.id] = loss(state, trial), trial.hypothesis
     return losses
+
+
+def _best_of(context: Context, tried: list[Hypothesis], goal: float) -> Fit:
+    """The best of them, refitted; given up where they come neither to a ``goal`` nor below each other."""
+    best = refit(context, tried[0], goal)
+    for one in tried[1:]:
+        best = min(best, refit(context, one, min(goal, best.total)), key=lambda fit: fit.total)
+    return best
 
 
 def _as_it_is(bare: Fit, old: Term, kind: type[Effect]) -> list[Hypothesis]:
@@ -91,10 +103,11 @@ def loss(state: Fit, rival: Fit) -> float:
 
 
 def _local_rivals(
-    state: Fit, bare: Fit, looks: Looks, columns: list[int], kinds: list[type[Effect]], like: Collection[str]
-) -> Found:
+    state: Fit, bare: Fit, looks: Looks, columns: list[int], kinds: list[type[Effect]],
+    like: Collection[str], far: float,
+) -> Found:  # fmt: skip
     """The same of effects that a joint has by itself, of all ``like`` it among them; where a joint has one
-    already, that is refitted.
+    already, that is refitted. Given up where a joint loses as much as ``far``.
     """
     context, screen = bare.context, looks.screen
     new = {k.id: without(bare.hypothesis, k.id, columns) for k in kinds}
@@ -109,7 +122,8 @@ def _local_rivals(
         for c in columns:
             found = [x for x in ranked[c] if x.effect == name]
             trials = found or screen.forms(effect(name), c)[:1] if c in new[name] else []
-            fits = [refit_column(bare, extended(context, bare.hypothesis, x), c) for x in trials]
+            goal = state.cost[c] + far
+            fits = [refit_column(bare, extended(context, bare.hypothesis, x), c, goal) for x in trials]
             fits = [f for f in fits if c not in hidden(context, f.hypothesis[name])]
             best = min(fits, key=lambda f: f.cost[c], default=bare)
             cost[c] = best.cost[c]

@@ -4,7 +4,7 @@ is in no model.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Hashable, Iterator, Mapping
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import beats, score
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 
@@ -26,10 +27,13 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     """A fit and one of the same to what rivals are fitted to, without the names that gain less than they have
     to, or than a rival gains beyond them, and the evidence for the others. One at a time, the weakest first.
     A rival that turns out to be better takes the place of the name: a search that ended early may not have
-    come to it.
+    come to it. After each change evidence is gathered anew for what it touched; once the work that is granted
+    for that is spent, only for names that are new.
     """
+    work, found, before = state.context.work.besides(), dict[str, Evidence](), part
     while True:
-        found = evidence(part, state)
+        stands = {n: e for n, e in found.items() if work.over or _is_untouched(before, part, n)}
+        found, before = evidence(part, state, work, stands), part
         better, both = _better(part, found), part is state
         if better is not None:
             part = better
@@ -38,9 +42,19 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
         weak = {n: e.gain_share for n, e in found.items() if effect(n).named and n not in state.context.known}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
+            state.context.work.took(Work(done=work.done))  # no search ended early by it
             return state, part, found
         state = dropped(state, name)
         part = state if both else dropped(part, name)
+
+
+def _is_untouched(before: Fit, now: Fit, name: str) -> bool:
+    """Whether what is fitted on the joints of an effect is what was fitted there before."""
+    if name not in now.hypothesis or now.context is not before.context:
+        return False
+    shared = [[n for n in fit.hypothesis if effect(n).everywhere] for fit in (before, now)]
+    columns = now.context.columns if effect(name).everywhere else now.hypothesis[name].columns
+    return shared[0] == shared[1] and all(before.hypothesis.key(c) == now.hypothesis.key(c) for c in columns)
 
 
 def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
@@ -71,16 +85,39 @@ def harmless(state: Fit) -> Fit:
 
     One at a time, the worst first. What the model has already stays.
     """
-    while (worst := _worst(state)) is not None:
-        state = dropped(state, *worst)
+    known: dict[Hashable, Array] = {}
+    while (worst := _worst(state, known)) is not None:
+        before, state = state.context, dropped(state, *worst)
+        known = known if state.context is before else {}
     return state
 
 
-def _worst(state: Fit) -> tuple[str, int | None] | None:
-    some = list(_removable(state))
-    harm = dict(zip(some, each(state.context.work, lambda which: _harm(state, *which), some), strict=True))
+def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] | None:
+    """What does most harm. ``known``: what hypotheses leave of blocks that they have not seen, by all that
+    this depends on; what did not change is not fitted anew.
+    """
+    asked: dict[Hashable, tuple[Hypothesis, list[int]]] = {}
+    some: dict[tuple[str, int | None], tuple[Hashable, Hashable]] = {}
+    for name, column in _removable(state):
+        columns = state.hypothesis[name].columns if column is None else [column]
+        columns = [c for c in columns if c in state.context.columns]
+        pair = state.hypothesis, state.hypothesis.without(name, column)
+        with_it, without = (_all_of(state.context, one, columns) for one in pair)
+        some[name, column] = with_it, without
+        asked |= {with_it: (pair[0], columns), without: (pair[1], columns)}
+    new = [key for key in asked if key not in known]
+    left = each(state.context.work, lambda key: unseen(state.context, *asked[key]), new)
+    known |= dict(zip(new, left, strict=True))
+    harm = {which: _harm(known[with_it], known[without]) for which, (with_it, without) in some.items()}
     worst = max(harm, key=harm.__getitem__, default=None)
     return worst if worst is not None and harm[worst] > 0.0 else None
+
+
+def _all_of(context: Context, hypothesis: Hypothesis, columns: list[int]) -> Hashable:
+    """What a fit of some columns depends on."""
+    fitted = [c for group in groups(context, hypothesis) if set(group) & set(columns) for c in group]
+    given = tuple((c, tuple(term.given for term in hypothesis.on(c))) for c in fitted)
+    return (*columns, given, *(hypothesis.key(c) for c in fitted))
 
 
 def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
@@ -90,12 +127,9 @@ def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
             yield from ((name, c) for c in ([None] if effect(name).everywhere and seen else seen))
 
 
-def _harm(state: Fit, name: str, column: int | None) -> float:
-    """By how much squared unit-noise residuals that a fit has not seen are larger with an effect."""
-    columns = state.hypothesis[name].columns if column is None else [column]
-    columns = [c for c in columns if c in state.context.columns]
-    with_it = unseen(state.context, state.hypothesis, columns)
-    harm = with_it - unseen(state.context, state.hypothesis.without(name, column), columns)
+def _harm(with_it: Array, without: Array) -> float:
+    """By how much squared unit-noise residuals (BLOCKS,) are larger with an effect, for sure."""
+    harm = with_it - without
     return float(harm.sum() - np.sqrt(np.sum((harm - harm.mean()) ** 2)))
 
 

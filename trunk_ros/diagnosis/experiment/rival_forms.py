@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from trunk_ros.diagnosis.evidence.evidence import Evidence, doubt
 from trunk_ros.diagnosis.evidence.rivals import by_its_own_angles
 from trunk_ros.diagnosis.experiment.discrimination import Duel, Other
@@ -31,7 +33,10 @@ def forms_of(state: Fit, there: Hypothesis, name: str, limit: float) -> list[Oth
     trials = [in_form(there, name, form) for form in kind.forms if kind.own_parameters(form)]
     if kind.texts:
         trials += [from_source(there, name, joint, context.joints) for joint in context.joints]
-    tried = [refit(context, trial) for trial in trials or [there]]
+    tried: list[Fit] = []
+    for trial in trials or [there]:
+        least = min((fit.total for fit in tried), default=np.inf)
+        tried.append(refit(context, trial, max(least, state.total + limit)))
     tried = [by_its_own_angles(state, fit.hypothesis) or fit for fit in tried]
     fits = sorted(tried, key=lambda fit: fit.total)
     close = [fit for fit in fits[1:REFITTED] if fit.total - state.total < limit]

@@ -88,6 +88,7 @@ class Desk:
     """Candidates on all joints together, by all that a look at them depends on."""
     been: dict[Hashable, Hypothesis] = field(default_factory=dict)
     """By structure: how the search last stood on it."""
+    _trials: dict[Hashable, dict[Hashable, list[Fit]]] = field(default_factory=dict)
 
     def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
         """Whether a group was tried in a state that is nearly the same, and gained too little."""
@@ -105,6 +106,12 @@ class Desk:
     def looks_at(self, best: Fit, column: int) -> Kept:
         """The looks at a column that are kept."""
         return self.kept_looks.setdefault((column, state_of(best, [column])), {})
+
+    def trials_in(self, state: Hashable) -> dict[Hashable, list[Fit]]:
+        """The trials on all joints that are kept in a state; those in another one are forgotten."""
+        if state not in self._trials:
+            self._trials = {state: {}}
+        return self._trials[state]
 
     def stands_on(self, best: Fit) -> None:
         """The search has come to a structure."""
@@ -222,13 +229,23 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             saved = score(best) - best.total
             if best.total - max(promised - saved, 0.0) / PROMISED > desk.goal:
                 continue
-            trials = list(group.trials())
+            trials = _as_many_as_may_be(group, best)
             found = min(trials, key=score, default=best)
             for trial in (_plainest(found, trials, best, desk), found):
                 if desk.pays(score(best) - score(trial), best) and _is_new(trial, best, desk):
                     return move, trial
             desk.note(move, group, best, score(best) - score(found))
     return None
+
+
+def _as_many_as_may_be(group: Group, best: Fit) -> list[Fit]:
+    """The trials of a group, or the first ones where the work that is granted ends before."""
+    trials = []
+    for trial in group.trials():
+        trials.append(trial)
+        if best.context.work.over:
+            break
+    return trials
 
 
 def _plainest(found: Fit, trials: list[Fit], best: Fit, desk: Desk) -> Fit:

@@ -95,6 +95,13 @@ class Residuals:
                         slope[:] = 0.0
                 yield some, out.T
 
+    def but_for(self, x: Array, spared: int) -> float:
+        """Squared residuals without what so many of the worst columns have above the noise."""
+        cost = [float(part @ part) for part in self.parts(x)]
+        pairs = zip(self.columns, cost, strict=True) if 0 < spared < len(cost) else ()
+        over = sorted((left - self.context.least_noise(c) for c, left in pairs), reverse=True)
+        return sum(cost) - sum(over[:spared])
+
     def steps(self, x: Array) -> Array:
         """(free,) by which each value is moved to see what it does, away from a bound that is near."""
         return STEP * self.scale * np.where(x + STEP * self.scale <= bounds(self.free)[1], 1.0, -1.0)
@@ -116,44 +123,62 @@ class Residuals:
         return side, square
 
 
-def fit(context: Context, hypothesis: Hypothesis, columns: list[int], goal: float = np.inf) -> Fit:
-    """Fit what is free on ``columns``; given up where the squared residuals will not come down to ``goal``.
+def fit(
+    context: Context, hypothesis: Hypothesis, columns: list[int], goal: float = np.inf, spared: int = 0
+) -> Fit:
+    """Fit what is free on ``columns``; given up where the squared residuals will not come down to ``goal``,
+    even without what is left of the worst columns, so many of which may be ``spared``.
 
     Shared values move only where all joints that they act on are among the columns.
     """
     residuals = Residuals(context, hypothesis, columns)
     x = hypothesis.get(residuals.free)
     if len(x):
-        x = minimise(residuals, np.clip(x, *bounds(residuals.free)), ROUNDS, goal)
+        x = minimise(residuals, np.clip(x, *bounds(residuals.free)), ROUNDS, goal, spared)
     cost = {c: float(part @ part) for c, part in zip(columns, residuals.parts(x), strict=True)}
     return Fit(hypothesis.put(residuals.free, x), cost, context)
 
 
-def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf) -> Fit:
+def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf, spared: int = 0) -> Fit:
     """Fit joint by joint, or all at once where they share values; with an effect of load, in its own
-    postures. Joints that share are given up where their squared residuals will not come down to ``goal``.
+    postures. Given up where the squared residuals of all will not come down to ``goal``, even without what is
+    left of the worst joints, so many of which may be ``spared`` since something else will explain it.
     """
-    done = _refit(context, hypothesis, goal)
+    done = _refit(context, hypothesis, goal, spared)
     if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
         seen = context.seen_with(done.hypothesis)
-        done = done if seen is context else _refit(seen, done.hypothesis, goal)
+        done = done if seen is context else _refit(seen, done.hypothesis, goal, spared)
     for _ in range(SHAKES if hypothesis.shakes else 0):
         seen = done.context.seen_with(done.hypothesis)
         if seen is done.context:
             break
-        before, done = done, _refit(seen, done.hypothesis, goal)
-        if done.total - goal > abs(before.total - done.total):  # what is still to come is a part of that
+        before, done = done, _refit(seen, done.hypothesis, goal, spared)
+        if not spared and done.total - goal > abs(before.total - done.total):  # what is to come is less
             break
     return done
 
 
-def _refit(context: Context, hypothesis: Hypothesis, goal: float) -> Fit:
+def _refit(context: Context, hypothesis: Hypothesis, goal: float, spared: int) -> Fit:
     cost: dict[int, float] = {}
     for group in groups(context, hypothesis):
-        done = fit(context, hypothesis, group, goal if len(group) > 1 else np.inf)
+        done = fit(context, hypothesis, group, _goal_of(context, group, cost, goal, spared), spared)
         hypothesis = done.hypothesis
         cost |= done.cost
     return Fit(hypothesis, cost, context)
+
+
+def _goal_of(context: Context, group: list[int], cost: dict[int, float], goal: float, spared: int) -> float:
+    """What the squared residuals of a group have to come to, where those fitted before it have a ``cost`` and
+    all others come down to the noise.
+    """
+    if np.isinf(goal):
+        return goal
+    left = goal - sum(context.least_noise(c) for c in context.columns if c not in (*cost, *group))
+    left -= sum(cost.values())
+    over = sorted((left_there - context.least_noise(c) for c, left_there in cost.items()), reverse=True)
+    if len(group) == 1 and spared and left + sum(over[: spared - 1]) > context.least_noise(group[0]):
+        return np.inf  # it may be one of those itself
+    return left + sum(over[:spared])
 
 
 def groups(context: Context, hypothesis: Hypothesis) -> list[list[int]]:
@@ -185,7 +210,7 @@ def costed(context: Context, hypothesis: Hypothesis) -> Fit:
     return Fit(hypothesis, cost, context)
 
 
-def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) -> Array:
+def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf, spared: int = 0) -> Array:
     """Levenberg-Marquardt within bounds. Values that are good enough stay as they are, so that what is known
     of them stays true. It ends where a round gained too little, or as much as its linear look had promised:
     then the next would.
@@ -211,9 +236,10 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf) 
                 break
             damping = max(damping, 1e-6) * 6.0
         enough = max(GAINED, GAINED * 1e-4 * cost)
-        hopeless = done > SETTLED and (rounds - done) * (before - cost) < cost - goal
-        if before - cost < enough or hopeless:
+        if before - cost < enough:
             break
+        if done > SETTLED and (rounds - done) * (before - cost) < residuals.but_for(x, spared) - goal:
+            break  # it is hopeless
         most = looked - np.clip(looked - _step(normal, slope, 0.0, looked, low, high), low, high)
         if _unforeseen(normal, slope, looked - x, most, before - cost) < enough:
             break

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended
@@ -30,10 +32,13 @@ class Look:
 
 
 def column_trials(
-    best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int, kept: Kept | None = None
-) -> Iterator[Fit]:
-    """The most promising effects on a joint of ``bare``, refitted there where they may beat ``best``."""
-    yield from refitted(best, column, looks(best, bare, column, kinds, most, kept=kept))
+    best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int, kept: Kept | None = None,
+    goal: float = np.inf,
+) -> Iterator[Fit]:  # fmt: skip
+    """The most promising effects on a joint of ``bare``, refitted there where they may beat ``best``, and
+    bring the score to a ``goal``.
+    """
+    yield from refitted(best, column, looks(best, bare, column, kinds, most, kept=kept), goal)
 
 
 def looks(
@@ -68,12 +73,14 @@ def most_promising(best: Fit, column: int, found: Iterable[Look], most: int) -> 
     return [*found[:most], *(look for look in found[most:] if look.always)]
 
 
-def refitted(best: Fit, column: int, found: Iterable[Look]) -> Iterator[Fit]:
-    """Those that may beat ``best``, and what was better before them, refitted on their joint."""
+def refitted(best: Fit, column: int, found: Iterable[Look], goal: float = np.inf) -> Iterator[Fit]:
+    """Those that may beat ``best``, and what was better before them, and bring the score to a ``goal``,
+    refitted on their joint.
+    """
     for look in found:
-        goal = _goal(best, look.hypothesis, column)
-        if look.always or look.left - look.gain / PROMISED <= goal:
-            trial = refit_column(best, look.hypothesis, column, goal)
+        needed = _goal(best, look.hypothesis, column, goal)
+        if look.always or look.left - look.gain / PROMISED <= needed:
+            trial = refit_column(best, look.hypothesis, column, needed)
             if score(trial) < score(best):
                 best = trial
             yield trial
@@ -84,9 +91,11 @@ def may_win(best: Fit, there: Hypothesis, screen: Screen, gain: float) -> bool:
     return screen.may_come_to(there, gain) + priced(Fit(there, {}, best.context)) <= score(best)
 
 
-def refit_to_win(best: Fit, there: Hypothesis) -> Fit:
-    """A hypothesis refitted on all joints, given up where it will not beat ``best``."""
-    return refit(best.context, there, score(best) - priced(Fit(there, {}, best.context)))
+def refit_to_win(best: Fit, there: Hypothesis, spared: int = 0) -> Fit:
+    """A hypothesis refitted on all joints, given up where it will not beat ``best``, even without what is
+    left of the worst ones, so many of which may be ``spared``.
+    """
+    return refit(best.context, there, score(best) - priced(Fit(there, {}, best.context)), spared)
 
 
 def refit_column_to_win(best: Fit, there: Hypothesis, column: int) -> Fit:
@@ -94,7 +103,9 @@ def refit_column_to_win(best: Fit, there: Hypothesis, column: int) -> Fit:
     return refit_column(best, there, column, _goal(best, there, column))
 
 
-def _goal(best: Fit, hypothesis: Hypothesis, column: int) -> float:
-    """What a joint's squared residuals have to come to for the score to be as good as that of ``best``."""
+def _goal(best: Fit, hypothesis: Hypothesis, column: int, goal: float = np.inf) -> float:
+    """What a joint's squared residuals have to come to for the score to be as good as that of ``best``, and
+    as a ``goal``.
+    """
     others = Fit(hypothesis, {c: cost for c, cost in best.cost.items() if c != column}, best.context)
-    return score(best) - priced(others)
+    return min(score(best), goal) - priced(others)

@@ -57,7 +57,7 @@ def additions(best: Fit, desk: Desk) -> Iterator[Fit]:
     with more to them than what is there.
     """
     leader = best
-    for trial in chain(with_more(best), on_joints(best, desk)):
+    for trial in chain(with_more(best, desk), on_joints(best, desk)):
         leader = min(leader, trial, key=score)
         yield trial
     yield from everywhere(best, desk, leader)
@@ -191,6 +191,8 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         return
     screen = Screen(context, best.hypothesis)
     for candidate in promising(best, desk, screen, kinds):
+        if context.work.over:
+            return
         there = extended(context, best.hypothesis, candidate)
         if not may_win(leader, there, screen, candidate.gain):
             continue

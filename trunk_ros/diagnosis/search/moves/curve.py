@@ -65,6 +65,8 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
     """With curves on all joints that are better off with one."""
     now = best
     for column in columns:
+        if best.context.work.over:
+            break
         local = own_effects(now.hypothesis, column)
         named = all(effect(name).named for name in local)
         key = ("curve", column, *state_of(now, [column]))

@@ -41,7 +41,10 @@ def _further(now: Fit, desk: Desk, column: int) -> list[Fit]:
 
 def _grown(now: Fit, desk: Desk, column: int) -> Fit:
     """With what then explains most of the joint, as long as that pays."""
-    while beats(best := min(_further(now, desk, column), key=score, default=now), now):
+    while not now.context.work.over:
+        best = min(_further(now, desk, column), key=score, default=now)
+        if not beats(best, now):
+            break
         now = best
     return now
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from functools import partial
+
+import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -21,7 +23,7 @@ from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.swap_many import on_most
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
-from trunk_ros.diagnosis.search.trial import PROMISING, column_trials
+from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, refit_to_win
 from trunk_ros.effects import Effect, effect
 
 
@@ -42,7 +44,7 @@ def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Ite
     like = [kind for kind in kinds if alike(kind, effect(name))]
     others = [kind for kind in kinds if kind not in like]
     for kind in like:
-        yield from _inherited(best, bare, name, kind)
+        yield from _inherited(best, desk, name, kind)
     if not others:
         return
     screen = Screen(best.context, bare)
@@ -52,9 +54,11 @@ def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Ite
         for candidate in screen.all_everywhere(kind):
             there = extended(best.context, bare, candidate)
             least = PROMISED * min(sum(lost.values()), SIGNIFICANT)
+            if best.context.work.over:
+                return
             if candidate.gain <= least or not (again or _may_promise(there, candidate.gain, screen, lost)):
                 continue
-            trial = refit(best.context, there)
+            trial = refit(best.context, there, np.inf if again else _half_of(screen, lost))
             if _promises(trial, screen, lost, again):
                 trial = dated(trial, kind.id)
                 if not _is_shown(trial, kind.id):
@@ -70,10 +74,14 @@ def _is_shown(trial: Fit, name: str) -> bool:
     return bool(set(term.columns) & set(trial.context.columns) - set(hidden(trial.context, term)))
 
 
+def _half_of(screen: Screen, lost: dict[int, float]) -> float:
+    """Squared residuals with half of what another effect explained."""
+    return sum(map(screen.left, lost)) - PROMISED * sum(lost.values())
+
+
 def _may_promise(there: Hypothesis, gain: float, screen: Screen, lost: dict[int, float]) -> bool:
     """Whether an effect may explain half of what the other one did, by a linear look."""
-    left = sum(screen.left(c) for c in lost)
-    return left - screen.may_come_to(there, gain) > PROMISED * sum(lost.values())
+    return screen.may_come_to(there, gain) < _half_of(screen, lost)
 
 
 def alike(kind: type[Effect], other: type[Effect]) -> bool:
@@ -81,13 +89,38 @@ def alike(kind: type[Effect], other: type[Effect]) -> bool:
     return bool({kind.id, *kind.replaces} & {other.id, *other.replaces})
 
 
-def _inherited(best: Fit, bare: Hypothesis, name: str, kind: type[Effect]) -> Iterator[Fit]:
-    old = best.hypothesis[name]
-    ways = [old, replace(old, given=frozenset())] if old.given else [old]
-    for there in [there for way in ways for there in inherited(best.context, bare, way, kind)]:
-        trial = refit(best.context, there)
+def _inherited(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterator[Fit]:
+    """One effect in the place of another, by what it includes; kept while nothing changes."""
+    kept = desk.trials_in(_all_of(best))
+    if (name, kind.id) in kept:
+        yield from kept[name, kind.id]
+        return
+    trials = []
+    for trial in _heirs(best, name, kind):
         yield trial
-        yield with_what_it_stood_for(best, trial)
+        trials.append(trial)
+    kept[name, kind.id] = trials
+
+
+def _heirs(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
+    """Each given up where it will not beat those before it, even with what few joints need beside it."""
+    old, bare, leader = best.hypothesis[name], best.hypothesis.without(name), best
+    ways = [old, replace(old, given=frozenset())] if old.given else [old]
+    few = (len(best.cost) - 1) // 2
+    for there in [there for way in ways for there in inherited(best.context, bare, way, kind)]:
+        trial = refit_to_win(leader, there, few)
+        yield trial
+        mended = with_what_it_stood_for(best, trial)
+        leader = min(leader, trial, mended, key=score)
+        yield mended
+
+
+def _all_of(best: Fit) -> Hashable:
+    """All that trials on all joints depend on."""
+    context = best.context
+    given = tuple((term.effect, term.given) for term in best.hypothesis.values())
+    keys = (best.hypothesis.key(c) for c in context.columns)
+    return (context.look, context.claims, context.noise, given, *keys)
 
 
 def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect]) -> list[Hypothesis]:
@@ -116,11 +149,16 @@ def with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
     """
     context = trial.context
     worse = [c for c, cost in trial.cost.items() if cost - was.cost[c] > need(context, c, was.rest(c))]
-    for column in worse if 2 * len(worse) < len(trial.cost) else ():
+    if 2 * len(worse) >= len(trial.cost):
+        return trial
+    may_go = {c: trial.cost[c] - context.least_noise(c) for c in worse}
+    for column in worse:
+        if score(trial) - sum(may_go.values()) >= score(was):
+            break  # whatever explains it
+        goal = score(was) + sum(may_go.values()) - may_go.pop(column)
         kinds = open_kinds(context, trial.hypothesis, column)
-        trial = min(
-            column_trials(trial, trial.hypothesis, column, kinds, PROMISING), key=score, default=trial
-        )
+        found = column_trials(trial, trial.hypothesis, column, kinds, PROMISING, goal=goal)
+        trial = min(found, key=score, default=trial)
     return trial
 
 
@@ -189,19 +227,19 @@ def _with_less(best: Fit, desk: Desk) -> Iterator[Group]:
             yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
 
 
-def with_more(best: Fit) -> Iterator[Fit]:
+def with_more(best: Fit, desk: Desk) -> Iterator[Fit]:
     """Each effect by what includes it: a law with more to it explains as a further effect would; and with
     options of its own, which the other one is looked for with.
     """
     for name in best.hypothesis:
         kinds = [k for k in _further(best) if name in k.replaces]
         for kind in kinds:
-            yield from _inherited(best, best.hypothesis.without(name), name, kind)
+            yield from _inherited(best, desk, name, kind)
         for option in effect(name).options(best.hypothesis[name].form) if kinds else ():
             if option.keys() - best.hypothesis[name].shared.keys():
                 there = best.hypothesis.copy()
                 there[name].shared = option | there[name].shared
-                yield refit(best.context, there)
+                yield refit_to_win(best, there)
 
 
 def _further(best: Fit) -> list[type[Effect]]:
