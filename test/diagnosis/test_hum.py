@@ -12,7 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.hum import _beside, _physics, hums
+from trunk_ros.diagnosis.data.sensing.hum import _beside, _physics, hums, tone
 from trunk_ros.diagnosis.data.sensing.physics import apart, motion_of
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
@@ -98,6 +98,19 @@ def test_what_a_steady_motion_does_to_joints_that_are_alike_is_no_hum(model: Mod
     alike = replace(model, arm=replace(model.arm, dead_band=np.full(5, 2e-3)))
     moving = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + PHASES)
     assert clocks_put_right(_recording(alike, 0.0 * moving, moving), model).observed == ()
+
+
+def test_where_all_joints_swing_physics_may_make_waves_of_one_size(model: Model) -> None:
+    """However far behind: one joint answers by its ratio, another one by its friction."""
+    swings = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + 1.7 * PHASES)
+    slow = 0.1 * np.sin(2 * np.pi * np.array([0.11, 0.13, 0.17, 0.19, 0.23]) * STAMP[:, None])
+    off = _tone(FREQUENCY, np.full(5, SIZE)) + NOISE * np.random.default_rng(2).standard_normal((len(STAMP), 5))
+    found = [
+        tone(STAMP, off, asked, lambda _: np.ones((len(STAMP), 1)), 2.0) for asked in (slow, swings + slow)
+    ]
+    assert found[0] is not None
+    assert found[0].frequency == pytest.approx(FREQUENCY, abs=1e-3)
+    assert found[1] is None
 
 
 def test_what_late_readings_do_to_a_joint_leaves_nothing_that_may_be_hum(model: Model) -> None:

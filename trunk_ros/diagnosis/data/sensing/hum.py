@@ -19,7 +19,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, apart, basis, motion_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, NEARLY, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
@@ -130,7 +130,7 @@ def tone(
         return None
     plain = [Band.of(stamp, first, one[:, None]) for one in asked.T]
     driving = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))
-    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, seen, driving):
+    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, driving):
         return None
     return Hum(frequency, mean, known, seen)
 
@@ -156,14 +156,10 @@ def _shared(stamp: Array, waves: _Waves, power: Array, first: float) -> float:
     return float(found.x)
 
 
-def _driven(frequency: float, stamp: Array, seen: Array, asked: _Waves) -> bool:
-    """Whether the motion that was ``asked`` may make the waves that were ``seen`` (2, joints): every joint
-    swings with that frequency itself, and its wave is as far behind that as the others' are behind theirs.
-    """
+def _driven(frequency: float, stamp: Array, asked: _Waves) -> bool:
+    """Whether the motion that was ``asked`` may make waves of a frequency: every joint swings with it."""
     own, beside = _lines(frequency, stamp, asked)
-    behind = np.angle(np.exp(1j * (np.arctan2(*seen) - np.arctan2(*own))) ** 2)
-    in_step = float(np.abs(np.mean(np.exp(1j * behind))))
-    return bool(np.all(np.hypot(*own) > CERTAIN * beside)) and in_step > NEARLY
+    return bool(np.all(np.hypot(*own) > SURE * beside))
 
 
 def _lines(frequency: float, stamp: Array, waves: _Waves) -> tuple[Array, Array]:
