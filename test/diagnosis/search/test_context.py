@@ -76,3 +76,18 @@ def test_a_search_that_runs_out_of_work_gives_the_best_so_far() -> None:
 def test_the_same_search_takes_the_same_steps_again() -> None:
     found = [(work.done, state.hypothesis.key(2), state.total) for state, work in (once(), searched())]
     assert found[0] == found[1]
+
+
+def test_a_search_that_runs_out_of_work_finds_out_how_what_it_put_in_last_is_what_it_is() -> None:
+    """Wires that stretch under a weight that nobody declared: the weight is an option of the stretch."""
+    start = context("payload")
+    whole = Work()
+    done = search(replace(start, work=whole), Desk())
+    assert "payload" in done.hypothesis["load_elasticity"].shared
+    steps = len(start.views[0].span.grid)
+    said: list[int] = []
+    work = Work()
+    search(replace(start, work=work), Desk(lambda _: said.append(work.done)))
+    short = search(replace(start, work=Work(said[0] + steps)), Desk())
+    assert short.context.work.over
+    assert "payload" in short.hypothesis["load_elasticity"].shared
