@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.work import Work
+from trunk_ros.effects.lasting import Payload
 
 
 def searched() -> tuple[Fit, Work]:
@@ -91,3 +92,16 @@ def test_a_search_that_runs_out_of_work_finds_out_how_what_it_put_in_last_is_wha
     short = search(replace(start, work=Work(said[0] + steps)), Desk())
     assert short.context.work.over
     assert "payload" in short.hypothesis["load_elasticity"].shared
+
+
+def test_when_a_payload_is_there_is_worked_out_once_for_all_masses_and_joints() -> None:
+    view, when = context("picked up").views[0], (("from", 9.0),)
+    loads = {
+        (mass, c): view.now(view.arm, c, Payload(mass, when)).load for mass in (0.1, 0.2) for c in (1, 2)
+    }
+    assert [*view.there].count(when) == 1
+    for c in (1, 2):
+        bare = view.load[:, c : c + 1]
+        assert loads[0.2, c] - bare == pytest.approx(2.0 * (loads[0.1, c] - bare))
+        assert not (loads[0.1, c] - bare)[view.span.grid < 8.9].any()
+        assert (loads[0.1, c] - bare)[view.span.grid > 9.1].all()
