@@ -40,7 +40,11 @@ class Payload(NamedTuple):
 
     def at(self, stamp: Array) -> Array:
         """(n, 1) kg at ``stamp`` (n,) s."""
-        return self.mass * share(stamp, {name: np.array([value]) for name, value in self.when}, 1)
+        return self.mass * self.share(stamp)
+
+    def share(self, stamp: Array) -> Array:
+        """(n, 1): how much of it is there at ``stamp`` (n,) s."""
+        return share(stamp, {name: np.array([value]) for name, value in self.when}, 1)
 
 
 NOTHING = Payload()

@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.work import Work
+from trunk_ros.effects.lasting import Payload
 
 
 def searched() -> tuple[Fit, Work]:
@@ -76,3 +77,31 @@ def test_a_search_that_runs_out_of_work_gives_the_best_so_far() -> None:
 def test_the_same_search_takes_the_same_steps_again() -> None:
     found = [(work.done, state.hypothesis.key(2), state.total) for state, work in (once(), searched())]
     assert found[0] == found[1]
+
+
+def test_a_search_that_runs_out_of_work_finds_out_how_what_it_put_in_last_is_what_it_is() -> None:
+    """Wires that stretch under a weight that nobody declared: the weight is an option of the stretch."""
+    start = context("payload")
+    whole = Work()
+    done = search(replace(start, work=whole), Desk())
+    assert "payload" in done.hypothesis["load_elasticity"].shared
+    steps = len(start.views[0].span.grid)
+    said: list[int] = []
+    work = Work()
+    search(replace(start, work=work), Desk(lambda _: said.append(work.done)))
+    short = search(replace(start, work=Work(said[0] + steps)), Desk())
+    assert short.context.work.over
+    assert "payload" in short.hypothesis["load_elasticity"].shared
+
+
+def test_when_a_payload_is_there_is_worked_out_once_for_all_masses_and_joints() -> None:
+    view, when = context("picked up").views[0], (("from", 9.0),)
+    loads = {
+        (mass, c): view.now(view.arm, c, Payload(mass, when)).load for mass in (0.1, 0.2) for c in (1, 2)
+    }
+    assert [*view.there].count(when) == 1
+    for c in (1, 2):
+        bare = view.load[:, c : c + 1]
+        assert loads[0.2, c] - bare == pytest.approx(2.0 * (loads[0.1, c] - bare))
+        assert not (loads[0.1, c] - bare)[view.span.grid < 8.9].any()
+        assert (loads[0.1, c] - bare)[view.span.grid > 9.1].all()

@@ -51,6 +51,10 @@ class View:
     """What is known at angles, and those: of long recordings only that of the last looks fits into memory."""
     rests: dict[tuple[int, float], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
     """How columns rest from moments [s] on."""
+    there: dict[tuple[tuple[str, float], ...], Array] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    """How much of a payload is there, by its moments."""
 
     @cached_property
     def columns(self) -> list[Column]:
@@ -106,7 +110,8 @@ class View:
     def turned(self, angles: Array) -> View:
         """The same with the joints at other angles (m, joints); what does not go by these is there once."""
         other = replace(self, angles=angles)
-        vars(other).update(columns=self.columns, cuts=self.cuts, large=self.large, rests=self.rests)
+        kept = {"cuts": self.cuts, "large": self.large, "rests": self.rests, "there": self.there}
+        vars(other).update(kept, columns=self.columns)
         return other
 
     def only(self, rows: np.ndarray) -> View:
@@ -138,9 +143,19 @@ class View:
         one = slice(column, column + 1)
         load = self.load[:, one]
         if payload.mass:
-            mass = payload.mass if payload.always else payload.at(self.span.grid)
+            mass = payload.mass if payload.always else payload.mass * self._there(payload)
             load = load + mass * self.lever[:, one]
         return np.ascontiguousarray(load)
+
+    def _there(self, payload: Payload) -> Array:
+        """(m, 1) how much of a payload is there: all joints ask for it, and a fit with one mass after the
+        other.
+        """
+        if payload.when not in self.there:
+            for old in [*self.there][: max(len(self.there) + 1 - max(LOOKED // len(self.angles), 1), 0)]:
+                del self.there[old]
+            self.there[payload.when] = payload.share(self.span.grid)
+        return self.there[payload.when]
 
     def _of(self, column: int) -> tuple[Array, Array]:
         """Gearbox angle and speed at the joint of one joint, (m, 1) each."""

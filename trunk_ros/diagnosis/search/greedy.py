@@ -5,13 +5,14 @@ Where that leaves much, the best first step led astray: the next best ones are g
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import LITTLE, REFITTED
-from trunk_ros.diagnosis.search.descent import Desk, descend
+from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, PLAINER
@@ -32,13 +33,25 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
         if incomplete(best):
             again = Desk(desk.say, vain=desk.vain)
             best = better_of(best, descend(renewed(other), MOVES, again, steady=True))
-    work, done = best.context.work, renewed(best)
-    ends = ((DROP, PLAINER, FURTHER_JOINTS), (DROP, CURVE)) if work.over else ((DROP,),)
-    for moves in ends:
-        closing = work.besides()
-        done = descend(replace(done, context=replace(done.context, claims=True, work=closing)), moves, desk)
-        work.took(closing)
-    return plain(replace(done, context=replace(done.context, work=work)))
+    over = best.context.work.over
+    done = renewed(_besides(best, _settling(best), desk) if over else best)
+    done = replace(done, context=replace(done.context, claims=True))
+    for moves in ((DROP, PLAINER, FURTHER_JOINTS), (DROP, CURVE)) if over else ((DROP,),):
+        done = _besides(done, moves, desk)
+    return plain(done)
+
+
+def _settling(best: Fit) -> list[Move]:
+    """What finds out how the effect that was put in last is what it is: the search may have ended before."""
+    return [of(move, *list(best.hypothesis)[-1:]) for move in MOVES if move.settles]
+
+
+def _besides(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
+    """What some moves make of a fit by the work that is granted on top."""
+    work, closing = best.context.work, best.context.work.besides()
+    done = descend(replace(best, context=replace(best.context, work=closing)), moves, desk)
+    work.took(closing)
+    return replace(done, context=replace(done.context, work=work))
 
 
 def incomplete(best: Fit) -> bool:
