@@ -104,7 +104,8 @@ def test_where_all_joints_swing_physics_may_make_waves_of_one_size(model: Model)
     """However far behind: one joint answers by its ratio, another one by its friction."""
     swings = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + 1.7 * PHASES)
     slow = 0.1 * np.sin(2 * np.pi * np.array([0.11, 0.13, 0.17, 0.19, 0.23]) * STAMP[:, None])
-    off = _tone(FREQUENCY, np.full(5, SIZE)) + NOISE * np.random.default_rng(2).standard_normal((len(STAMP), 5))
+    noise = np.random.default_rng(2).standard_normal(slow.shape)
+    off = _tone(FREQUENCY, np.full(5, SIZE)) + NOISE * noise
     found = [
         tone(STAMP, off, asked, lambda _: np.ones((len(STAMP), 1)), 2.0) for asked in (slow, swings + slow)
     ]

@@ -69,15 +69,10 @@ class Term:
         used = {p.name for p in effect(self.effect).used(self.form) if not p.shared}
         self.own[column] = {name: value for name, value in values.items() if name in used}
 
-    def moments(self, column: int) -> tuple[str, ...]:
-        """Which of its beginnings and ends on a joint are said."""
-        return tuple(m.name for m in effect(self.effect).moments() if m.moment and m.name in self.own[column])
-
-    @property
-    def timed(self) -> bool:
-        """Whether it does not act all the time, or not alike."""
-        shared = {m.name for m in effect(self.effect).moments() if m.moment}.intersection(self.shared)
-        return bool(shared) or any(map(self.moments, self.own))
+    def moments(self, column: int | None) -> tuple[str, ...]:
+        """Which of its beginnings and ends on a joint are said; None: of all its joints at once."""
+        values = self.shared if column is None else self.own[column]
+        return tuple(m.name for m in effect(self.effect).moments() if m.moment and m.name in values)
 
     def values(self, column: int) -> dict[str, float]:
         """All values for one joint, the shared ones included."""

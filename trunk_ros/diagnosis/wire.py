@@ -197,7 +197,8 @@ def begun(seen: Now, order: Order, width: Array, levels: Array) -> State:
     if np.all(last == len(u) - 1):
         off = levels[-1] - middle(shown[1:])
     else:
-        off = np.array([levels[k] - middle(shown[min(k, 1) : k + 1, c : c + 1])[0] for c, k in enumerate(last)])
+        seen_then = [middle(shown[min(k, 1) : k + 1, c : c + 1])[0] for c, k in enumerate(last)]
+        off = levels[last] - np.array(seen_then)
     ends = np.concatenate([start + off, start])
     _, stuck = element.run(ends, core.width[:1], None)
     return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)

@@ -246,8 +246,8 @@ def test_a_curve_takes_the_place_of_one_name_that_comes_in_many_steps() -> None:
     assert found is not None
     assert set(found.hypothesis) == {"unknown_gain"}
     assert found.hypothesis["unknown_gain"].words == {2: {"on": "time"}}
-    twice = Term("ratio_error", own={2: {"relative": 0.02}}), Term("backlash", own={2: {"half_width": 1.5e-3}})
-    assert best_of(MOVE["curve"], fitted("two", *twice)) is None
+    ratio = Term("ratio_error", own={2: {"relative": 0.02}})
+    assert best_of(MOVE["curve"], fitted("two", BACKLASH, ratio)) is None
 
 
 def test_what_a_curve_can_do_is_dropped_beside_it() -> None:

@@ -47,7 +47,7 @@ def told_from_clocks(now: Fit) -> Fit:
     """
     known, like = now.hypothesis, imitated("skew")
     price = naming(now.context.stage.name) + max(need(now.context, c) for c in now.cost)
-    timed = {name for name, term in known.items() if term.timed}
+    timed = {name for name, term in known.items() if any(map(term.moments, (None, *term.own)))}
     for gone in dict.fromkeys((frozenset(timed | {*like}), frozenset(like), frozenset(timed), frozenset())):
         hypothesis = Hypothesis({name: term for name, term in known.items() if name not in gone})
         context = with_unseen_skew(now.context, hypothesis)

@@ -169,9 +169,8 @@ class Screen:
         always: Collection[str] = (),
         kept: Kept | None = None,
     ) -> list[Candidate]:
-        """The most promising effects, as many of those that act all the time, as what comes and goes imitates
-        much, and those of ``always``; each in its promising forms. Those that are ``kept`` are not looked at
-        again.
+        """The most promising effects, as many that act all the time, since what comes and goes imitates much,
+        and those of ``always``, each in its promising forms; what is ``kept`` is not looked at again.
         """
         kept = {} if kept is None else kept
         keys = {kind.id: self._key(kind, column) for kind in kinds}

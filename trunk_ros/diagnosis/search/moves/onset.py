@@ -83,8 +83,8 @@ def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
 
 def _nearest(now: Fit, name: str, column: int | None, moment: str) -> float:
     """Where [s] a moment fits best nearby, all else as it is."""
-    first = _home(now.hypothesis, name, column)[moment]
-    return best_time(now, name, column, moment, best_time(now, name, column, moment, first + ROUGHLY) + NEARBY)
+    rough = best_time(now, name, column, moment, _home(now.hypothesis, name, column)[moment] + ROUGHLY)
+    return best_time(now, name, column, moment, rough + NEARBY)
 
 
 def moved(now: Fit, name: str, column: int | None, moment: str, at: Array) -> Fit:
