@@ -23,7 +23,7 @@ from trunk_ros.diagnosis.search.windows import EDGES
 from trunk_ros.diagnosis.sparse import Sparse, noise_of_every, sparse
 from trunk_ros.diagnosis.work import Work
 
-WORK = 1.5e8  # simulated joint-steps that a search may take: fifteen seconds of one core
+WORK = 2e8  # simulated joint-steps that a search may take: twenty seconds of one core
 WHOLE = 2e8  # the same of what is done on all of a recording of which an excerpt was searched
 
 
