@@ -54,15 +54,18 @@ def strangers(recording: Recording, model: Model) -> list[str]:
     return [said + (same if absent else "")]
 
 
-def quality_of_recording(recording: Recording, model: Model, mixed: Sequence[MixUp] = ()) -> dict[str, Any]:
+def quality_of_recording(
+    recording: Recording, model: Model, mixed: Sequence[MixUp] = (), found: Model | None = None
+) -> dict[str, Any]:
     """Rates and gaps by topic, what the reader had to say, what is mixed up, what clocks and sensors did, and
-    what the motors' torque says of the load.
+    what the motors' torque says of the load. ``found``: the model with what was found.
     """
     topics = {key: asdict(value) for key, value in quality(recording).items()}
     remarks = [one.statement for one in recording.observed]
     remarks += [f"{one.statement}." for one in mixed if not one.certain]
     remarks += cell_remarks(recording, model)
-    notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model), *remarks]
+    torque = torque_remarks(recording, model, found)
+    notes = [*recording.notes, *left_out(recording, model), *torque, *remarks]
     return {
         "duration": recording.duration,
         "topics": topics,
