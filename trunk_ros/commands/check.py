@@ -67,7 +67,9 @@ def kind_of(name: str) -> str:
         return "mapping" if f"import/{name}" in config_names("import") else "model"
     try:
         content = plain_yaml.load(path.read_bytes(), references=False)
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise ArgumentError(f"cannot read {path}: {error.strerror}") from None
+    except ValueError as error:
         raise ArgumentError(f"{path} {error}") from None
     keys = set(content) if isinstance(content, dict) else set()
     if "points" in keys:
