@@ -160,6 +160,14 @@ def test_torque_tells_of_a_wrong_mass_that_is_no_payload(plain: Recording) -> No
     assert "check masses" in said
 
 
+def test_torque_is_compared_by_the_ratio_that_was_found(plain: Recording) -> None:
+    made, ideal = with_torque(plain, weight(plain)), Model(replace(NOMINAL.arm, ratio=np.ones(5)))
+    assert "differ by" in torque_remarks(made, ideal)[0]
+    assert torque_remarks(made, ideal, replace(ideal, effects={"ratio_error": {"relative": -0.375}})) == []
+    motors = replace(made, series={"gearbox_states": made.series["gearbox_states"]})
+    assert torque_remarks(motors, ideal) == []
+
+
 def test_torque_is_not_compared_with_a_weight_where_there_is_no_gravity(plain: Recording) -> None:
     afloat = Model(replace(NOMINAL.arm, gravity=0.0))
     assert torque_remarks(with_torque(plain, weight(plain)), afloat) == []

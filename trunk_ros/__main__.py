@@ -17,7 +17,7 @@ from trunk_ros import __version__
 from trunk_ros.commands.arguments import did_you_mean
 from trunk_ros.commands.completion import complete, quick_help
 from trunk_ros.commands.console import Level, ask_for
-from trunk_ros.errors import TrunkError, one_line
+from trunk_ros.errors import TrunkError, fault_in, one_line
 from trunk_ros.nodes.stop import Stop
 
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -108,8 +108,9 @@ def _run(name: str, arguments: list[str]) -> int:
     except OSError as error:  # of the machine: no room, no permission, a name that is too long
         where = f"{error.filename}: " if error.filename else ""
         return _refuse(one_line(f"{where}{error.strerror or error}"))
-    except Exception:
-        return _our_fault()
+    except Exception as error:
+        said = fault_in(error)
+        return _our_fault() if said is None else _refuse(one_line(said))
 
 
 def without_a_package(name: str) -> str:

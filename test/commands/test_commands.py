@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import json
 import subprocess
 import sys
@@ -12,9 +13,13 @@ import pytest
 
 from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.__main__ import COMMANDS, MEANT, main, without_a_package
+from trunk_ros.arm.files import urdf_text
 from trunk_ros.commands.completion import PARSERS, parser_of, whole_parser
 from trunk_ros.commands.progress import Progress
+from trunk_ros.errors import ArgumentError, ModelError, RecordingError
 from trunk_ros.recording.importing.mapping import load_mapping
+from trunk_ros.recording.namespace import choose
+from trunk_ros.recording.output import prepare_output
 from trunk_ros.recording.write import write_recording
 from trunk_ros.share import share_folder
 
@@ -164,12 +169,35 @@ def test_info_says_what_is_mixed_up(tmp_path: Path, capsys: pytest.CaptureFixtur
 def test_info_shows_the_columns_of_a_table_and_a_mapping_to_begin_with(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    (tmp_path / "late.csv").write_text("t_ms,motor\n0,1\n")
+    assert "time: {column: t_ms, unit: ms}" in said(capsys, "info", str(tmp_path / "late.csv"))
     (tmp_path / "run.csv").write_text("t_s;motor;enc\n0;1;2\n1;2;3\n")
     text = said(capsys, "info", str(tmp_path / "run.csv"))
     assert "a table of 2 rows" in text
     start = text.index("  time:")
     (tmp_path / "map.yaml").write_text(text[start : text.index("then:")])
     assert load_mapping(tmp_path / "map.yaml").delimiter == ";"
+
+
+def test_what_cannot_be_used_is_named_with_its_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "my.urdf"
+    file.write_text("<robot")
+    with pytest.raises(ModelError, match=r"my\.urdf: not a URDF: unclosed token"):
+        urdf_text(str(file))
+    with pytest.raises(ArgumentError, match=r"my\.urdf is a file, not a folder$"):
+        prepare_output(file / "x", overwrite=False)
+    with pytest.raises(RecordingError, match=r"^empty: holds no topics: nothing was recorded"):
+        choose("empty", {})
+    monkeypatch.setattr(Path, "read_bytes", denied)
+    assert main(["check", str(file)]) == 2
+    assert capsys.readouterr().err == f"trunk_ros: cannot read {file}: Permission denied\n"
+
+
+def denied(path: Path) -> bytes:
+    """A file of somebody else."""
+    raise PermissionError(errno.EACCES, "Permission denied", str(path))
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.data.quality import left_out
 from trunk_ros.model import load_model, save_model
 from trunk_ros.recording.importing.bag import read_bag
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.write import write_recording
 
 
 def test_the_tip_of_an_arm_that_a_recorded_urdf_describes_can_be_diagnosed() -> None:
@@ -45,10 +46,37 @@ def test_a_joint_under_two_names_is_named_by_both(tmp_path: Path) -> None:
     recording = Recording.from_arrays(t, angle, angle, joints=["arm", "wrist"])
     (tmp_path / "own.yaml").write_text("/**: {ros__parameters: {arm: {joints: [arm, hand]}}}")
     told = gathered(*model_for(recording, str(tmp_path / "own.yaml")))
-    said = "the model's hand is in no topic, which have wrist: if these are the same, give them one name"
+    said = (
+        "wrist left out: the model has no such joint, and no topic has its hand: "
+        "if these are the same, give them one name"
+    )
     assert said in told["note"]
     assert said in left_out(recording, load_model(tmp_path / "own.yaml"))
     assert left_out(recording, load_model("direct")) == []
+
+
+def test_a_mistyped_joint_is_said_in_one_line_by_all_commands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = np.arange(0.0, 20.0, 0.01)
+    angle = np.sin(np.outer(t, [1.0, 1.3]))
+    recording = Recording.from_arrays(t, angle, angle, joints=["shoulder", "elbow"])
+    own = tmp_path / "own.yaml"
+    own.write_text("/**: {ros__parameters: {arm: {joints: [shoulder, elbo]}}}")
+    write_recording(tmp_path / "run", recording)
+    said = (
+        "elbow (its elbo?) left out: the model has no such joint, and no topic has its elbo: "
+        "if these are the same, give them one name"
+    )
+    assert left_out(recording, load_model(own)) == [said]
+    run, out = str(tmp_path / "run"), str(tmp_path / "out")
+    assert main(["simulate", run, "--model", str(own), "--output", out]) == 0
+    assert f"{run}: {said}\n" in capsys.readouterr().out
+    assert main(["evaluate", run, "--model", str(own), "--json"]) == 0
+    assert f"run: {said} ({own})\n" in capsys.readouterr().err
+    gripper = Recording.from_arrays(t, angle, angle, joints=["shoulder", "gripper"])
+    own.write_text("/**: {ros__parameters: {arm: {joints: [shoulder]}}}")
+    assert left_out(gripper, load_model(own)) == ["gripper left out: the model has no such joint"]
 
 
 def test_motors_of_other_names_are_no_strangers(tmp_path: Path) -> None:

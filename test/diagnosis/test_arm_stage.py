@@ -234,6 +234,18 @@ def test_what_bends_the_tip_up_and_down_is_placed_by_that() -> None:
     assert found.evidence["strength"] > 20.0
 
 
+def test_nanometres_that_no_tracker_sees_are_no_finding() -> None:
+    """A tip without noise that bends by 20 nm in a way that has no name."""
+    theta, stamp = 0.625 * setpoints_of(30.0, 5, 0), np.arange(3000) / 100.0
+    tip = in_plane(Chain(Model(TRUNK.arm, {}), "arm").tip(theta, stamp))
+    tip += 2e-8 * np.column_stack([np.sin(40.0 * theta[:, k]) for k in range(3)])
+    joints = JointSeries(stamp, TRUNK.arm.joints, theta)
+    recording = Recording("made", 0, float(stamp[-1]), {"joint_states": joints})
+    seen = with_pose(recording, stamp, tip)
+    assert told(seen) == []
+    assert (fitted(seen)[0].noise == 1e-6).all()
+
+
 def test_joints_and_tip_alone_are_enough_for_the_arm() -> None:
     result = diagnose([bent(TILT | LONGER)])
     assert names(result.findings) == BOTH

@@ -137,6 +137,13 @@ class Mine(Effect):
     stage, place, regime = "motor", 1, "posture"
     parameters = ()
 """
+IDLE = """
+from trunk_ros.effects import Effect
+class Mine(Effect):
+    id, signature, source = "mine", "", ""
+    stage, place, regime = "wire", 1, "posture"
+    parameters = ()
+"""
 SAME = """
 from trunk_ros.effects import Effect
 class Backlash(Effect):
@@ -152,12 +159,33 @@ class Backlash(Effect):
         ("import nothing_of_the_kind", "cannot load an effect from .*ModuleNotFoundError"),
         (LACKS, "mine.py: the effect Mine lacks place, signature, source: docs/adding-an-effect.md"),
         (ODD, "mine.py: the effect Mine has the stage 'motor': choose from servo, wire, arm"),
+        (IDLE, "mine.py: the effect Mine does nothing: it has neither of run, adjust"),
         (SAME, "defines the effect 'backlash', which exists"),
     ],
 )
 def test_a_file_that_is_no_effect_is_refused_in_one_line(file: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(file)
     assert re.fullmatch(f"ModelError .*{message}.*\n", python(tmp_path, "-c", SAY).stdout)
+
+
+def test_an_error_in_it_is_said_in_one_line_with_its_place(folder: Path) -> None:
+    file = folder / "winding_growth.py"
+    code = file.read_text(encoding="utf-8")
+    head, _, body = code.partition("    def run(")
+    line = f"    def run({body}".splitlines()[0]
+    file.write_text(f"{head}{line}\n        return x / missing, state\n", encoding="utf-8")
+    where = f"{file}:{head.count(chr(10)) + 2}: NameError: name 'missing' is not defined"
+    code = (
+        "from trunk_ros import __main__ as command\n"
+        "from trunk_ros.diagnosis.cores import _outcome\n"
+        "from trunk_ros.diagnosis.work import Work\n"
+        "def fails(arguments): chain.run(wanted, stamp)\n"
+        "command.importlib.import_module = lambda name: type('Module', (), {'main': staticmethod(fails)})\n"
+        "assert isinstance(_outcome(0, Work(1.0), fails, [])[1], command.TrunkError)\n"
+        "sys.exit(command.main(['check']))"
+    )
+    done = python(folder, "-c", f"import sys\n{START}{code}")
+    assert (done.returncode, done.stderr) == (2, f"trunk_ros: {where} (an effect of your own)\n")
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -90,6 +90,11 @@ def test_a_missing_column_is_named_with_those_that_exist(tmp_path):
         read_csv(table(tmp_path, "t,y\n0,1\n"), mapping())
 
 
+def test_a_table_with_another_delimiter_says_how_the_mapping_gives_it(tmp_path):
+    with pytest.raises(RecordingError, match=r"t;x;y in one: the mapping wants `delimiter: \";\"`$"):
+        read_csv(table(tmp_path, "t;x;y\n0;1;2\n"), mapping())
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

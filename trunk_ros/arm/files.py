@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from trunk_ros.arm.description import tree
 from trunk_ros.errors import ModelError
 
 PACKAGE = "package://"
@@ -19,7 +20,7 @@ def is_text(source: str) -> bool:
 def urdf_text(source: str, folder: Path | None = None) -> str:
     """The URDF of FILE (from ``folder`` on), package://PACKAGE/FILE or its own text.
 
-    Raises ModelError where it cannot be read.
+    Raises ModelError where it cannot be read, or a file holds none.
     """
     if is_text(source):
         return source
@@ -27,10 +28,14 @@ def urdf_text(source: str, folder: Path | None = None) -> str:
     if path.suffix == ".xacro":
         raise ModelError(f"{path} has xacro macros: write what `xacro {path.name}` makes of it to a file")
     try:
-        return path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8")
+        tree(text)
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}") from None
     except (OSError, UnicodeDecodeError) as error:
         said = error.strerror if isinstance(error, OSError) else "it is no text"
         raise ModelError(f"cannot read the URDF {path}: {said}") from None
+    return text
 
 
 def _in_package(source: str) -> Path:

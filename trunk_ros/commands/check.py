@@ -30,7 +30,7 @@ def parser() -> Parser:
 def main(argv: list[str]) -> int:
     """The command; raises TrunkError for a file that is wrong."""
     name = parser().parse_args(argv).file
-    kind = kind_of(name)
+    kind, sound = kind_of(name), "right"
     if kind == "mapping":
         from trunk_ros.recording.importing.mapping import load_mapping
 
@@ -43,8 +43,11 @@ def main(argv: list[str]) -> int:
         from trunk_ros.model import load_model
         from trunk_ros.parameter_file import model_path, read_parameters
 
-        said = of_model(load_model(name), read_parameters(model_path(name)))
-    say(f"{name}: a {kind}, and right", *(f"  {line}" for line in said))
+        given = read_parameters(model_path(name))
+        refused = _refused_by_nodes(given)
+        said = [*refused, *of_model(load_model(name), given)]
+        sound = "right for all but nodes" if refused else sound
+    say(f"{name}: a {kind}, and {sound}", *(f"  {line}" for line in said))
     return 0
 
 
@@ -64,7 +67,9 @@ def kind_of(name: str) -> str:
         return "mapping" if f"import/{name}" in config_names("import") else "model"
     try:
         content = plain_yaml.load(path.read_bytes(), references=False)
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise ArgumentError(f"cannot read {path}: {error.strerror}") from None
+    except ValueError as error:
         raise ArgumentError(f"{path} {error}") from None
     keys = set(content) if isinstance(content, dict) else set()
     if "points" in keys:
@@ -104,7 +109,6 @@ def of_model(model: Model, given: dict[str, Any]) -> list[str]:
         f"tip: {_tip(arm)}",
         f"servo: {_servo(arm, given)}",
         *(effects or ["effects: none"]),
-        *_refused_by_nodes(given),
     ]
 
 

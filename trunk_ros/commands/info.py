@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -203,10 +204,18 @@ def table(path: Path) -> list[str]:
         *columns([("column", "first value"), *shown]),
         "",
         "A mapping says which columns are which; put the right ones in and save it as MAP.yaml:",
-        f"  time: {{column: {names[0]}, unit: s}}",
+        f"  time: {{column: {names[0]}, unit: {_unit_in(names[0])}}}",
         "  joints: [joint_1]",
         "  gearbox_states: {position: {columns: [MOTOR_SIDE_ANGLE], unit: rad}}",
         "  joint_states: {position: {columns: [JOINT_ANGLE], unit: rad}}",
         *([f'  delimiter: "{delimiter}"'] if delimiter != "," else []),
         f"then: trunk_ros import {path} --mapping MAP.yaml -o {path.with_suffix('')}",
     ]
+
+
+def _unit_in(name: str) -> str:
+    """The unit of time that a column's name ends with, such as "t_ms" and "time[ns]"; else s."""
+    from trunk_ros.recording.importing.units import TIME_UNITS
+
+    last = re.split(r"[^a-z]+", name.lower().rstrip(")] "))[-1]
+    return last if last in TIME_UNITS else "s"

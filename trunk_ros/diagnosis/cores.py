@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 from trunk_ros.diagnosis.machine import NUMBER
 from trunk_ros.diagnosis.work import Work
+from trunk_ros.errors import ModelError, fault_in
 
 try:
     from threadpoolctl import threadpool_limits
@@ -113,7 +114,8 @@ def _outcome(k: int, work: Work, call: Callable[[Item], Any], item: Item) -> tup
     try:
         return k, call(item), work.done - before
     except Exception as error:
-        return k, error, 0
+        said = fault_in(error)  # which the error does not carry from process to process
+        return k, error if said is None else ModelError(said), 0
 
 
 def _answered(answers: int) -> list[tuple[int, Any, int]]:

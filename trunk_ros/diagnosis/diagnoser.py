@@ -114,7 +114,7 @@ class Diagnoser:
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
         self.result.model = self._with_limits(replace(self.model, effects=kept, duration=longest))
-        self.result.quality = _by_name(self.recordings, self.model, self.mixed)
+        self.result.quality = _by_name(self.recordings, self.model, self.mixed, self.result.model)
         return self.result
 
     def _with_limits(self, model: Model) -> Model:
@@ -288,11 +288,13 @@ class Diagnoser:
         self.effects |= values
 
 
-def _by_name(recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]]) -> dict[str, Any]:
+def _by_name(
+    recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]], fitted: Model
+) -> dict[str, Any]:
     """Quality by name of recording; those of one name are numbered."""
     out: dict[str, Any] = {}
     for number, recording in enumerate(recordings, start=1):
         name = recording.name if recording.name not in out else f"{recording.name} ({number})"
         found = mixed[number - 1] if mixed else []
-        out[name] = quality_of_recording(recording, model, found)
+        out[name] = quality_of_recording(recording, model, found, fitted)
     return out

@@ -16,9 +16,10 @@ from types import ModuleType
 from typing import get_args
 
 from trunk_ros.effects.effect import Effect, Regime
-from trunk_ros.errors import ModelError
+from trunk_ros.errors import NOT_OURS, ModelError
 
 GROUP = "trunk_ros.effects"
+ACTS = ("run", "adjust")
 STAGES = ("servo", "wire", "arm")
 
 
@@ -48,6 +49,10 @@ def _check(kind: type[Effect], module: ModuleType) -> None:
             raise ModelError(
                 f"{where} has the {name} {getattr(kind, name)!r}: choose from {', '.join(choices)}"
             )
+    if all(getattr(kind, name) is getattr(Effect, name) for name in ACTS):
+        raise ModelError(f"{where} does nothing: it has neither of {', '.join(ACTS)}")
+    if not kind.__module__.startswith(f"{__name__}."):
+        NOT_OURS.add(kind.__module__)
 
 
 def effect(name: str) -> type[Effect]:

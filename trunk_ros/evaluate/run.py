@@ -9,12 +9,14 @@ from pathlib import Path
 
 from rich.console import Console
 
+from trunk_ros.diagnosis.data.quality import strangers
 from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
 from trunk_ros.evaluate.source import of_model, of_simulator
 from trunk_ros.model import load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
+from trunk_ros.transmission import by_joint
 
 FAILED = 3
 STAGES = ("servo", "wire", "arm")
@@ -24,6 +26,7 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
     """All rows, recording by recording. Raises TrunkError in one line."""
     models = [(name, load_model(name)) for name in arguments.model]
     rows: list[Row] = []
+    left_out: list[str] = []
     names = called(arguments.bag)
     with Console(stderr=True).status("reading") as status:
         shared = shared_out(arguments.bag, arguments.against)
@@ -32,11 +35,16 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
             recording = read_recording(bag, namespace=arguments.namespace)
             predictions = [of_model(recording, name, model) for name, model in models]
             read: list[Recording] = [read_recording(path) for path in simulators]
+            for name, model in models:
+                notes = strangers(by_joint(recording, model.arm), model)
+                left_out += [f"{called_so}: {note} ({name})" for note in notes]
             predictions += [
                 of_simulator(recording, str(path), one, read[0])
                 for path, one in zip(simulators, read, strict=True)
             ]
             rows += score(called_so, predictions, arguments.settle)
+    for line in left_out:
+        print(f"trunk_ros: {line}", file=sys.stderr)
     kept = [row for row in rows if row.stage in (arguments.stage or STAGES)]
     if not kept:
         raise ArgumentError("evaluate: none of the recordings has a signal of these stages to compare")

@@ -26,6 +26,8 @@ def choose(
             raise RecordingError(
                 f"{name}: no topic of an arm in {namespace} ({wanted}); topics there: {there}"
             )
+        if not topics:
+            raise RecordingError(f"{name}: holds no topics: nothing was recorded, or none of it is left")
         raise ForeignError(
             f"{name}: no topic of an arm ({wanted}); topics there: {there}. `trunk_ros info {name}` gives "
             "the mapping by which `trunk_ros import` takes them in"

@@ -25,9 +25,11 @@ def prepare_output(path: str | Path, overwrite: bool, known: Sequence[str] | Non
             raise ArgumentError(f"{path} exists: give another output, or --overwrite")
         _refuse_foreign(path, known)
     parent = path.absolute().parent
-    if path.name in ("", "..") or (parent.exists() and not parent.is_dir()):
-        raise ArgumentError(f"{path} cannot be an output")
+    if path.name in ("", ".."):
+        raise ArgumentError(f"{path} cannot be an output: it has no name of its own")
     there = next(each for each in (parent, *parent.parents) if each.exists())
+    if not there.is_dir():
+        raise ArgumentError(f"{path} cannot be an output: {there} is a file, not a folder")
     if not os.access(there, os.W_OK | os.X_OK):
         raise ArgumentError(f"{path} cannot be written: {os.strerror(errno.EACCES)} in {there}")
     return path

@@ -151,7 +151,7 @@ def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -
     known = model.for_joints(series[0].joints).arm.joints if model.any_joints else model.arm.joints
     joints = tuple(j for j in known if all(j in s.joints for s in series))
     if not joints:
-        have = "; ".join(", ".join(s.joints) for s in series)
+        have = "; ".join(dict.fromkeys(", ".join(s.joints) for s in series))
         raise RecordingError(
             f"{recording.name}: no joint of the model ({', '.join(known)}) is in the recording ({have}): "
             "give the arm's own --model, or --model direct"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from difflib import get_close_matches
 from typing import Any
 
 from trunk_ros.diagnosis.data.load_cells import cell_remarks
@@ -11,8 +12,8 @@ from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.model import Model
 from trunk_ros.recording.quality import quality
-from trunk_ros.recording.recording import JointSeries, Recording
-from trunk_ros.recording.topics import COMPARED, TOPICS
+from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import COMPARED, SOURCES, TOPICS
 
 
 def left_out(recording: Recording, model: Model) -> list[str]:
@@ -24,38 +25,47 @@ def left_out(recording: Recording, model: Model) -> list[str]:
     unasked = [] if asked is None else [j for j in known if j in both and j not in asked.joints]
     return [
         *(
-            f"{TOPICS[key]}: {', '.join(missing)} not compared: not in every topic and in the model"
+            f"{TOPICS[key]}: {', '.join(missing)} not compared: not in every topic"
             for key in COMPARED["wire"]
             if key in recording.series
-            and (missing := [j for j in recording.series[key].joints if j not in both])
+            and (missing := [j for j in recording.series[key].joints if j in known and j not in both])
         ),
         *([f"{TOPICS['setpoints']}: {', '.join(unasked)} not there: servos not compared"] if unasked else []),
-        *_other_names(compared, () if model.any_joints else known),
+        *strangers(recording, model),
     ]
 
 
-def _other_names(compared: Sequence[JointSeries], known: Sequence[str]) -> list[str]:
-    """Joints of the model that no topic has, beside joints of topics that the model does not have."""
-    there = {joint: None for series in compared for joint in series.joints}
-    absent = [joint for joint in known if joint not in there]
-    strange = [joint for joint in there if joint not in known]
-    if not absent or not strange or not known:
+def strangers(recording: Recording, model: Model) -> list[str]:
+    """In one line the joints of a recording that a model does not know, with the nearest names that it has
+    in their place; ``recording``: its motors under the names of their joints.
+    """
+    if model.any_joints:
         return []
-    return [
-        f"the model's {', '.join(absent)} {'is' if len(absent) == 1 else 'are'} in no topic, which have "
-        f"{', '.join(strange)}: if these are the same, give them one name"
-    ]
+    series = [recording.series[key] for key in SOURCES + COMPARED["wire"] if key in recording.series]
+    there = list(dict.fromkeys(joint for each in series for joint in each.joints))
+    absent = [joint for joint in model.arm.joints if joint not in there]
+    strange = [joint for joint in there if joint not in (*model.arm.joints, *model.arm.motors)]
+    if not strange:
+        return []
+    near = {joint: get_close_matches(joint, absent, 1) for joint in strange}
+    named = [f"{joint} (its {near[joint][0]}?)" if near[joint] else joint for joint in strange]
+    said = f"{', '.join(named)} left out: the model has no such joint{'s' if len(strange) > 1 else ''}"
+    same = f", and no topic has its {', '.join(absent)}: if these are the same, give them one name"
+    return [said + (same if absent else "")]
 
 
-def quality_of_recording(recording: Recording, model: Model, mixed: Sequence[MixUp] = ()) -> dict[str, Any]:
+def quality_of_recording(
+    recording: Recording, model: Model, mixed: Sequence[MixUp] = (), found: Model | None = None
+) -> dict[str, Any]:
     """Rates and gaps by topic, what the reader had to say, what is mixed up, what clocks and sensors did, and
-    what the motors' torque says of the load.
+    what the motors' torque says of the load. ``found``: the model with what was found.
     """
     topics = {key: asdict(value) for key, value in quality(recording).items()}
     remarks = [one.statement for one in recording.observed]
     remarks += [f"{one.statement}." for one in mixed if not one.certain]
     remarks += cell_remarks(recording, model)
-    notes = [*recording.notes, *left_out(recording, model), *torque_remarks(recording, model), *remarks]
+    torque = torque_remarks(recording, model, found)
+    notes = [*recording.notes, *left_out(recording, model), *torque, *remarks]
     return {
         "duration": recording.duration,
         "topics": topics,

@@ -18,10 +18,13 @@ from trunk_ros.resistance import load_cells, swung, tells
 from trunk_ros.transmission import uncoupled
 
 
-def torque_remarks(recording: Recording, model: Model) -> list[str]:
-    """What is to be said of recorded effort: how it was used, and whether the weight agrees with it."""
+def torque_remarks(recording: Recording, model: Model, found: Model | None = None) -> list[str]:
+    """What is to be said of recorded effort: how it was used, and whether the weight agrees with it, by the
+    ratio that was ``found``. Where no joint was measured, a ratio of 1 may stand for one that nobody knows.
+    """
     if "gearbox_states" not in recording.series:
         return []
+    _, found = uncoupled(recording, found or model)
     recording, model = uncoupled(recording, model)
     gearbox = recording.series["gearbox_states"]
     joints = common_joints(recording, model, gearbox)
@@ -31,9 +34,11 @@ def torque_remarks(recording: Recording, model: Model) -> list[str]:
         cells = shown is not None and tells(load_cells(joints, shown)).any()
         unmet = arm.load_from == "effort" and arm.has_load and not cells
         return ["no effort in gearbox_states: the load is the computed weight"] if unmet else []
+    arm = replace(arm, ratio=found.for_joints(joints).only(joints).number("ratio"))
+    known = "joint_states" in recording.series or bool(np.any(arm.ratio != 1.0))
     measured = measured_load(gearbox, arm.ratio, arm)
     used = [_use(arm, measured)] if arm.load_from == "effort" else []
-    return used + (_against_weight(arm, gearbox, measured) if arm.has_load else [])
+    return used + (_against_weight(arm, gearbox, measured) if arm.has_load and known else [])
 
 
 def _use(arm: Arm, measured: MeasuredLoad) -> str:

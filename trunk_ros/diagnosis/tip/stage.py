@@ -41,6 +41,7 @@ from trunk_ros.effects.effect import Now
 from trunk_ros.stage import core_of
 
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name
+RESOLVED = 1e-6  # m, rad: descriptions of arms have six decimals, and no tracker of a tip sees less
 
 
 @dataclass
@@ -109,7 +110,7 @@ class ArmProblem:
         longest = strides_within(float(np.median(np.concatenate([np.diff(d.stamp) for d in self.data]))))
         masks = [np.ones(len(rest), dtype=bool) for rest in rests]
         own = [noise_of([rest[:, k] for rest in rests], masks, longest).std for k in range(len(self.signals))]
-        self.noise = np.sqrt(np.square(own) + self.from_joints**2)
+        self.noise = np.maximum(np.sqrt(np.square(own) + self.from_joints**2), RESOLVED)
         self.alike = max(alike([rest[:, k] for rest in rests]) for k in range(len(self.signals)))
         self._normals.clear()
         self._scores.clear()

@@ -70,7 +70,9 @@ def load_mapping(name: str | Path) -> Mapping:
         path = config_path(f"import/{name}")
     try:
         return parse_mapping(plain_yaml.load(path.read_bytes()))
-    except (OSError, TypeError, ValueError) as error:
+    except OSError as error:
+        raise RecordingError(f"cannot read the mapping {name}: {error.strerror}") from None
+    except (TypeError, ValueError) as error:
         raise RecordingError(f"{name}: {' '.join(str(error).split())}") from None
 
 

@@ -1,6 +1,7 @@
 """The columns of a CSV file that are needed, as arrays."""
 
 import csv
+import json
 from array import array
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import Floats
 
+DELIMITERS = ";\t|"
 _EMPTY = {"", "nan", "na", "n/a", "null", "none", "-"}
 
 
@@ -37,7 +39,9 @@ def read_table(path: Path, columns: tuple[str, ...], delimiter: str) -> tuple[di
 def _check(path: Path, header: list[str], columns: tuple[str, ...]) -> None:
     there = ", ".join(header)[:600]
     if missing := [name for name in columns if name not in header]:
-        raise RecordingError(f"{path}: has no column {', '.join(missing)}; there are {there or 'none'}")
+        other = [mark for mark in DELIMITERS if len(header) == 1 and mark in header[0]]
+        hint = f" in one: the mapping wants `delimiter: {json.dumps(other[0])}`" if other else ""
+        raise RecordingError(f"{path}: has no column {', '.join(missing)}; there are {there or 'none'}{hint}")
     if double := [name for name in columns if header.count(name) > 1]:
         raise RecordingError(f"{path}: has several columns {', '.join(double)}")
 
