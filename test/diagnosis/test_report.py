@@ -299,6 +299,8 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     text = words(render(clean))
     assert "No effect is missing: the residual that remains (8.00 µrad rms) is below a step of" in text
     assert [cell.heat for _, cells in maps(clean)[0].rows for cell in cells] == [0] * 5
+    assert "8.00 µrad 0.9 × encoder steps" in text
+    assert "0.2000 µrad 8.600 µrad" in text
     clean.stages["wire"]["joints"]["joint_2"] |= {
         "rmse_before": 1e-4,
         "rmse_after": 1e-4,

@@ -65,7 +65,7 @@ def _signal(row: Ratio) -> str:
 def _fall(result: Answer, row: Ratio) -> str:
     said = entries(result, row.stage)[row.name]
     sizes = fall(said["rmse_before"], said["rmse_after"], str(said.get("unit", "rad")))
-    return f"{sizes} ({times(row.before)} → {times(row.after)} times the noise)"
+    return f"{sizes} ({times(row.before)} → {times(row.after)} times the {row.of})"
 
 
 def _no_mismatch(result: Answer) -> str:
