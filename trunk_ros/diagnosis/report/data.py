@@ -48,7 +48,7 @@ def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
 
 
 def numbers(result: Answer) -> list[dict[str, str]]:
-    """Of each signal: errors on unseen data, noise floor, steps of the encoder, samples that count and apparent lag."""
+    """Of each signal: errors on unseen data, noise floor, encoder steps, samples that count, apparent lag."""
     kept = {(s.stage, s.name): s for s in signals(result)}
     return [
         {

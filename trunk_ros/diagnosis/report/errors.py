@@ -44,12 +44,12 @@ class Ratio:
 
     stage: str
     name: str
+    of: str
+    """What these are multiples of: ``noise`` or, where those are larger, ``encoder steps``."""
     before: float
     before_std: float
     after: float
     after_std: float
-    of: str = "noise"
-    """What these are multiples of: ``noise`` or, where those are larger, ``encoder steps``."""
 
 
 def ratios(result: Answer) -> list[Ratio]:
@@ -62,7 +62,7 @@ def ratios(result: Answer) -> list[Ratio]:
             keys = ("rmse_before", "rmse_before_std", "rmse_after", "rmse_after_std")
             values = [float(said.get(key) or 0.0) / noise for key in keys]
             if all(math.isfinite(value) for value in values):
-                out.append(Ratio(stage, name, *values, of="encoder steps" if steps > floor else "noise"))
+                out.append(Ratio(stage, name, "encoder steps" if steps > floor else "noise", *values))
     return out
 
 
