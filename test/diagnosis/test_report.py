@@ -319,7 +319,16 @@ def test_the_doubt_stands_in_the_headline_the_better_rival_first() -> None:
     rivals = ["cogging", "stribeck_friction"]
     doubtful.findings = [replace(finding, equivalents=rivals, evidence=evidence)]
     text = words(render(doubtful))
-    assert "stribeck friction, backlash or cogging (joint_3, " in text
+    assert "either stribeck friction, backlash or cogging (joint_3, " in text
+
+
+def test_names_that_stand_together_are_bracketed_in_the_headline_beside_other_findings() -> None:
+    result = made.backlash()
+    open_ = replace(result.findings[0], equivalents=["cogging", ["stribeck_friction", "viscous_lag"]])
+    coupled = replace(result.findings[0], effect="joint_coupling")
+    text = words(render(replace(result, findings=[coupled, open_])))
+    several = "either backlash, cogging or (stribeck friction + viscous lag) (joint_3, "
+    assert re.search(rf"joint coupling \(joint_3, \d+%\) and {re.escape(several)}", text)
 
 
 def test_findings_without_plots_are_told_all_the_same() -> None:

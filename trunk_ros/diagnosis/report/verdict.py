@@ -89,8 +89,10 @@ def _told(result: Answer, excess: bool) -> list[str]:
 
 def _named(result: Answer, finding: Finding) -> str:
     much = "perhaps " if finding.confidence < LIKELY else ""
-    names = much + listed([spoken(name) for name in finding.candidates], "or")
-    return f"{names} ({_place(result, finding.stage, finding.joints)}, {finding.confidence:.0%})"
+    names = [f"({spoken(name)})" if " + " in name else spoken(name) for name in finding.candidates]
+    either = "either " if len(names) > 2 else ""  # beside other findings, which are listed with commas too
+    place = _place(result, finding.stage, finding.joints)
+    return f"{much}{either}{listed(names, 'or')} ({place}, {finding.confidence:.0%})"
 
 
 def _unnamed(result: Answer, finding: Finding) -> str:
