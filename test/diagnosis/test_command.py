@@ -125,3 +125,9 @@ def test_pairs_that_no_motion_decides_take_one_line_and_a_motion_is_told_in_full
         "  no motion that was tried decides between backlash and ratio_error + zero_offset, or "
         "sensor_delay and viscous_lag",
     ]
+
+
+def test_statements_of_what_a_simulation_has_are_joined_without_their_full_stops() -> None:
+    result = backlash()
+    result.simulator, result.simulation = result.model, {"has": ["elbow: backlash.", "wrist: a delay."]}
+    assert spoken(result)[0] == "your simulation has: elbow: backlash; wrist: a delay"

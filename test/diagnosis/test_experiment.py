@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,12 +23,13 @@ from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import evidence
-from trunk_ros.diagnosis.experiment.design import Experiment, experiment, proposals
-from trunk_ros.diagnosis.experiment.discrimination import Other, span_of
+from trunk_ros.diagnosis.experiment.design import Experiment, experiment, proposals, statement
+from trunk_ros.diagnosis.experiment.discrimination import Difference, Other, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -235,6 +237,15 @@ def test_rivals_that_can_turn_into_each_other_are_said_to_be_beyond_any_motion()
     assert told["statement"].startswith("No motion within the joint limits decides between")
     assert told["trajectory"] == ""
     assert result.trajectories == {}
+
+
+def test_where_no_motion_decides_the_whole_motion_is_told_beside_its_largest_sample() -> None:
+    base = {"backlash": SimpleNamespace(form="")}
+    duel = SimpleNamespace(truth="backlash", other="viscous_lag", base=base)
+    seen = Difference(0, 3.0, 0.1, 0.0, 5.7e-4, 1e-4, 0.3, 0.24 * CLEARLY)
+    told = statement(duel, seen, True, SimpleNamespace(joints=["elbow"]), {}, FILE)
+    assert "by 0.57 mrad in one sample of elbow (5.7 times the noise), but over all samples by 0.3" in told
+    assert told.endswith("24% of what a decision takes.")
 
 
 @pytest.mark.parametrize("period", [0.01, 0.42], ids=["moving", "stop_and_measure"])

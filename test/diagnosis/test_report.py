@@ -299,6 +299,8 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     text = words(render(clean))
     assert "No effect is missing: the residual that remains (8.00 µrad rms) is below a step of" in text
     assert [cell.heat for _, cells in maps(clean)[0].rows for cell in cells] == [0] * 5
+    assert "8.00 µrad 0.9 × encoder steps" in text
+    assert "0.2000 µrad 8.600 µrad" in text
     clean.stages["wire"]["joints"]["joint_2"] |= {
         "rmse_before": 1e-4,
         "rmse_after": 1e-4,
@@ -317,7 +319,16 @@ def test_the_doubt_stands_in_the_headline_the_better_rival_first() -> None:
     rivals = ["cogging", "stribeck_friction"]
     doubtful.findings = [replace(finding, equivalents=rivals, evidence=evidence)]
     text = words(render(doubtful))
-    assert "stribeck friction, backlash or cogging (joint_3, " in text
+    assert "either stribeck friction, backlash or cogging (joint_3, " in text
+
+
+def test_names_that_stand_together_are_bracketed_in_the_headline_beside_other_findings() -> None:
+    result = made.backlash()
+    open_ = replace(result.findings[0], equivalents=["cogging", ["stribeck_friction", "viscous_lag"]])
+    coupled = replace(result.findings[0], effect="joint_coupling")
+    text = words(render(replace(result, findings=[coupled, open_])))
+    several = "either backlash, cogging or (stribeck friction + viscous lag) (joint_3, "
+    assert re.search(rf"joint coupling \(joint_3, \d+%\) and {re.escape(several)}", text)
 
 
 def test_findings_without_plots_are_told_all_the_same() -> None:

@@ -52,6 +52,11 @@ def works(folder: Path, code: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_the_list_of_effects_says_in_words_what_it_is(folder: Path) -> None:
+    listed = python(folder, "-m", "trunk_ros", "effects").stdout
+    assert re.search(r"winding_growth +.*Wire wound up in layers", listed)
+
+
 def test_it_is_simulated(folder: Path) -> None:
     works(
         folder,

@@ -16,6 +16,7 @@ from trunk_ros.commands.fleet import _say  # noqa: E402
 from trunk_ros.fleet.inputs.listing import listed  # noqa: E402
 from trunk_ros.fleet.report.page import render  # noqa: E402
 from trunk_ros.fleet.run.follow import follow  # noqa: E402
+from trunk_ros.fleet.together.events import alone  # noqa: E402
 from trunk_ros.fleet.together.series import DAY  # noqa: E402
 from trunk_ros.fleet.together.summary import Fleet, Trend  # noqa: E402
 from trunk_ros.model import load_model  # noqa: E402
@@ -172,9 +173,29 @@ def test_the_last_lines_say_when_a_trend_reaches_its_limit(crosses, said, tmp_pa
 def test_an_empty_fleet_has_a_page(tmp_path):
     from trunk_ros.fleet.together.summary import Fleet
 
-    page = render(Fleet({"a": 0}, [], [], [], [], []), {}, "model")
+    page = render(Fleet({"a": 5}, [], [], [], [], []), {}, "model")
     assert "No effect was found" in page
     assert np.all([word in page for word in ("Nothing grows", "No jump")])
+
+
+def test_arms_with_few_recordings_get_no_clean_bill_but_what_was_found_and_their_report(tmp_path, capsys):
+    rows = [
+        {"arm": "left", "effect": "joint_coupling", "joint": "elbow", "path": path, "parameter": one}
+        for path in ("a", "b")
+        for one in ("gain", "source")
+    ]
+    fleet = Fleet({"left": 2, "right": 1}, [], [], [], [], [], alone=alone(rows))
+    page = render(fleet, {"left": "arms/left/report.html"}, "model")
+    assert "2 arms, 3 recordings: effects found on 1, too few recordings of 2 to judge what grows" in page
+    assert '<a href="arms/left/report.html">left</a>' in page
+    assert "joint coupling on elbow (2)" in page
+    assert not any(
+        word in page for word in ("Nothing grows", "nothing grows", "No jump", "No effect", "No arm")
+    )
+    _say(fleet.to_json(), 1, tmp_path)
+    said = capsys.readouterr().out
+    assert "1 recording of 2 arms" in said
+    assert "2 arms with fewer than 5 recordings: what grows there is not judged" in said
 
 
 def test_bags_are_listed_by_arm(bags):

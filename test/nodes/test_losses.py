@@ -1,9 +1,11 @@
 """Losses are counted from the publishers' own numbers."""
 
 from itertools import zip_longest
+from types import SimpleNamespace
 
 import pytest
 
+from trunk_ros.nodes import bringup
 from trunk_ros.nodes.graph.losses import Tally, in_words
 
 
@@ -100,3 +102,12 @@ def test_a_run_is_summed_up_with_what_each_topic_lacks():
         "  /a: of 5 messages 2 lost on the way, 1 not written; longest gap 1 s",
     ]
     assert in_words("run", {"/b": tally([1]).summary()}) == ["run: 1 messages on 1 topics, none lost"]
+
+
+def test_counts_of_a_run_stand_in_one_column_whatever_the_names_of_the_topics(monkeypatch, capsys):
+    messages = {"/joint_states": 7, "/a_far_away_arm/with_a_long_name/joint_states": 12}
+    bag = SimpleNamespace(messages=messages, custom={})
+    monkeypatch.setattr(bringup, "read_metadata", lambda path: bag)
+    bringup.summarise(SimpleNamespace(output="run"))
+    lines = [line for line in capsys.readouterr().out.splitlines() if "joint_states" in line]
+    assert len({len(line) for line in lines}) == 1

@@ -85,7 +85,7 @@ def test_losses_are_those_of_each_joint(tmp_path):
     recording = read_bag(write_bag(tmp_path / "gap", kept), write_mapping(tmp_path))
     seen = quality(recording)["gearbox_states"]
     assert (seen.lost, seen.gaps) == (10, 1)
-    assert any("about 10 messages lost" in note for note in recording.notes)
+    assert any("about 10 messages missing" in note for note in recording.notes)
 
 
 def test_the_command_writes_a_bag_that_reads_the_same(bag, tmp_path, capsys):

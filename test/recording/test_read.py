@@ -262,7 +262,9 @@ def test_gaps_are_counted_and_said(tmp_path):
     messages = motion(count=100)
     del messages[40:60], messages[20:25]
     recording = read_recording(write_bag(tmp_path / "bag", messages))
-    assert "joint_states: 2 gaps, the longest of 0.21 s at 0.39 s; about 25 messages lost" in recording.notes
+    assert (
+        "joint_states: 2 gaps, the longest of 0.21 s at 0.39 s; about 25 messages missing" in recording.notes
+    )
 
 
 def test_topics_of_two_clocks_are_pointed_out(tmp_path):

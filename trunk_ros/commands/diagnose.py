@@ -132,9 +132,8 @@ def spoken(result: Diagnosis) -> list[str]:
     """The verdict in a few lines, what is wrong with the data first."""
     lines = []
     if result.simulator is not None:
-        lines.append(
-            f"your simulation has: {'; '.join(result.simulation['has']) or 'what the model says, no more'}"
-        )
+        has = "; ".join(one.rstrip(".") for one in result.simulation["has"])
+        lines.append(f"your simulation has: {has or 'what the model says, no more'}")
     lines.append(f"verdict: {result.verdict.replace('_', ' ')}")
     lines += [f"  {named(finding)}: {finding.statement}" for finding in result.findings]
     for stage, compared in result.stages.items():

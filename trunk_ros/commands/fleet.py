@@ -69,7 +69,15 @@ def _limit(text: str) -> tuple[tuple[str, str], float]:
 def _say(told: dict[str, Any], jobs: int, folder: Path) -> None:
     """The fleet in a few lines."""
     arms = told["arms"]
-    print(f"{jobs} recordings of {len(arms)} arms, {len(told['unread'])} of them could not be diagnosed")
+    from trunk_ros.fleet.report.page import number
+    from trunk_ros.fleet.together.judged import LEAST
+
+    print(
+        f"{number(jobs, 'recording')} of {number(len(arms), 'arm')}, "
+        f"{len(told['unread'])} of them could not be diagnosed"
+    )
+    if short := sum(not said["judged"] for said in arms.values()):
+        print(f"  {number(short, 'arm')} with fewer than {LEAST} recordings: what grows there is not judged")
     for each in told["common"]:
         print(f"  all arms: {each['effect']} on {each['joint']}, {each['parameter']} {each['value']:.4g}")
     for arm, said in arms.items():

@@ -155,7 +155,7 @@ def _as_json(one: Prospect, content: dict[str, Any]) -> dict[str, Any]:
 def spoken(found: dict[str, Any]) -> list[str]:
     """The same in lines."""
     lines = [f"{found['recording']}: {found['duration']:.4g} s", ""]
-    rows: list[tuple[str, ...]] = [("topic", "rate", "samples", "lost", "longest gap")]
+    rows: list[tuple[str, ...]] = [("topic", "rate", "samples", "missing", "longest gap")]
     for topic, q in found["topics"].items():
         lost = "uneven" if q["lost"] is None else str(q["lost"])
         rows.append((topic, f"{q['rate_hz']:.4g} Hz", str(q["samples"]), lost, f"{q['longest_gap']:.3g} s"))

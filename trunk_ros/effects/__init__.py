@@ -8,6 +8,7 @@ import importlib
 import importlib.util
 import os
 import pkgutil
+import sys
 from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -111,6 +112,7 @@ def _load(path: Path) -> ModuleType:
         raise ModelError(
             f"cannot load an effect from {path}: {type(error).__name__}: {' '.join(str(error).split())}"
         ) from error
+    sys.modules[spec.name] = module  # where Python looks for what the file says of itself
     return module
 
 

@@ -34,7 +34,7 @@ from trunk_ros.fleet.run.outcome import ERRORS, FINDINGS, Row
 from trunk_ros.fleet.run.servos import servos
 from trunk_ros.fleet.run.store import Store, flat, rows, write
 from trunk_ros.fleet.together.arm_effects import Followed, followed, of_all, places
-from trunk_ros.fleet.together.events import events
+from trunk_ros.fleet.together.events import alone, events
 from trunk_ros.fleet.together.series import collected, travels_of
 from trunk_ros.fleet.together.summary import Fleet, Limits, summarised
 from trunk_ros.model import Model
@@ -173,6 +173,7 @@ def together(examined: pa.Table, followed: pa.Table, limits: Limits | None = Non
     unread = bad.select(["path", "reason"]).to_pylist()
     fleet = summarised(series, counts, unread, limits)
     findings = rows(flat(good, "findings", columns))
+    fleet.alone.update(alone(findings))
     fleet.changes.extend(events(findings, len(flat(good, "errors", ("joint",)))))
     return fleet
 

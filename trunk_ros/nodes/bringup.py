@@ -178,10 +178,11 @@ def summarise(plan: Plan) -> None:
         return
     losses = json.loads(bag.custom.get("trunk_ros.loss", "{}"))
     print(f"{plan.output}: {sum(bag.messages.values())} messages")
+    wide = max(map(len, bag.messages), default=0)
     for topic, count in sorted(bag.messages.items()):
         lost = losses.get(topic, {})
         missing = int(lost.get("lost", 0) + lost.get("dropped", 0))
-        print(f"  {topic:28} {count:8d}" + (f"   lost {missing} of {count + missing}" if missing else ""))
+        print(f"  {topic:{wide}} {count:8d}" + (f"   lost {missing} of {count + missing}" if missing else ""))
         if others := left_out(lost):
-            print(f"  {topic:28} {others}")
+            print(f"  {topic:{wide}} {others}")
     print(f"lost: {sum(int(each['lost'] + each['dropped']) for each in losses.values())}")

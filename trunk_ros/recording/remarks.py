@@ -75,7 +75,7 @@ def _gaps(series: JointSeries, counts: Counts) -> list[str]:
     if not seen.gaps:
         return []
     longest = f"the longest of {seen.longest_gap:.3g} s at {seen.gap_at:.4g} s"
-    return [f"{_many(seen.gaps, 'gap')}, {longest}; about {seen.lost} messages lost"]
+    return [f"{_many(seen.gaps, 'gap')}, {longest}; about {seen.lost} messages missing"]
 
 
 def _many(count: int, noun: str) -> str:

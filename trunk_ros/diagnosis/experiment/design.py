@@ -173,9 +173,9 @@ def statement(
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
     if seen.ratio < CLEARLY:
         return (
-            f"No motion within the joint limits decides between {truth} and {other}: once both are "
-            f"fitted to it, single samples differ by at most {gap} ({times}, on {joint}), and all samples "
-            f"together give {seen.ratio / CLEARLY:.0%} of the evidence that a decision takes."
+            f"No motion within the joint limits decides between {truth} and {other}: once both are fitted to "
+            f"the best one, they differ by {gap} in one sample of {joint} ({times}), but over all samples by "
+            f"{seen.rms:.2g} times the noise (rms): {seen.ratio / CLEARLY:.0%} of what a decision takes."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"

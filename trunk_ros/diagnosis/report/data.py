@@ -48,7 +48,7 @@ def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
 
 
 def numbers(result: Answer) -> list[dict[str, str]]:
-    """Of each signal: errors on unseen data, noise floor, samples that count and apparent lag."""
+    """Of each signal: errors on unseen data, noise floor, encoder steps, samples that count, apparent lag."""
     kept = {(s.stage, s.name): s for s in signals(result)}
     return [
         {
@@ -67,8 +67,8 @@ def _errors(said: dict[str, Any], size: float) -> dict[str, str]:
         quantity(said.get(f"rmse_{when}"), said.get(f"rmse_{when}_std"), unit, size=size)
         for when in ("before", "after")
     )
-    noise = quantity(said.get("noise_floor"), None, unit, size=size)
-    return {"before": before, "after": SAME if after == before else after, "noise": noise}
+    noise, steps = (quantity(said.get(key), None, unit, size=size) for key in ("noise_floor", "resolution"))
+    return {"before": before, "after": SAME if after == before else after, "noise": noise, "steps": steps}
 
 
 def _samples(signal: Signal | None) -> dict[str, str]:

@@ -44,6 +44,8 @@ class Ratio:
 
     stage: str
     name: str
+    of: str
+    """What these are multiples of: ``noise`` or, where those are larger, ``encoder steps``."""
     before: float
     before_std: float
     after: float
@@ -55,11 +57,12 @@ def ratios(result: Answer) -> list[Ratio]:
     out = []
     for stage in STAGES:
         for name, said in entries(result, stage).items():
-            noise = max(said.get("noise_floor") or 0.0, said.get("resolution") or 0.0) or math.nan
+            floor, steps = (said.get(key) or 0.0 for key in ("noise_floor", "resolution"))
+            noise = max(floor, steps) or math.nan
             keys = ("rmse_before", "rmse_before_std", "rmse_after", "rmse_after_std")
             values = [float(said.get(key) or 0.0) / noise for key in keys]
             if all(math.isfinite(value) for value in values):
-                out.append(Ratio(stage, name, *values))
+                out.append(Ratio(stage, name, "encoder steps" if steps > floor else "noise", *values))
     return out
 
 
@@ -76,8 +79,9 @@ def figure_before_after(result: Answer, width: float = 5.2) -> Figure:
         _dot(axis, before, row.before_std, y, GREY, "before" if y == 0 and fitted else "")
         _dot(axis, after, row.after_std, y, ACCENT, "after" if y == 0 and fitted else "")
     axis.axvline(1.0, color=INK, lw=0.8, ls=(0, (3, 3)), zorder=0)
+    grain = "sensor noise" if all(r.of == "noise" for r in rows) else "noise or encoder steps"
     axis.set_yticks(range(len(rows)), [f"{row.stage} · {label(row.name)}" for row in rows])
-    axis.set(xscale="log", ylim=(len(rows) - 0.4, -0.6), xlabel="rms error on unseen data / sensor noise")
+    axis.set(xscale="log", ylim=(len(rows) - 0.4, -0.6), xlabel=f"rms error on unseen data / {grain}")
     _plain(axis, rows)
     axis.tick_params(axis="y", length=0, labelcolor=INK)
     axis.spines["left"].set_visible(False)

@@ -65,6 +65,7 @@ def content(result: Answer) -> dict[str, Any]:
         "maps": maps(result),
         "framed": any(cell.rest for m in maps(result) for _, row in m.rows for cell in row),
         "not_compared": not_compared(result),
+        "coarse": any(r.of != "noise" for r in ratios(result)),
         "low": any(min(r.before, r.after) < LEAST for r in ratios(result)),
         "before_after": image(figure_before_after(result)) if ratios(result) else None,
         "over_time": image(figure_over_time(shown)) if shown else None,

@@ -65,7 +65,7 @@ def _signal(row: Ratio) -> str:
 def _fall(result: Answer, row: Ratio) -> str:
     said = entries(result, row.stage)[row.name]
     sizes = fall(said["rmse_before"], said["rmse_after"], str(said.get("unit", "rad")))
-    return f"{sizes} ({times(row.before)} → {times(row.after)} times the noise)"
+    return f"{sizes} ({times(row.before)} → {times(row.after)} times the {row.of})"
 
 
 def _no_mismatch(result: Answer) -> str:
@@ -89,8 +89,10 @@ def _told(result: Answer, excess: bool) -> list[str]:
 
 def _named(result: Answer, finding: Finding) -> str:
     much = "perhaps " if finding.confidence < LIKELY else ""
-    names = much + listed([spoken(name) for name in finding.candidates], "or")
-    return f"{names} ({_place(result, finding.stage, finding.joints)}, {finding.confidence:.0%})"
+    names = [f"({spoken(name)})" if " + " in name else spoken(name) for name in finding.candidates]
+    either = "either " if len(names) > 2 else ""  # beside other findings, which are listed with commas too
+    place = _place(result, finding.stage, finding.joints)
+    return f"{much}{either}{listed(names, 'or')} ({place}, {finding.confidence:.0%})"
 
 
 def _unnamed(result: Answer, finding: Finding) -> str:

@@ -21,9 +21,10 @@ class Cell:
     heat: int
     text: str
     noise: str
-    """The same in times the noise; empty where there is nothing to compare."""
+    """The same in times the noise or the encoder's steps; empty where there is nothing to compare."""
     found: list[str]
     rest: bool = False
+    of: str = "noise"
 
 
 @dataclass(frozen=True)
@@ -80,4 +81,5 @@ def _cell(result: Answer, stage: str, name: str, ratio: Ratio | None) -> Cell:
     text = fall(before, after, unit, size) if changed else rounded(before, unit, size)
     if stage == "arm" and not changed:  # a tip's coordinate that an arm effect leaves alone
         found = []
-    return Cell(sum(ratio.before > limit for limit in HEAT), text, noise, found, rest and ratio.after > ABOVE)
+    heat = sum(ratio.before > limit for limit in HEAT)
+    return Cell(heat, text, noise, found, rest and ratio.after > ABOVE, ratio.of)

@@ -15,8 +15,9 @@ from trunk_ros import __version__
 from trunk_ros.diagnosis.report.units import quantity, spoken
 from trunk_ros.effects import effect
 from trunk_ros.fleet.report.spark import spark
+from trunk_ros.fleet.together.common import FEW
 from trunk_ros.fleet.together.correction import ALPHA
-from trunk_ros.fleet.together.judged import Judged
+from trunk_ros.fleet.together.judged import LEAST, Judged
 from trunk_ros.fleet.together.series import DAY, Key
 from trunk_ros.fleet.together.summary import Change, Fleet, Trend, date
 
@@ -42,7 +43,7 @@ def render(fleet: Fleet, reports: Mapping[str, str], model: str) -> str:
         loader=FileSystemLoader(FOLDERS), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    environment.filters |= {"spoken": spoken}
+    environment.filters |= {"spoken": spoken, "number": number}
     return environment.get_template("fleet.html.j2").render(**content(fleet, reports), model=model)
 
 
@@ -63,6 +64,11 @@ def content(fleet: Fleet, reports: Mapping[str, str]) -> dict[str, Any]:
         "unread": fleet.unread[:ROWS],
         "left_out": max(len(fleet.unread) - ROWS, 0),
         "looked_at": fleet.looked_at,
+        "least": LEAST,
+        "few": FEW,
+        "judged": len(fleet.arms) - len(fleet.short),
+        "short": [(arm, fleet.arms[arm], _alone(fleet, arm)) for arm in fleet.short[:ROWS]],
+        "short_left": max(len(fleet.short) - ROWS, 0),
         "alpha": f"{ALPHA:g}",
         "version": __version__,
     }
@@ -73,15 +79,35 @@ def sentence(fleet: Fleet) -> str:
     growing = {each.arm for each in fleet.trends}
     changed = {each.arm for each in fleet.changes}
     own = {each.arm for each in fleet.own}
-    parts = [
-        f"{len(fleet.arms)} arm{'s' * (len(fleet.arms) != 1)}, {sum(fleet.arms.values())} recordings",
-        f"something grows on {len(growing)}" if growing else "nothing grows",
-        f"something jumped on {len(changed)}" if changed else "nothing jumped",
-    ]
+    parts = [f"{number(len(fleet.arms), 'arm')}, {number(sum(fleet.arms.values()), 'recording')}"]
+    if len(fleet.short) < len(fleet.arms):
+        parts += [
+            f"something grows on {len(growing)}" if growing else "nothing grows",
+            f"something jumped on {len(changed)}" if changed else "nothing jumped",
+        ]
+    else:
+        parts += [f"effects found on {len(fleet.alone)}" if fleet.alone else "no effects found"]
+        parts += [f"something jumped on {len(changed)}"] if changed else []
+    if fleet.short:
+        parts += [f"too few recordings of {len(fleet.short)} to judge what grows (fewer than {LEAST})"]
     parts += [f"{len(own)} stand{'s' * (len(own) == 1)} out from the others"] if own else []
     unread = len(fleet.unread)
-    parts += [f"{unread} recording{'s' * (unread > 1)} could not be diagnosed"] if unread else []
+    parts += [f"{number(unread, 'recording')} could not be diagnosed"] if unread else []
     return f"{parts[0]}: {', '.join(parts[1:])}."
+
+
+def number(count: int, what: str) -> str:
+    """``1 arm``, ``2 arms``."""
+    return f"{count} {what}{'s' * (count != 1)}"
+
+
+def _alone(fleet: Fleet, arm: str) -> str:
+    """What an arm's recordings show one by one, in words."""
+    said = fleet.alone.get(arm, [])
+    return ", ".join(
+        f"{spoken(effect)} on {'the whole arm' if joint == 'arm' else joint} ({count})"
+        for effect, joint, count in said
+    )
 
 
 def effects_shown(fleet: Fleet) -> list[tuple[str, str]]:

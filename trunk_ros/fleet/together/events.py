@@ -1,4 +1,4 @@
-"""What happened within one recording: a wire that slipped while it was watched."""
+"""What single recordings show: which effects, and a wire that slipped while it was watched."""
 
 from __future__ import annotations
 
@@ -23,6 +23,17 @@ def events(findings: Iterable[Row], looked_at: int) -> list[Change]:
             by_place[row["path"], row["effect"], row["joint"]][row["parameter"]] = row
     found = (_change(values) for values in by_place.values())
     return [each for each in found if each is not None and each.chance * max(looked_at, 1) <= ALPHA]
+
+
+def alone(findings: Iterable[Row]) -> dict[str, list[tuple[str, str, int]]]:
+    """By arm: effect, joint and in how many recordings it was found, the most frequent first."""
+    seen: dict[str, dict[tuple[str, str], set[str]]] = defaultdict(lambda: defaultdict(set))
+    for row in findings:
+        seen[row["arm"]][row["effect"], row["joint"]].add(row["path"])
+    return {
+        arm: sorted(((*what, len(paths)) for what, paths in said.items()), key=lambda one: (-one[2], one))
+        for arm, said in seen.items()
+    }
 
 
 def _change(values: dict[str, Row]) -> Change | None:

@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.fleet.together.common import Common, Own, common_and_own
 from trunk_ros.fleet.together.correction import ALPHA, stands
-from trunk_ros.fleet.together.judged import Judged, judged, moment, slope
+from trunk_ros.fleet.together.judged import LEAST, Judged, judged, moment, slope
 from trunk_ros.fleet.together.series import DAY, Series
 
 SCHEMA = "trunk_ros/fleet/1"
@@ -72,12 +72,20 @@ class Fleet:
     unread: list[dict[str, str]] = field(default_factory=list)
     looked_at: int = 0
     """Series that were tested."""
+    alone: dict[str, list[tuple[str, str, int]]] = field(default_factory=dict)
+    """Effect, joint, and how many of the arm's recordings show it by themselves, the most frequent first."""
+
+    @property
+    def short(self) -> list[str]:
+        """Arms with too few recordings for anything to be said of their life."""
+        return [arm for arm, count in self.arms.items() if count < LEAST]
 
     def to_json(self) -> dict[str, Any]:
         """The dictionary that ``fleet.json`` holds."""
         arms = {
             arm: {
                 "recordings": count,
+                "judged": arm not in self.short,
                 "trends": [_trend(each) for each in self.trends if each.arm == arm],
                 "changes": [_change(each) for each in self.changes if each.arm == arm],
                 "own": [_less(asdict(each), "arm") for each in self.own if each.arm == arm],

@@ -37,9 +37,13 @@ def parser() -> argparse.ArgumentParser:
     add(
         "--model",
         metavar="MODEL",
-        help="what the compensator believes the arm to be: file or name in config/, trunk by default",
+        help="the arm, and what the compensator believes of it: file or name in config/, trunk by default",
     )
-    add("--plant-model", metavar="MODEL", help="what the simulated arm is, the nominal arm by default")
+    add(
+        "--plant-model",
+        metavar="MODEL",
+        help="what the simulated arm is; by default the arm of --model, without the effects in that file",
+    )
     add("--rate", type=float, default=100.0, metavar="HZ", help="control rate, 100 by default")
     add("--sim-time", action="store_true", help="simulated time with /clock, as fast as the machine goes")
     add("--processes", action="store_true", help="each node in a process of its own")
