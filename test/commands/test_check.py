@@ -43,6 +43,14 @@ def test_numbers_of_the_servo_that_a_file_does_not_give_are_said_to_be_trunks(
     assert "not given" not in capsys.readouterr().out
 
 
+def test_limits_beyond_a_turn_are_asked_about(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = "limits of a are beyond a turn: are these rad, not degrees?"
+    arm = "joints: [a, b]\n      lower: [-3.0, -3.0]\n      upper: "
+    assert asked in check(tmp_path, capsys, arm + "[90.0, 2.0]")
+    assert "beyond a turn" not in check(tmp_path, capsys, arm + "[3.0, 2.0]")
+    assert "beyond a turn" not in check(tmp_path, capsys, "joints: [a, b]")
+
+
 @pytest.mark.parametrize(("ratio", "refused"), [("[0.5, 1]", True), ("[1, 1]", False), ("[1.0, 0.5]", False)])
 def test_a_list_that_ros_2_cannot_read_is_said(
     ratio: str, refused: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]

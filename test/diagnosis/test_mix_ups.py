@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose, on, recorded, reshaped
-from trunk_ros.diagnosis.data.mix_ups import mix_ups, without_mix_ups
+from trunk_ros.commands.info import gathered
+from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
+from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.report import write
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model, load_model
@@ -25,7 +27,7 @@ def good() -> Recording:
     return recorded({"backlash": {"half_width": on(2, 8e-4)}}, 30.0)
 
 
-def scaled(recording: Recording, key: str, factor: float) -> Recording:
+def scaled(recording: Recording, key: str, factor: float | np.ndarray) -> Recording:
     return reshaped(recording, key, position=recording.series[key].position * factor, velocity=None)
 
 
@@ -33,6 +35,29 @@ def only(recording: Recording, model: Model = TRUNK, stage: str = "wire") -> tup
     found = [one for one in mix_ups(recording, model) if one.stage == stage]
     assert len(found) == 1
     return found[0].kind, found[0].joints, found[0].statement
+
+
+@pytest.mark.parametrize("keys", [("joint_states", "gearbox_states"), ("joint_states",)])
+def test_what_direct_cannot_see_is_asked(good: Recording, keys: tuple[str, ...]) -> None:
+    """Both sides in degrees, or joints of unlike ratios alone: no factor tells it from a ratio."""
+    mixed = replace(good, series={key: good.series[key] for key in ("gearbox_states", "joint_states")})
+    for key in keys:
+        mixed = scaled(mixed, key, PER_RADIAN * np.array([0.8, 1.0, 1.2, 1.4, 1.6]))
+    assert mix_ups(mixed, DIRECT) == []
+    (said,) = doubtful(mixed, DIRECT)
+    assert {key for key in ("joint_states", "gearbox_states") if f"{key} of joint_1" in said} == set(keys)
+    assert "are these rad? If they are degrees or counts, convert them" in said
+    assert said in gathered(mixed, DIRECT)["note"]
+    assert said in quality_of_recording(mixed, DIRECT)["notes"]
+    assert doubtful(good, DIRECT) == []
+    wide = replace(TRUNK.arm, lower=np.full(5, -200.0), upper=np.full(5, 200.0))
+    assert doubtful(scaled(good, "joint_states", 30.0), Model(wide)) == []
+
+
+def test_a_stray_reading_is_no_speed(good: Recording) -> None:
+    position = good.series["joint_states"].position.copy()
+    position[500] += 40.0
+    assert doubtful(reshaped(good, "joint_states", position=position, velocity=None), DIRECT) == []
 
 
 @pytest.mark.parametrize("model", [TRUNK, DIRECT])

@@ -109,7 +109,23 @@ def of_model(model: Model, given: dict[str, Any]) -> list[str]:
         f"tip: {_tip(arm)}",
         f"servo: {_servo(arm, given)}",
         *(effects or ["effects: none"]),
+        *_wide(arm),
     ]
+
+
+def _wide(arm: Arm) -> list[str]:
+    """Joints whose limits lie beyond a turn, where these may be degrees."""
+    import numpy as np
+
+    from trunk_ros.arm.parameters import ANY_ANGLE
+
+    far = np.maximum(np.abs(arm.lower), np.abs(arm.upper))
+    wide = [
+        joint
+        for joint, limit in zip(arm.joints, far, strict=True)
+        if 2.0 * np.pi < limit < ANY_ANGLE and arm.units.get(joint, "rad") == "rad"
+    ]
+    return [f"limits of {', '.join(wide)} are beyond a turn: are these rad, not degrees?"] if wide else []
 
 
 def _tip(arm: Arm) -> str:

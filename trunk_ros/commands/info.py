@@ -124,7 +124,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
     """All that is said, as JSON has it."""
     from dataclasses import asdict
 
-    from trunk_ros.diagnosis.data.mix_ups import mix_ups
+    from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups
     from trunk_ros.diagnosis.data.quality import left_out
     from trunk_ros.diagnosis.prospects import motion_of, prospects
     from trunk_ros.recording.quality import quality
@@ -143,7 +143,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         "stages": {one.stage: _as_json(one, asdict(one)) for one in prospects(recording, model)},
         "absent": [topic for key, topic in TOPICS.items() if topic not in topics and key != "reference"],
         "mixed_up": [one.statement for one in mixed],
-        "note": [*recording.notes, *left_out(recording, model)],
+        "note": [*recording.notes, *left_out(recording, model), *doubtful(recording, model, mixed)],
     }
 
 

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from trunk_ros.diagnosis.data.load_cells import cell_remarks
-from trunk_ros.diagnosis.data.mix_ups import MixUp
+from trunk_ros.diagnosis.data.mix_ups import MixUp, doubtful
 from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.model import Model
 from trunk_ros.recording.quality import quality
@@ -65,7 +65,8 @@ def quality_of_recording(
     remarks += [f"{one.statement}." for one in mixed if not one.certain]
     remarks += cell_remarks(recording, model)
     torque = torque_remarks(recording, model, found)
-    notes = [*recording.notes, *left_out(recording, model), *torque, *remarks]
+    odd = [*left_out(recording, model), *doubtful(recording, model, mixed)]
+    notes = [*recording.notes, *odd, *torque, *remarks]
     return {
         "duration": recording.duration,
         "topics": topics,
