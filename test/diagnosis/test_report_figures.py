@@ -1,12 +1,14 @@
 """The report's figures: curves that show what was found, and numbers as readers write them."""
 
+import re
+
 import matplotlib as mpl
 import numpy as np
 import pytest
 
 from test.diagnosis import made
 from trunk_ros.diagnosis.report import figure_before_after, render
-from trunk_ros.diagnosis.report.errors import culprit_spans
+from trunk_ros.diagnosis.report.errors import culprit_spans, figure_over_time, shown_over_time
 from trunk_ros.diagnosis.report.signals import contributions, reversals, signals
 from trunk_ros.diagnosis.report.units import powers, quantity
 from trunk_ros.diagnosis.report.view import cloud, view_of
@@ -106,3 +108,16 @@ def test_drawing_leaves_no_trace_in_matplotlib(found: Diagnosis) -> None:
     assert len(figure.axes) == 1
     pyplot = pytest.importorskip("matplotlib.pyplot")
     assert pyplot.get_fignums() == []
+
+
+def test_the_residual_over_time_says_what_its_axis_is(found: Diagnosis) -> None:
+    figure = figure_over_time(shown_over_time(found))
+    assert figure.get_supylabel() == "residual"
+    assert {axis.get_ylabel() for axis in figure.axes} == {"mrad"}
+
+
+def test_whatever_may_be_wider_than_the_page_shows_a_shadow_where_it_goes_on(found: Diagnosis) -> None:
+    page = render(found)
+    sideways = re.findall(r"^\s*([^{}@]+?) \{[^}]*overflow-x: auto", page, re.MULTILINE)
+    (shaded,) = re.findall(r"^([^{}@]+?) \{[^}]*var\(--shade\), transparent", page, re.MULTILINE)
+    assert set(sideways) == set(shaded.split(", "))

@@ -221,3 +221,8 @@ def test_stamps_that_ros_cannot_hold_are_refused(tmp_path):
     with pytest.raises(ArgumentError, match="1970 to 2038"):
         write_recording(tmp_path / "bag", replace(example(count=4), start_ns=-(10**12)))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_swapped_arguments_are_named_in_one_line(tmp_path):
+    with pytest.raises(ArgumentError, match=r"got \(Recording, str\): the folder comes first"):
+        write_recording(example(count=4), str(tmp_path / "bag"))

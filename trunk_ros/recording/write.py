@@ -38,6 +38,9 @@ def write_recording(
 
     ArgumentError if it exists without `overwrite`, or cannot be written; nothing half-written is left.
     """
+    if not isinstance(recording, Recording):
+        given = f"{type(path).__name__}, {type(recording).__name__}"
+        raise ArgumentError(f"write_recording(path, recording): got ({given}): the folder comes first")
     noted = {**recording.custom, **(custom or {})}
     if recording.units:
         noted["trunk_ros.units"] = json.dumps(recording.units)

@@ -159,6 +159,7 @@ def figure_over_time(shown: list[Signal]) -> Figure:
     for axis, signal in zip(axes, shown, strict=True):
         _over_time(axis, signal)
     axes[-1].set_xlabel("time / s")
+    figure.supylabel("residual", size=axes[0].yaxis.label.get_size(), color=MUTED)
     used = [GREY, *([ACCENT] if any(s.changed for s in shown) else []), SHADE]
     handles = [axes[0].fill_between([], [], color=c, label=LEGEND[c]) for c in used]
     figure.legend(handles=handles, loc="outside upper right", ncols=3, columnspacing=1.2)
