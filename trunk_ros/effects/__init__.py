@@ -106,13 +106,14 @@ def _load(path: Path) -> ModuleType:
     if spec is None or spec.loader is None:
         raise ModelError(f"cannot load an effect from {path}")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where Python looks for what the file says of itself
     try:
         spec.loader.exec_module(module)
     except Exception as error:
+        del sys.modules[spec.name]
         raise ModelError(
             f"cannot load an effect from {path}: {type(error).__name__}: {' '.join(str(error).split())}"
         ) from error
-    sys.modules[spec.name] = module  # where Python looks for what the file says of itself
     return module
 
 

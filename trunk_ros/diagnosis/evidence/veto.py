@@ -28,24 +28,30 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     to, or than a rival gains beyond them, and the evidence for the others. One at a time, the weakest first.
     A rival that turns out to be better takes the place of the name: a search that ended early may not have
     come to it. After each change evidence is gathered anew for what it touched; once the work that is granted
-    for that is spent, only for names that are new.
+    for that is spent, only for names that are new, and those that it touched are left as they are.
     """
     work, found, before = state.context.work.besides(), dict[str, Evidence](), part
     while True:
-        stands = {n: e for n, e in found.items() if work.over or _is_untouched(before, part, n)}
+        touched = {n for n in found if not _is_untouched(before, part, n)}
+        stands = {n: e for n, e in found.items() if work.over or n not in touched}
         found, before = evidence(part, state, work, stands), part
         better, both = _better(part, found), part is state
         if better is not None:
             part = better
             state = part if both else refit(state.context, part.hypothesis)
             continue
-        weak = {n: e.gain_share for n, e in found.items() if effect(n).named and n not in state.context.known}
+        judged = {n: e for n, e in found.items() if not (n in stands and n in touched)}
+        weak = {n: e.gain_share for n, e in judged.items() if _is_claimed(state, n)}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
             state.context.work.took(Work(done=work.done))  # no search ended early by it
             return state, part, found
         state = dropped(state, name)
         part = state if both else dropped(part, name)
+
+
+def _is_claimed(state: Fit, name: str) -> bool:
+    return effect(name).named and name not in state.context.known
 
 
 def _is_untouched(before: Fit, now: Fit, name: str) -> bool:

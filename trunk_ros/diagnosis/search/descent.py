@@ -234,7 +234,8 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             for trial in (_plainest(found, trials, best, desk), found):
                 if desk.pays(score(best) - score(trial), best) and _is_new(trial, best, desk):
                     return move, trial
-            desk.note(move, group, best, score(best) - score(found))
+            if not best.context.work.over:  # else not all was tried
+                desk.note(move, group, best, score(best) - score(found))
     return None
 
 

@@ -98,9 +98,7 @@ class Residuals:
     def but_for(self, x: Array, spared: int) -> float:
         """Squared residuals without what so many of the worst columns have above the noise."""
         cost = [float(part @ part) for part in self.parts(x)]
-        pairs = zip(self.columns, cost, strict=True) if 0 < spared < len(cost) else ()
-        over = sorted((left - self.context.least_noise(c) for c, left in pairs), reverse=True)
-        return sum(cost) - sum(over[:spared])
+        return sum(cost) - _worst(self.context, dict(zip(self.columns, cost, strict=True)), spared)
 
     def steps(self, x: Array) -> Array:
         """(free,) by which each value is moved to see what it does, away from a bound that is near."""
@@ -161,7 +159,8 @@ def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf, spared
 def _refit(context: Context, hypothesis: Hypothesis, goal: float, spared: int) -> Fit:
     cost: dict[int, float] = {}
     for group in groups(context, hypothesis):
-        done = fit(context, hypothesis, group, _goal_of(context, group, cost, goal, spared), spared)
+        others = spared if len(group) > 1 else 0
+        done = fit(context, hypothesis, group, _goal_of(context, group, cost, goal, spared), others)
         hypothesis = done.hypothesis
         cost |= done.cost
     return Fit(hypothesis, cost, context)
@@ -175,10 +174,16 @@ def _goal_of(context: Context, group: list[int], cost: dict[int, float], goal: f
         return goal
     left = goal - sum(context.least_noise(c) for c in context.columns if c not in (*cost, *group))
     left -= sum(cost.values())
-    over = sorted((left_there - context.least_noise(c) for c, left_there in cost.items()), reverse=True)
-    if len(group) == 1 and spared and left + sum(over[: spared - 1]) > context.least_noise(group[0]):
+    among = left + _worst(context, cost, spared - 1)
+    if len(group) == 1 and spared and among > context.least_noise(group[0]):
         return np.inf  # it may be one of those itself
-    return left + sum(over[:spared])
+    return left + _worst(context, cost, spared)
+
+
+def _worst(context: Context, cost: dict[int, float], many: int) -> float:
+    """What so many of the worst columns have above the noise."""
+    over = sorted((max(left - context.least_noise(c), 0.0) for c, left in cost.items()), reverse=True)
+    return sum(over[: max(many, 0)])
 
 
 def groups(context: Context, hypothesis: Hypothesis) -> list[list[int]]:

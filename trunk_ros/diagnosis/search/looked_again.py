@@ -43,12 +43,14 @@ def _settled(context: Context, hypothesis: Hypothesis) -> Fit:
 def told_from_clocks(now: Fit) -> Fit:
     """With a skew of two clocks that did not show before the physics was known, and without the effects that
     it looks like, and without those that come and go with time, where that leaves less by the price of an
-    effect, or as little without them.
+    effect, or as little without them. What the model has already stays.
     """
-    known, like = now.hypothesis, imitated("skew")
+    known = now.hypothesis
+    new = known.keys() - now.context.known.keys()
     price = naming(now.context.stage.name) + max(need(now.context, c) for c in now.cost)
-    timed = {name for name, term in known.items() if any(map(term.moments, (None, *term.own)))}
-    for gone in dict.fromkeys((frozenset(timed | {*like}), frozenset(like), frozenset(timed), frozenset())):
+    like = frozenset(new.intersection(imitated("skew")))
+    timed = frozenset(n for n in new if any(map(known[n].moments, (None, *known[n].own))))
+    for gone in dict.fromkeys((timed | like, like, timed, frozenset[str]())):
         hypothesis = Hypothesis({name: term for name, term in known.items() if name not in gone})
         context = with_unseen_skew(now.context, hypothesis)
         if context is None or context.work.over:

@@ -178,8 +178,9 @@ class Screen:
             if keys[kind.id] not in kept:
                 kept[keys[kind.id]] = self.forms(kind, column)
         found = sorted(filter(None, map(kept.get, keys.values())), key=lambda f: -max(c.gain for c in f))
-        steady = sorted(found, key=lambda f: -max((c.gain for c in f if not c.lasts), default=0.0))
-        further = [f for f in found[most:] if f in steady[:most] or f[0].effect in always]
+        lasting = {f[0].effect: max((c.gain for c in f if not c.lasts), default=0.0) for f in found}
+        steady = sorted((name for name, gain in lasting.items() if gain), key=lambda n: -lasting[n])
+        further = [f for f in found[most:] if f[0].effect in {*steady[:most], *always}]
         return [candidate for forms in [*found[:most], *further] for candidate in forms]
 
     def _key(self, kind: type[Effect], column: int) -> Hashable:

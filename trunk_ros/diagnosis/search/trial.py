@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.effects import Effect
 
-PROMISING = 4  # local candidates a joint that are refitted in full
+PROMISING = 4  # local candidates a joint that are refitted in full, and as many that act all the time
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.moves.option import OPTION, put_down
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.score import for_a_time, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
-from trunk_ros.diagnosis.search.trial import Look, may_win, refit_to_win, refitted
+from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
 from trunk_ros.diagnosis.search.windows import Reach, Window
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import LASTING
@@ -78,7 +78,7 @@ def _taken_up(now: Fit, desk: Desk, name: str, mass: Parameter, seen: Seen) -> I
     there = usual.copy()
     there[name].shared[mass.name] = float(np.clip(mass.typical * window.size, *mass.bounds))
     there[name].shared |= {f"{mass.name}_{when}": t for when, t in window.moments.items()}
-    trial = refit_to_win(now, there)
+    trial = refit(now.context, there, score(now))
     sizes = only(SPELL, (name, None, f"{mass.name}_"))
     least = sum(cost + for_a_time(trial.context, c, cost) for c, cost in trial.cost.items())
     yield descend_with(dated(trial, name), (sizes, OPTION), desk) if least < score(now) else trial

@@ -78,13 +78,16 @@ def dated(now: Fit, name: str, on: int | None = None) -> Fit:
 
 
 def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
-    return [moved(best, name, column, moment, np.array([_nearest(best, name, column, moment)]))]
+    return [moved(best, name, column, moment, _roughly(best, name, column, moment) + NEARBY)]
 
 
 def _nearest(now: Fit, name: str, column: int | None, moment: str) -> float:
     """Where [s] a moment fits best nearby, all else as it is."""
-    rough = best_time(now, name, column, moment, _home(now.hypothesis, name, column)[moment] + ROUGHLY)
-    return best_time(now, name, column, moment, rough + NEARBY)
+    return best_time(now, name, column, moment, _roughly(now, name, column, moment) + NEARBY)
+
+
+def _roughly(now: Fit, name: str, column: int | None, moment: str) -> float:
+    return best_time(now, name, column, moment, _home(now.hypothesis, name, column)[moment] + ROUGHLY)
 
 
 def moved(now: Fit, name: str, column: int | None, moment: str, at: Array) -> Fit:
