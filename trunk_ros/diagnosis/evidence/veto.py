@@ -31,17 +31,18 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     for that is spent, only for names that are new, and those that it touched are left as they are.
     """
     work, found, before = state.context.work.besides(), dict[str, Evidence](), part
+    old = set[str]()
     while True:
         touched = {n for n in found if not _is_untouched(before, part, n)}
         stands = {n: e for n, e in found.items() if work.over or n not in touched}
+        old = {n for n in stands if n in touched or n in old}
         found, before = evidence(part, state, work, stands), part
         better, both = _better(part, found), part is state
         if better is not None:
             part = better
             state = part if both else refit(state.context, part.hypothesis)
             continue
-        judged = {n: e for n, e in found.items() if not (n in stands and n in touched)}
-        weak = {n: e.gain_share for n, e in judged.items() if _is_claimed(state, n)}
+        weak = {n: e.gain_share for n, e in found.items() if _is_claimed(state, n) and n not in old}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
             state.context.work.took(Work(done=work.done))  # no search ended early by it
