@@ -174,13 +174,12 @@ class Screen:
         """
         kept = {} if kept is None else kept
         keys = {kind.id: self._key(kind, column) for kind in kinds}
-        for kind in kinds:
-            if keys[kind.id] not in kept:
-                kept[keys[kind.id]] = self.forms(kind, column)
+        for kind in (k for k in kinds if keys[k.id] not in kept):
+            kept[keys[kind.id]] = self.forms(kind, column)
         found = sorted(filter(None, map(kept.get, keys.values())), key=lambda f: -max(c.gain for c in f))
-        lasting = {f[0].effect: max((c.gain for c in f if not c.lasts), default=0.0) for f in found}
-        steady = sorted((name for name, gain in lasting.items() if gain), key=lambda n: -lasting[n])
-        further = [f for f in found[most:] if f[0].effect in {*steady[:most], *always}]
+        steady = sorted((-c.gain, c.effect) for f in found for c in f if not c.lasts)
+        named = [*dict.fromkeys(name for _, name in steady)][:most]
+        further = [f for f in found[most:] if f[0].effect in {*named, *always}]
         return [candidate for forms in [*found[:most], *further] for candidate in forms]
 
     def _key(self, kind: type[Effect], column: int) -> Hashable:
