@@ -1,5 +1,12 @@
 """What fits into memory and caches: no answer depends on these, only how fast it comes and what it needs."""
 
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, MutableMapping
+from typing import Any, TypeVar
+
+Key = TypeVar("Key", bound=Hashable)
+
 NUMBER = 4
 """Bytes of a number that processes hand each other."""
 PIECE = 2048
@@ -14,3 +21,10 @@ FACTORS = 8
 """Sizes of which one logarithm is taken: a product of more might be no number."""
 BOUND = 64
 """Blocks of one joint kept: what a fit leaves as it is is not made anew."""
+
+
+def make_room(kept: MutableMapping[Key, Any], rows: int, among: Iterable[Key]) -> None:
+    """Forget the oldest ``among`` what is ``kept``, until one more of so many rows fits beside the others."""
+    there = list(among)
+    for old in there[: max(len(there) + 1 - max(LOOKED // rows, 1), 0)]:
+        del kept[old]

@@ -14,7 +14,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import FEWEST, PART
-from trunk_ros.diagnosis.machine import LOOKED
+from trunk_ros.diagnosis.machine import make_room
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import RISE
 from trunk_ros.parameter import GROWN
@@ -40,8 +40,7 @@ def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[flo
     banded = view.arm.dead_band[column] > 0.0
     for at, size in sorted(_moments(hypothesis, column).items()) if banded else []:
         if (column, at) not in view.rests:  # a fit asks again and again
-            while len(view.rests) >= max(LOOKED // len(view.span.rows), 1):
-                del view.rests[next(iter(view.rests))]
+            make_room(view.rests, len(view.span.rows), view.rests)
             view.rests[column, at] = _rest(view, column, at)
         rest = view.rests[column, at]
         if rest is not None:

@@ -60,7 +60,7 @@ class Curve(Effect):
 
     @classmethod
     def factor(cls, now: Now) -> Array:
-        """(n, columns) by which the curve is multiplied before it is added to the angle."""
+        """What the curve is multiplied by before it is added to the angle; it broadcasts to (n, columns)."""
         return np.ones(1)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

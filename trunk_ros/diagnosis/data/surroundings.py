@@ -14,7 +14,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.machine import LOOKED
+from trunk_ros.diagnosis.machine import make_room
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
 
@@ -101,9 +101,7 @@ class View:
     def _kept(self, what: str, payload: float, of: Callable[[Array], Array]) -> Array:
         key = what, payload, id(self.angles)
         if key not in self.large:
-            there = [k for k in self.large if k[0] == what]
-            for old in there[: max(len(there) + 1 - max(LOOKED // len(self.angles), 1), 0)]:
-                del self.large[old]
+            make_room(self.large, len(self.angles), (k for k in self.large if k[0] == what))
             self.large[key] = self.angles, of(self.angles)
         return self.large[key][1]
 
@@ -152,8 +150,7 @@ class View:
         other.
         """
         if payload.when not in self.there:
-            for old in [*self.there][: max(len(self.there) + 1 - max(LOOKED // len(self.angles), 1), 0)]:
-                del self.there[old]
+            make_room(self.there, len(self.angles), self.there)
             self.there[payload.when] = payload.share(self.span.grid)
         return self.there[payload.when]
 

@@ -126,7 +126,7 @@ def _place(term: Term, column: int) -> Place:
 
 def places(context: Context, bare: Hypothesis, column: int) -> list[list[Place]]:
     """The curves that may be drawn in a stage, those of one kind together."""
-    timed = context.stage.name == "wire" and context.timed(column) and column not in context.wide
+    timed = context.stage.name == "wire" and "time" in variables(context, column)
     return [*_smooth(context, column), *(_in_time(context, bare, column) if timed else [])]
 
 

@@ -109,7 +109,7 @@ def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] |
         columns = state.hypothesis[name].columns if column is None else [column]
         columns = [c for c in columns if c in state.context.columns]
         pair = state.hypothesis, state.hypothesis.without(name, column)
-        with_it, without = (_all_of(state.context, one, columns) for one in pair)
+        with_it, without = (_fitted_with(state.context, one, columns) for one in pair)
         some[name, column] = with_it, without
         asked |= {with_it: (pair[0], columns), without: (pair[1], columns)}
     new = [key for key in asked if key not in known]
@@ -120,7 +120,7 @@ def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] |
     return worst if worst is not None and harm[worst] > 0.0 else None
 
 
-def _all_of(context: Context, hypothesis: Hypothesis, columns: list[int]) -> Hashable:
+def _fitted_with(context: Context, hypothesis: Hypothesis, columns: list[int]) -> Hashable:
     """What a fit of some columns depends on."""
     fitted = [c for group in groups(context, hypothesis) if set(group) & set(columns) for c in group]
     given = tuple((c, tuple(term.given for term in hypothesis.on(c))) for c in fitted)

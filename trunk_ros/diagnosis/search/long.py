@@ -24,7 +24,6 @@ from trunk_ros.diagnosis.sparse import Sparse, noise_of_every, sparse
 from trunk_ros.diagnosis.work import Work
 
 WORK = 2e8  # simulated joint-steps that a search may take: twenty seconds of one core
-WHOLE = 2e8  # the same of what is done on all of a recording of which an excerpt was searched
 
 
 @dataclass(frozen=True)
@@ -39,18 +38,18 @@ class Searched:
 
 def searched(context: Context, say: Callable[[str], None]) -> Searched:
     """The hypothesis of a stage."""
+    context = replace(context, work=Work(WORK))
     spans = [view.span for view in context.views]
     parts = [excerpt(span) for span in spans]
     whole = all(part is span for part, span in zip(parts, spans, strict=True))
     some = sparse(context if whole else context.over(parts))
     if some is context:
-        state = search(replace(context, work=Work(WORK)), Desk(say))
-        return Searched(state, state, state.context.work.over)
+        state = search(context, Desk(say))
+        return Searched(state, state, context.work.over)
     give_back()
     first = search(replace(some, work=Work(WORK)), Desk(lambda text: say(f"excerpt: {text}")))
     say("the whole recording")
     give_back()
-    context = replace(context, work=Work(WHOLE))
     state = _on_the_whole(context, first.hypothesis, Desk(say))
     noise = (
         noise_of_every(state.context.noise, some.every) if isinstance(some, Sparse) else state.context.noise

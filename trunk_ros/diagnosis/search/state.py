@@ -30,6 +30,14 @@ def state_of(best: Fit, columns: Iterable[int]) -> State:
     return (context.look, context.claims, *each)
 
 
+def exactly(best: Fit) -> State:
+    """What a look or a trial on all joints depends on, to the last digit."""
+    context = best.context
+    given = tuple((term.effect, term.given) for term in best.hypothesis.values())
+    keys = (best.hypothesis.key(c) for c in context.columns)
+    return (context.look, context.claims, context.noise, given, *keys)
+
+
 def structure(hypothesis: Hypothesis, column: int | None = None) -> Hashable:
     """Effects, forms and sources, without values: on a column, or everywhere."""
     if column is None:

@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.levels import TENFOLD
 from trunk_ros.recording.signal.encoder import count
 
 CLOSE, CLOSER = np.log(1.15), np.log(1.03)  # to that factor: where the ratio is known, and where it is not
-GOES_FAR = 100.0  # rad: a joint that goes so far does not read whole radians only
+WHOLE = 100.0  # rad: a joint that goes so far does not read whole radians only
 TO_DO = "Convert it to rad (unit: deg in a mapping) and diagnose again."
 
 
@@ -33,7 +33,7 @@ def counts(pair: Pair) -> list[MixUp]:
 
 def _is_whole(readings: Array) -> bool:
     """Whether readings (n,) go far in whole numbers; between two of them, interpolated, some are not."""
-    step = count(readings[readings == np.rint(readings)]) if np.ptp(readings) > GOES_FAR else 0.0
+    step = count(readings[readings == np.rint(readings)]) if np.ptp(readings) > WHOLE else 0.0
     return step >= 1.0 and float(np.mean(readings == np.rint(readings))) > 0.5
 
 

@@ -31,6 +31,7 @@ from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
+from trunk_ros.diagnosis.search.state import exactly
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win, refit_to_win
 from trunk_ros.effects import Effect, effect
 
@@ -210,9 +211,7 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
 
 def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) -> list[Candidate]:
     """What a linear look finds on all joints, the best first; kept while nothing changes."""
-    context = best.context
-    given = tuple((term.effect, term.given) for term in best.hypothesis.values())
-    key = (context.look, context.noise, given, *(best.hypothesis.key(c) for c in context.columns))
+    context, key = best.context, exactly(best)
     if key not in desk.looked:
         looked = each(context.work, screen.all_everywhere, kinds)
         found = sorted((c for some in looked for c in some if c.gain > SIGNIFICANT), key=lambda c: -c.gain)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -23,6 +23,7 @@ from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.swap_many import on_most
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
+from trunk_ros.diagnosis.search.state import exactly
 from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, refit_to_win
 from trunk_ros.effects import Effect, effect
 
@@ -91,7 +92,7 @@ def alike(kind: type[Effect], other: type[Effect]) -> bool:
 
 def _inherited(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterator[Fit]:
     """One effect in the place of another, by what it includes; kept while nothing changes."""
-    kept = desk.trials_in(_all_of(best))
+    kept = desk.trials_in(exactly(best))
     if (name, kind.id) in kept:
         yield from kept[name, kind.id]
         return
@@ -113,14 +114,6 @@ def _heirs(best: Fit, name: str, kind: type[Effect]) -> Iterator[Fit]:
         mended = with_what_it_stood_for(best, trial)
         leader = min(leader, trial, mended, key=score)
         yield mended
-
-
-def _all_of(best: Fit) -> Hashable:
-    """All that trials on all joints depend on."""
-    context = best.context
-    given = tuple((term.effect, term.given) for term in best.hypothesis.values())
-    keys = (best.hypothesis.key(c) for c in context.columns)
-    return (context.look, context.claims, context.noise, given, *keys)
 
 
 def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect]) -> list[Hypothesis]:
