@@ -10,7 +10,7 @@ import pytest
 from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
-from trunk_ros.diagnosis.evidence import veto
+from trunk_ros.diagnosis.evidence import rivals, veto
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, one_evidence
 from trunk_ros.diagnosis.evidence.veto import believed, harmless, unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -96,6 +96,16 @@ def test_a_rival_that_is_better_takes_the_place_of_a_name() -> None:
     assert state is part
     assert list(state.hypothesis) == list(found) == ["backlash"]
     assert beats(state, wrong)
+
+
+def test_what_the_motion_hides_on_all_joints_is_no_rival(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = fitted("backlash", BACKLASH)
+    assert evidence(now)["backlash"].rivals
+    monkeypatch.setattr(rivals, "hidden", lambda context, term: term.columns)
+    alone = evidence(now)["backlash"]
+    assert not alone.rivals
+    assert not alone.fitted
+    assert not any(isinstance(said, str) for said in alone.equivalents)
 
 
 def test_a_name_gains_more_than_a_rival_does_beyond_it() -> None:

@@ -15,11 +15,19 @@ class Work:
 
     most: float = np.inf
     done: int = 0
+    each: float = 0.0
+    """What each effect that is found is granted besides: every further move is tried on it as well."""
+    found: int = 0
 
     @property
     def over(self) -> bool:
         """Whether what was granted is spent."""
         return self.done >= self.most
+
+    def finds(self, effects: int) -> None:
+        """So many effects are found; what is granted once is not taken back."""
+        self.most += self.each * max(effects - self.found, 0)
+        self.found = max(effects, self.found)
 
     def besides(self) -> Work:
         """What is granted on top: it is not what ends a search early."""

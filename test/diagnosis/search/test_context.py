@@ -74,6 +74,19 @@ def test_a_search_that_runs_out_of_work_gives_the_best_so_far() -> None:
     assert score(whole) <= score(short) <= score(nothing)
 
 
+def test_each_effect_that_is_found_is_granted_work_of_its_own() -> None:
+    """An arm in which much is at work is searched for longer; what was granted is not taken back."""
+    work = Work(100, each=20)
+    for effects in (0, 2, 1, 2, 3):
+        work.finds(effects)
+    assert work.most == 160
+    start = context("two")
+    granted = [Work(1e9, each=each) for each in (0, 1000)]
+    for some in granted:
+        found = search(replace(start, work=some), Desk())
+    assert granted[1].most - granted[0].most >= 1000 * len(found.hypothesis) > 1000
+
+
 def test_the_same_search_takes_the_same_steps_again() -> None:
     found = [(work.done, state.hypothesis.key(2), state.total) for state, work in (once(), searched())]
     assert found[0] == found[1]

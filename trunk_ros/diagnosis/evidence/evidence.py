@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trunk_ros.diagnosis.cores import each
-from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, loss, rivals, without
+from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, loss, rivals
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH, SCATTER
@@ -206,9 +206,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
             if own is not None:
                 out.rivals[rival], out.fitted[rival] = loss(state, own), own.hypothesis
         near = [rival for rival, lost in out.rivals.items() if lost < limit]
-        before = {rival: len(without(bare.hypothesis, rival, columns)) for rival in near}
-        told = [rival for rival in near if len(without(out.fitted[rival], rival, columns)) < before[rival]]
-        alone = sorted(told, key=lambda rival: (out.rivals[rival], rival))
+        alone = sorted(near, key=lambda rival: (out.rivals[rival], rival))
         losses += out.rivals.values()
         both = pairs(state, name, doubted, looks, out.asked, {name, *near, *state.hypothesis})
         said: list[str | list[str]] = [

@@ -128,7 +128,8 @@ def _local_rivals(
             best = min(fits, key=lambda f: f.cost[c], default=bare)
             cost[c] = best.cost[c]
             fitted.take(c, best.hypothesis)
-        losses[name] = loss(state, Fit(fitted, cost, context)), fitted
+        if len(without(fitted, name, columns)) < len(new[name]):  # else the motion hides it on all of them
+            losses[name] = loss(state, Fit(fitted, cost, context)), fitted
     return losses
 
 

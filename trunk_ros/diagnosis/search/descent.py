@@ -159,6 +159,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
                 break
             move, found = better
             desk.stands_on(found)
+            best.context.work.finds(len(found.hypothesis) - len(best.context.known))
             if move.grows:
                 newest = [name for name in found.hypothesis if name not in best.hypothesis]
             best, stale = (renewed if move.grows else relooked)(found), not move.grows

@@ -23,7 +23,8 @@ from trunk_ros.diagnosis.search.windows import EDGES
 from trunk_ros.diagnosis.sparse import Sparse, noise_of_every, sparse
 from trunk_ros.diagnosis.work import Work
 
-WORK = 2e8  # simulated joint-steps that a search may take: twenty seconds of one core
+WORK = 1.2e8  # simulated joint-steps that a search may take: twelve seconds of one core
+EACH = WORK / 3.0  # more for each effect that it finds
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Searched:
 
 def searched(context: Context, say: Callable[[str], None]) -> Searched:
     """The hypothesis of a stage."""
-    context = replace(context, work=Work(WORK))
+    context = replace(context, work=Work(WORK, each=EACH))
     spans = [view.span for view in context.views]
     parts = [excerpt(span) for span in spans]
     whole = all(part is span for part, span in zip(parts, spans, strict=True))
@@ -47,7 +48,7 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
         state = search(context, Desk(say))
         return Searched(state, state, context.work.over)
     give_back()
-    first = search(replace(some, work=Work(WORK)), Desk(lambda text: say(f"excerpt: {text}")))
+    first = search(replace(some, work=Work(WORK, each=EACH)), Desk(lambda text: say(f"excerpt: {text}")))
     say("the whole recording")
     give_back()
     state = _on_the_whole(context, first.hypothesis, Desk(say))

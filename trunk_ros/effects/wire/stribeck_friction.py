@@ -100,15 +100,19 @@ def film(
     steps, columns = u.shape
     for j in range(columns):
         theta, late, last = memory[0, j], memory[1, j], memory[2, j]
+        slow, before, follows, per_second = 1.0 / velocity[j], -1.0, 0.0, 0.0
         for k in range(steps):
             parts = min(max(int(np.ceil(dt[k] / STEP - 1e-6)), 1), MOST)
             h = dt[k] / parts
-            for i in range(1, parts + 1):
-                more = amplitude[j] * np.exp(-((late / velocity[j]) ** 2))
+            if h != before:
+                before, follows, per_second = h, -np.expm1(-h / lag[j]), 1.0 / h if h > 0.0 else 0.0
+            at, step, more = last, (u[k, j] - last) / parts, 0.0
+            for _ in range(parts):
+                more = amplitude[j] * np.exp(-((late * slow) ** 2))
                 w = max(width[k, j] + more, 0.0)
-                at = last + (u[k, j] - last) * i / parts
-                before, theta = theta, min(max(theta, at - w), at + w)
-                if h > 0.0:
-                    late += (abs(theta - before) / h - late) * -np.expm1(-h / lag[j])
+                at += step
+                moved = min(max(theta, at - w), at + w)
+                late += (abs(moved - theta) * per_second - late) * follows
+                theta = moved
             out[k, j], last = more, u[k, j]
         memory[0, j], memory[1, j], memory[2, j] = theta, late, last
