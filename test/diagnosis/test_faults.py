@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded, reshaped
+from test.diagnosis.arms import NOISE, diagnose, on, recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
-from trunk_ros.diagnosis.data.sensor_faults import sticks, strays, without_faults
+from trunk_ros.diagnosis.data.sensor_faults import all_that_sticks, sticks, strays, without_faults
 
 
 def faulty(position: Array) -> Diagnosis:
@@ -33,6 +33,16 @@ def test_a_sensor_that_sticks_is_said_and_hides_no_physics(position: Array) -> N
     notes = " ".join(result.quality["made"]["notes"])
     assert "joint_2: its sensor sticks, first at 12.01 s; 89 readings left out" in notes
     assert "joint_4: its sensor sticks, first at 25.01 s; 199 readings left out" in notes
+
+
+def test_an_old_message_is_old_for_joints_that_hardly_moved_meanwhile(position: Array) -> None:
+    position[:, 3] = position[0, 3] + NOISE * np.random.default_rng(5).normal(size=len(position))
+    position[1200:1290] = position[1200]
+    old = all_that_sticks(position, np.arange(len(position)) / 100)
+    assert not sticks(position[:, 3], np.arange(len(position)) / 100).any()
+    assert np.flatnonzero(old[:, 3]).tolist() == list(range(1201, 1290))
+    position[2000:2050, 3] = position[2000, 3]  # one sensor alone, and nothing leaps
+    assert (all_that_sticks(position, np.arange(len(position)) / 100) == old).all()
 
 
 def test_single_readings_far_off_are_said_and_hide_no_physics(position: Array) -> None:

@@ -31,8 +31,9 @@ def without_faults(recording: Recording) -> Recording:
         return recording
     position, notes = series.position.copy(), []
     repeats = bool(new_readings(series)[1])  # old readings, beside a motor that goes on
+    sticking = all_that_sticks(position, series.stamp)
     for j, joint in enumerate(series.joints):
-        stuck = sticks(position[:, j], series.stamp)
+        stuck = sticking[:, j]
         left = None if repeats else less_the_motor(recording, joint, series.stamp, position[:, j])
         off = strays(position[:, j]) if left is None else strays(left, less=True)
         position[stuck | off, j] = np.nan
@@ -85,6 +86,15 @@ def wild(readings: Array) -> np.ndarray:
     found = (off > WILD * most) & (np.abs(after - before) < off / 2)
     out[known[found]] = found.mean() < FEW
     return out
+
+
+def all_that_sticks(position: Array, stamp: Array) -> np.ndarray:
+    """(n, joints) where a sensor sticks. Where one does and all joints repeat their readings the message is
+    an old one: joints that hardly moved meanwhile do not leap.
+    """
+    stuck = np.column_stack([sticks(readings, stamp) for readings in position.T])
+    old = np.concatenate([[False], (np.diff(position, axis=0) == 0.0).all(axis=1)])
+    return np.asarray(stuck | (old & stuck.any(axis=1))[:, None])
 
 
 def sticks(readings: Array, stamp: Array) -> np.ndarray:

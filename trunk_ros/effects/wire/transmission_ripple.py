@@ -7,6 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.periods import periods, positive
+from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 from trunk_ros.sine import sines
 
@@ -14,7 +15,9 @@ LEAST = 1.05  # periods within the motion
 
 
 class TransmissionRipple(Effect):
-    """u += amplitude sin(cycles_per_rev phi + phase), with or without a second harmonic."""
+    """u += amplitude sin(cycles_per_rev phi + phase), alone, with a second harmonic, or (two_orders) with
+    another wheel's wave: harmonic amplitude sin(cycles_per_rev_2 phi + harmonic_phase).
+    """
 
     id = "transmission_ripple"
     stage, place, regime = "wire", 20, "posture"
@@ -42,7 +45,7 @@ class TransmissionRipple(Effect):
             typical=1.0,
             scan=(0.0, 0.785, 1.571, 2.356),
         ),
-        Parameter("harmonic", "1", (-2.0, 2.0), "size at twice the periods over amplitude", typical=0.2),
+        Parameter("harmonic", "1", (-2.0, 2.0), "size of the second wave over amplitude", typical=0.2),
         Parameter(
             "harmonic_phase",
             "rad",
@@ -51,9 +54,17 @@ class TransmissionRipple(Effect):
             typical=1.0,
             scan=(0.0, 1.571),
         ),
+        Parameter(
+            "cycles_per_rev_2",
+            "1",
+            (0.05, 120.0),
+            "periods of it per turn, where they are not twice the first ones",
+            typical=31.0,
+            null=31.0,
+        ),
     )
-    forms = ("sine", "two_harmonics")
-    refined = ("two_harmonics",)
+    forms = ("sine", "two_harmonics", "two_orders")
+    refined = ("two_harmonics", "two_orders")
     imitated_by = ("steps",)
     confused_with = (("ratio_error", "move over a wide range: a ripple turns back, a ratio error grows"),)
 
@@ -64,27 +75,30 @@ class TransmissionRipple(Effect):
         return y - self._ripple(now), None
 
     def _ripple(self, now: Now) -> Array:
-        turn = self["cycles_per_rev"] * now.gearbox
-        wave = sines(turn, self["phase"])
-        if self.form == "two_harmonics":
-            wave += self["harmonic"] * sines(2 * turn, self["harmonic_phase"])
+        wave = sines(self["cycles_per_rev"] * now.gearbox, self["phase"])
+        if self.form != "sine":
+            wave += self["harmonic"] * sines(self._second() * now.gearbox, self["harmonic_phase"])
         return np.asarray(self["amplitude"] * wave)
+
+    def _second(self) -> Array:
+        """Periods per turn of the second wave."""
+        return self["cycles_per_rev_2"] if self.form == "two_orders" else 2.0 * self["cycles_per_rev"]
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """A good period has to lie within the motion, or it is no more than a bent curve."""
+        turns = np.ptp(now.gearbox, axis=0) / (2 * np.pi)
+        within = self["cycles_per_rev"] * turns
+        if self.form == "two_orders":
+            within = np.minimum(within, self["cycles_per_rev_2"] * turns)
         if beside:
-            return bool(np.all(self._periods(now) > LEAST))
+            return bool(np.all(within > LEAST))
         harmonic = (self.form == "two_harmonics") & (self["harmonic"] != 0.0)
-        return bool(np.all(self._periods(now) > np.where(harmonic, 2.0, 1.6)))
+        return bool(np.all(within > np.where(harmonic, 2.0, 1.6)))
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
         """None in a wide loop: a ripple is lost in its form, and can imitate it."""
         return () if motion.wide_loop else super().forms_shown(motion)
-
-    def _periods(self, now: Now) -> Array:
-        """How many lie within the motion, (columns,)."""
-        return np.asarray(self["cycles_per_rev"] * np.ptp(now.gearbox, axis=0) / (2 * np.pi))
 
     @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:
@@ -96,7 +110,28 @@ class TransmissionRipple(Effect):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return cls.parameters if form == "two_harmonics" else cls.parameters[:3]
+        return {"two_harmonics": cls.parameters[:5], "two_orders": cls.parameters}.get(form, cls.parameters[:3])
+
+    def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
+        """Two orders: the strongest line, and the strongest of what it leaves."""
+        if self.form != "two_orders" or rest is None:
+            return super().starts(now, column, rest)
+        phi, names = now.gearbox[:, column], ("cycles_per_rev", "cycles_per_rev_2")
+        orders: list[float] = []
+        left, waves = rest, np.zeros((0, 2))
+        for name in names:
+            parameter = next(p for p in self.parameters if p.name == name)
+            lines = self._lines(parameter, phi, left)
+            if not lines:
+                return []
+            orders.append(lines[0])
+            seen = np.column_stack([f(order * phi) for order in orders for f in (np.sin, np.cos)])
+            flat = np.column_stack([seen, np.ones_like(phi), phi])
+            found = np.linalg.lstsq(flat, rest, rcond=None)[0]
+            left, waves = rest - flat @ found, found[: 2 * len(orders)].reshape(-1, 2)
+        size, phase = np.hypot(*waves.T), np.arctan2(waves[:, 1], waves[:, 0])
+        values = (size[0], orders[0], phase[0], size[1] / max(size[0], ROUNDED), phase[1], orders[1])
+        return [{p.name: float(v) for p, v in zip(self.parameters, values, strict=True)}]
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
@@ -104,6 +139,9 @@ class TransmissionRipple(Effect):
         """Only ripples of which the motion spans a period can be told from a bent curve."""
         if parameter.name != "cycles_per_rev" or rest is None:
             return super().grid(parameter, now, column, rest)
-        phi = now.gearbox[:, column]
+        return self._lines(parameter, now.gearbox[:, column], rest)
+
+    @staticmethod
+    def _lines(parameter: Parameter, phi: Array, rest: Array) -> tuple[float, ...]:
         low = max(parameter.bounds[0], LEAST * 2 * np.pi / max(float(np.ptp(phi)), 1e-3))
         return periods(phi, rest, low, parameter.bounds[1])
