@@ -27,9 +27,10 @@ from trunk_ros.recording.signal.resample import SLOW
 
 def steadied(now: Fit) -> Fit:
     """Without what only follows the readings about, where a noise that wanders explains it as well, and with
-    names that hold in that noise.
+    names that hold in that noise. In such noise what moves slowly costs next to nothing: so where what is
+    left is not that noise any more, it was none.
     """
-    context, bare, found = now.context, now.hypothesis, dict[int, Noise]()
+    context, found = now.context, dict[int, Noise]()
     if context.step >= SLOW:
         return now
     for column in context.columns:
@@ -41,10 +42,21 @@ def steadied(now: Fit) -> Fit:
             likely = likelier(context, less, now.hypothesis, column)
             if likely is not None and (timed or not told(context, less, column)):
                 found[column] = likely[0]
-                bare = untimed(bare, column)
-    found |= _of_the_others(context, now.hypothesis, {**context.wanders, **found})
-    if not found:
-        return now
+    while found:
+        done = _held(now, found | _of_the_others(context, now.hypothesis, {**context.wanders, **found}))
+        noise = [(c, one) for c, one in enumerate(done.context.noise) if c in found]
+        wrong = [c for c, one in noise if not is_plain(done.context, one, done.hypothesis, c)]
+        if not wrong:
+            return done
+        found = {c: one for c, one in found.items() if c not in wrong}
+    return now
+
+
+def _held(now: Fit, found: dict[int, Noise]) -> Fit:
+    """With noises that were found, and names that hold in them."""
+    context, bare = now.context, now.hypothesis
+    for column in found:
+        bare = untimed(bare, column)
     again = context.work.besides()
     steady = replace(wandering_in(context, found), claims=True, work=again)
     done = descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())

@@ -11,9 +11,12 @@ from trunk_ros.effects.filters import kept, lag_step, lowpass
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
+OCTAVES = 6  # modes of a spectrum: over two decades creep between them shows no steps
+
 
 class ViscoelasticCreep(Effect):
-    """theta = p - gain lowpass(p), one or two time constants; upstream: the wire creeps before the friction,
+    """theta = p - gain lowpass(p), one or two time constants, or (spectrum) as much of the gain in each octave
+    between them; upstream: the wire creeps before the friction,
     under the friction as well, theta = play(u - lowpass(q gain theta + rubbing z)) with the stretch z that
     bears the friction, where the play is q = rubbing/(rubbing + gain) of what it would be: the spring by
     whose pull the wire creeps takes its part of the friction.
@@ -27,10 +30,11 @@ class ViscoelasticCreep(Effect):
     remembers = True
     source = (
         "Standard linear solid (Zener), one or two Maxwell branches: Palli et al. (2012), Mechatronics "
-        "22(6). upstream: it in series with dry friction."
+        "22(6). spectrum: Neubert (1963), Aeronaut. Q. 14(2); Fung (1972), for tendons. upstream: the solid "
+        "in series with dry friction."
     )
-    forms = ("one_mode", "two_modes", "upstream")
-    refined = ("two_modes",)
+    forms = ("one_mode", "two_modes", "spectrum", "upstream")
+    refined = ("two_modes", "spectrum")
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
         Parameter(
@@ -51,7 +55,7 @@ class ViscoelasticCreep(Effect):
             "time_constant_2",
             "s",
             (0.15, 300.0),
-            "time constant of the second mode",
+            "time constant of the second mode, or the other end of the spectrum",
             typical=1.0,
             null=1.0,
             scale="log",
@@ -101,6 +105,9 @@ class ViscoelasticCreep(Effect):
 
     def _modes(self) -> tuple[Array, Array]:
         """Gains and time constants, (modes, columns) each."""
+        if self.form == "spectrum":
+            ends = np.log([self["time_constant"], self["time_constant_2"]])
+            return np.tile(self["gain"] / OCTAVES, (OCTAVES, 1)), np.exp(np.linspace(*ends, OCTAVES))
         if self.form != "two_modes":
             return self["gain"][None], self["time_constant"][None]
         gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
@@ -113,9 +120,9 @@ class ViscoelasticCreep(Effect):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return {"two_modes": cls.parameters[:4], "upstream": (*cls.parameters[:2], cls.parameters[4])}.get(
-            form, cls.parameters[:2]
-        )
+        gain, constant, share, constant_2, rubbing = cls.parameters
+        further = {"two_modes": (share, constant_2), "spectrum": (constant_2,), "upstream": (rubbing,)}
+        return (gain, constant, *further.get(form, ()))
 
 
 @compiled
