@@ -25,9 +25,9 @@ RATE = 1000.0
 
 
 def look(rate: float, count: int = 1) -> Context:
-    """At nominal arms: as many steps together as a long recording has, at 1 kHz."""
+    """At nominal arms: as many steps of all joints as one of a long recording has, at 1 kHz."""
     nominal = load_model("trunk")
-    seconds = 1.01 * LONG * PARTS * ROWS / RATE / count
+    seconds = 1.01 * LONG * PARTS * ROWS / RATE / count / len(nominal.arm.joints)
     made = [recorded(seconds=seconds, seed=seed, rate=rate) for seed in range(count)]
     return first_look(WireStage([wire_span(r, nominal) for r in made], nominal))
 

@@ -43,11 +43,11 @@ def excerpt(span: Span) -> Span:
 
 
 def sparser(spans: Sequence[Span]) -> tuple[list[Span], int] | None:
-    """Recordings of an arm's wires with one of so many readings, and of how many: those that have more steps
-    together than a long recording, with steps that are as far apart as a model may be computed. None for
-    others.
+    """Recordings of an arm's wires with one of so many readings, and of how many: those of which all joints
+    together have more steps than a joint of a long recording, with steps that are as far apart as a model may
+    be computed. None for others.
     """
-    if sum(len(span.grid) for span in spans) < LONG * PARTS * ROWS:
+    if sum(span.gearbox.size for span in spans) < LONG * PARTS * ROWS:
         return None
     read, computed = (
         min((max(1, int(FINE / step)) for time in times if (step := _mean_step(time)) > 0.0), default=1)
