@@ -26,8 +26,8 @@ def reference(setpoint: Array, rows: int, kp: float = 20.0, tau: float = 0.02, v
     """Gearbox angle (n,) at setpoints (n,) that come every ``rows`` steps of 2 ms: v first, then phi with
     the new v.
     """
-    phi, v, out = setpoint[0], 0.0, []
-    for target in setpoint:
+    phi, v, out = float(setpoint[0]), 0.0, []
+    for target in setpoint.tolist():
         out.append(phi)
         for _ in range(rows):
             v_ref = min(max(kp * (target - phi), -v_max), v_max)

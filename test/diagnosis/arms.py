@@ -74,3 +74,8 @@ def on(joint: int, value: float) -> np.ndarray:
 def reshaped(recording: Recording, key: str, **changes: Any) -> Recording:
     """A recording with one topic changed."""
     return replace(recording, series={**recording.series, key: replace(recording.series[key], **changes)})
+
+
+def of_the_wires(recording: Recording) -> Recording:
+    """The same without setpoints: servos are not compared, which takes a quarter of the time."""
+    return replace(recording, series={k: v for k, v in recording.series.items() if k != "setpoints"})

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis import arms
-from test.diagnosis.arms import on, recorded
+from test.diagnosis.arms import of_the_wires, on, recorded
 from trunk_ros.diagnosis import Diagnosis, diagnose
 from trunk_ros.diagnosis.report.page import render
 from trunk_ros.errors import ModelError
@@ -21,9 +21,10 @@ STRETCH = {"ratio_error": {"relative": on(2, 0.02)}}
 SWINGS = {"link_resonance": {"frequency": np.where(on(4, 1.0) > 0, 3.0, 1e6), "form": "absolute"}}
 
 
-def told(has: dict[str, Any], shows: dict[str, Any]) -> Diagnosis:
+def told(has: dict[str, Any], shows: dict[str, Any], experiments: bool = False) -> Diagnosis:
     """What is said of an arm that shows some effects to a model that has others."""
-    return diagnose(recorded(shows, seconds=25.0), Model(load_model("trunk").arm, has))
+    run = of_the_wires(recorded(shows, seconds=25.0))
+    return diagnose(run, Model(load_model("trunk").arm, has), experiments=experiments)
 
 
 @pytest.mark.parametrize(("has", "words"), [
@@ -32,7 +33,7 @@ def told(has: dict[str, Any], shows: dict[str, Any]) -> Diagnosis:
     (SWINGS, "joint_4: the model has 3 Hz, the recording shows none"),
 ])  # fmt: skip
 def test_an_effect_of_the_model_that_the_arm_does_not_show_is_said(has: dict[str, Any], words: str) -> None:
-    result = told(has, {})
+    result = told(has, {}, experiments=True)
     (only,) = result.findings
     assert (only.effect, only.equivalents, only.confidence) == (next(iter(has)), [], 0.95)
     assert words in only.statement
@@ -109,9 +110,10 @@ def test_a_small_value_within_its_spread_is_no_finding() -> None:
 
 def test_a_model_for_any_joints_is_compared_joint_by_joint() -> None:
     loose = load_model("direct").arm
-    result = diagnose(
-        recorded({}, seconds=15.0), Model(loose, {"backlash": {"half_width": np.array([3e-3])}})
-    )
+    has = Model(loose, {"backlash": {"half_width": np.array([3e-3])}})
+    run = of_the_wires(recorded({}, seconds=15.0))
+    two = replace(run, series={key: each.select(each.joints[:2]) for key, each in run.series.items()})
+    result = diagnose(two, has, experiments=False)
     assert "joint_1: the model has 3 mrad, the recording shows" in next(
         f.statement for f in result.findings if f.effect == "backlash"
     )
@@ -124,7 +126,8 @@ def test_a_moment_of_the_model_that_is_kept_is_none_and_one_that_is_gone_or_move
     tmp_path: Path,
 ) -> None:
     save_model(Model(load_model("trunk").arm, LATE), tmp_path / "model.yaml")
-    assert diagnose(recorded(LATE, seconds=25.0), tmp_path / "model.yaml").verdict == "no_mismatch"
+    run = of_the_wires(recorded(LATE, seconds=25.0))
+    assert diagnose(run, tmp_path / "model.yaml").verdict == "no_mismatch"
     for shows in (SLACK, {"backlash": {"half_width": on(3, 3e-3), "from": on(3, 6.0)}}):
         (only,) = told(LATE, shows).findings
         assert "from: the model has 12 s" in only.statement
@@ -169,7 +172,7 @@ def test_a_payload_is_found_also_where_one_joint_stands(monkeypatch: pytest.Monk
 
 def test_a_joint_that_was_not_recorded_keeps_what_the_model_has_of_it() -> None:
     has = {"backlash": {"half_width": on(3, 3e-3) + on(5, 2e-3)}}
-    run = recorded(has, seconds=25.0)
+    run = of_the_wires(recorded(has, seconds=25.0))
     some = replace(run, series={k: s.select(s.joints[:4]) for k, s in run.series.items()})
     result = diagnose(some, Model(load_model("trunk").arm, has))
     assert result.verdict == "no_mismatch"

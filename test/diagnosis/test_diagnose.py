@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, on, recorded, reshaped
+from test.diagnosis.arms import NOISE, diagnose, of_the_wires, on, recorded, reshaped
+from trunk_ros import diagnosis
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -23,7 +23,7 @@ from trunk_ros.simulate import simulate
 @pytest.fixture(scope="module")
 def loose() -> Diagnosis:
     """An arm whose second joint has more play than it should."""
-    return diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})])
+    return diagnosis.diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})])
 
 
 def test_an_arm_with_nothing_missing_has_no_finding() -> None:
@@ -38,7 +38,8 @@ def test_the_steps_of_a_joints_own_encoder_are_no_physics(counts: int, size: flo
     """Slow joints stand on one count for long, and err the same way."""
     step, slow = 2 * np.pi / counts, recorded(size=size)
     position = recorded(noise=0.03 * step, size=size).series["joint_states"].position
-    result = diagnose([reshaped(slow, "joint_states", position=step * np.round(position / step))])
+    rounded = reshaped(slow, "joint_states", position=step * np.round(position / step))
+    result = diagnose([of_the_wires(rounded)])
     assert (result.verdict, result.findings, result.unexplained) == ("no_mismatch", [], [])
     for said in result.stages["wire"]["joints"].values():
         assert said["noise_floor"] > 0.99 * step / np.sqrt(12.0)
@@ -48,7 +49,7 @@ def test_noise_with_outliers_is_noise() -> None:
     recording = recorded(noise=0.0)
     position = recording.series["joint_states"].position
     tails = NOISE * np.random.default_rng(3).standard_t(3, size=position.shape)
-    result = diagnose([reshaped(recording, "joint_states", position=position + tails)])
+    result = diagnose([of_the_wires(reshaped(recording, "joint_states", position=position + tails))])
     assert (result.verdict, result.findings, result.unexplained) == ("no_mismatch", [], [])
 
 
@@ -90,7 +91,7 @@ def test_the_error_falls_to_the_noise_on_samples_that_the_fit_did_not_see(loose:
 
 def test_the_model_found_predicts_another_run_of_the_same_arm() -> None:
     effects = {"joint_coupling": {"gain": on(5, 0.01), "source": ["", "", "", "", "joint_3"]}}
-    result = diagnose([recorded(effects)])
+    result = diagnose([of_the_wires(recorded(effects))])
     other = recorded(effects, seed=7, noise=0.0)
     measured = other.series["joint_states"].position[300:]
     error = {
@@ -123,12 +124,12 @@ def test_a_joint_that_stood_somewhere_in_its_play_for_long_is_no_finding() -> No
 def test_a_stop_that_is_hardly_touched_is_a_stop() -> None:
     free = recorded(seed=3, noise=0.0).series["joint_states"].position[:, 1].max()
     upper = np.where(on(2, 1.0) > 0, free - 1.5e-3, np.inf)
-    result = diagnose([recorded({"hard_stop": {"upper": upper}}, seed=3)])
+    result = diagnose([of_the_wires(recorded({"hard_stop": {"upper": upper}}, seed=3))])
     assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
 
 
 def test_a_late_sensor_is_one_delay_of_the_whole_arm() -> None:
-    result = diagnose([recorded({"sensor_delay": {"delay": 0.02}})])
+    result = diagnose([of_the_wires(recorded({"sensor_delay": {"delay": 0.02}}))])
     (found,) = result.findings
     assert found.effect == "sensor_delay"
     assert len(found.joints) == 5
@@ -148,7 +149,7 @@ def test_a_bump_that_no_name_fits_is_unknown_and_its_curve_still_predicts() -> N
     bump = 1e-3 * np.exp(-0.5 * ((joints.position[:, 2] - 0.05) / 0.05) ** 2)
     position = joints.position.copy()
     position[:, 2] += bump
-    result = diagnose([reshaped(recording, "joint_states", position=position)])
+    result = diagnose([of_the_wires(reshaped(recording, "joint_states", position=position))])
     (found,) = result.findings
     assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_3"], ["position"])
     assert result.verdict == "unexplained"

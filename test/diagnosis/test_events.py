@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import diagnose, of_the_wires, on, recorded
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.credible import ends_within
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Sums, Window, best_course
@@ -19,7 +19,8 @@ ALL = np.ones(5)
 
 
 def diagnosed(effects: dict[str, dict[str, Any]]) -> Diagnosis:
-    return diagnose([recorded(effects, 40.0)])
+    run = recorded(effects, 40.0)
+    return diagnose([of_the_wires(run) if all(effect(n).stage == "wire" for n in effects) else run])
 
 
 def test_a_screw_that_comes_loose_has_a_moment() -> None:

@@ -18,7 +18,7 @@ from test.concealed.nominal import Array
 from test.concealed.plant import run
 from test.concealed.sensing import PERIOD, Sensing, record
 from test.concealed.servo import compensated
-from test.diagnosis.arms import recorded
+from test.diagnosis.arms import of_the_wires, recorded
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
@@ -230,7 +230,7 @@ def test_what_it_promises_is_what_the_arm_shows(
 
 
 def test_rivals_that_can_turn_into_each_other_are_said_to_be_beyond_any_motion() -> None:
-    result = diagnose([recorded({"sensor_delay": {"delay": 0.03}})])
+    result = diagnose([of_the_wires(recorded({"sensor_delay": {"delay": 0.03}}))])
     (found,) = result.findings
     assert (found.effect, found.equivalents) == ("sensor_delay", ["viscous_lag"])
     (told,) = result.experiments
@@ -297,7 +297,8 @@ def test_units_are_those_of_the_joints(designed: tuple[Context, Experiment]) -> 
 
 
 def test_without_rivals_there_is_no_experiment(tmp_path: Path) -> None:
-    result = diagnose([recorded({"ratio_error": {"relative": np.array([0, 0, 0, 6e-3, 0])}})])
+    hidden = {"ratio_error": {"relative": np.array([0, 0, 0, 6e-3, 0])}}
+    result = diagnose([of_the_wires(recorded(hidden))])
     assert [f.equivalents for f in result.findings] == [[]]
     assert result.experiments == []
     result.save(tmp_path)

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import diagnose, of_the_wires, on, recorded
 from trunk_ros.model import load_model
 from trunk_ros.simulate import simulate
 
 
 def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() -> None:
-    recording = recorded({"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}})
-    result = diagnose([recording])
+    hidden = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}}
+    result = diagnose([of_the_wires(recorded(hidden))])
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"backlash", "ratio_error"}
     assert named["backlash"].joints == ["joint_2"]
@@ -63,7 +63,9 @@ def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
 
 def test_several_recordings_are_one_arm() -> None:
     effects = {"ratio_error": {"relative": on(2, 0.004)}}
-    result = diagnose([recorded(effects, 20.0), recorded(effects, 25.0, seed=3)])
+    result = diagnose(
+        [of_the_wires(run) for run in (recorded(effects, 20.0), recorded(effects, 25.0, seed=3))]
+    )
     assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_2"])]
 
 
@@ -72,7 +74,7 @@ def test_what_only_one_of_several_recordings_shows_is_found_in_any_order(order: 
     """The joint meets its stop in the wide motion alone."""
     upper = np.where(on(2, 1.0) > 0, 0.11, np.inf)
     bags = [recorded({"hard_stop": {"upper": upper}}, seed=2 + k, size=s) for k, s in enumerate((0.3, 1.0))]
-    result = diagnose(bags[::order])
+    result = diagnose([of_the_wires(bag) for bag in bags[::order]])
     assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
     assert result.findings[0].parameters["joint_2"]["upper"]["value"] == pytest.approx(0.11, abs=1e-3)
 
@@ -80,7 +82,7 @@ def test_what_only_one_of_several_recordings_shows_is_found_in_any_order(order: 
 def test_what_the_model_has_already_is_no_finding_and_stays_in_it() -> None:
     believed = {"backlash": {"half_width": on(2, 8e-4)}}
     model = replace(load_model("trunk"), effects=believed)
-    result = diagnose([recorded(believed)], model=model)
+    result = diagnose([of_the_wires(recorded(believed))], model=model)
     assert (result.verdict, result.findings) == ("no_mismatch", [])
     assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(8e-4, rel=0.03)
 
@@ -88,7 +90,7 @@ def test_what_the_model_has_already_is_no_finding_and_stays_in_it() -> None:
 def test_what_the_model_has_not_is_found_beside_what_it_has() -> None:
     model = replace(load_model("trunk"), effects={"backlash": {"half_width": on(2, 8e-4)}})
     truth = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}}
-    result = diagnose([recorded(truth)], model=model)
+    result = diagnose([of_the_wires(recorded(truth))], model=model)
     assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_4"])]
     assert set(result.model.effects) == {"backlash", "ratio_error"}
 
@@ -99,7 +101,7 @@ def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
         "zero_offset": {"offset": on(1, -4.5e-4)},
         "wire_slip": {"step": on(1, 2.4e-4), "onset": np.full(5, 28.0)},
     }
-    result = diagnose([recorded(hidden)])
+    result = diagnose([of_the_wires(recorded(hidden))])
     assert {(f.effect, *f.joints) for f in result.findings} == {
         ("zero_offset", "joint_1"),
         ("wire_slip", "joint_1"),

@@ -101,11 +101,9 @@ class Body:
         pin = library()
         model, data, tree = self._with(payload, links)
         pull = self.base.rotation @ np.asarray(gravity, dtype=float)
-        q = self._whole(theta) + self.offset
         if speed is None and acceleration is None:
-            weight = np.empty_like(q)
-            weigh(q, pull, tree, weight)
-            return np.asarray(weight @ self.spread)
+            return self._weight(theta, pull, tree)
+        q = self._whole(theta) + self.offset
         model.gravity.linear = pull
         still = np.zeros_like(q)
         v = still if speed is None else self._whole(speed)
@@ -116,6 +114,16 @@ class Body:
         motion = (np.asfortranarray(each.T) for each in (q, v, a))
         pin.rneaInParallel(1, pin.ModelPool(model, 1), *motion, out)
         return np.asarray(-out.T @ self.spread)
+
+    def _weight(self, theta: Array, pull: Array, tree: Tree) -> Array:
+        """(n, joints) by pieces: what lies between angles and moments takes no memory."""
+        out = np.empty((len(theta), self.spread.shape[1]))
+        for first in range(0, len(theta), TOGETHER):
+            q = self._whole(theta[first : first + TOGETHER]) + self.offset
+            weight = np.empty_like(q)
+            weigh(q, pull, tree, weight)
+            out[first : first + TOGETHER] = weight @ self.spread
+        return out
 
     def weight_shares(self, theta: Array, gravity: Array) -> Array:
         """(n, joints, columns): what a kilogram and a kilogram metre along each axis in each link would do to

@@ -265,8 +265,8 @@ class Diagnoser:
                 "valid": span.valid[:, c],
                 "before": context.predict(0, context.known, c),
                 "after": context.predict(0, hypothesis, c),
-                "gearbox": span.gearbox[span.rows, c],
-                "velocity": span.velocity[span.rows, c],
+                "gearbox": span.measured(span.gearbox[:, c]),
+                "velocity": span.measured(span.velocity[:, c]),
                 "noise": context.noise[c].std,
             }
 

@@ -39,6 +39,8 @@ class JointSeries:
 
     def select(self, joints: tuple[str, ...]) -> "JointSeries":
         """The same series with these joints in this order; RecordingError names a joint that is not there."""
+        if joints == self.joints:
+            return self
         missing = [joint for joint in joints if joint not in self.joints]
         if missing:
             raise RecordingError(f"no joint {', '.join(missing)}: there are {', '.join(self.joints)}")
@@ -56,6 +58,8 @@ class JointSeries:
 
     def rows(self, keep: npt.NDArray[np.bool_]) -> "JointSeries":
         """The samples chosen by `keep` (n,), stamps unchanged."""
+        if np.asarray(keep).dtype == bool and np.all(keep):
+            return self
         position, velocity, effort = (
             None if values is None else values[keep] for values in (self.position, self.velocity, self.effort)
         )

@@ -71,11 +71,14 @@ class View:
             for c in range(span.target.shape[1])
         ]
 
-    @cached_property
+    @property
     def load(self) -> Array:
         """(m, joints) moment on the joints."""
+        return self._kept("load", 0.0, self._load_at)
+
+    def _load_at(self, angles: Array) -> Array:
         known = self.span.resistance
-        load = self.arm.load(self.angles) if known is None else known.load(self.arm, self.angles)
+        load = self.arm.load(angles) if known is None else known.load(self.arm, angles)
         return load if self.arm.coupling is None else self.arm.carried(load)
 
     @property
@@ -115,7 +118,9 @@ class View:
     def only(self, rows: np.ndarray) -> View:
         """The same with these rows (n,) of the target alone counting."""
         valid = self.span.valid & rows[:, None]
-        return replace(self, span=replace(self.span, valid=valid), follows=following(valid))
+        other = replace(self, span=replace(self.span, valid=valid), follows=following(valid))
+        vars(other).update(cuts=self.cuts, large=self.large, there=self.there)
+        return other
 
     def now(self, arm: Arm, column: int, payload: Payload = NOTHING) -> Now:
         """The surroundings of one joint, (m, 1) each."""

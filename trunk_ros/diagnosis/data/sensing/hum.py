@@ -17,7 +17,7 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, apart, basis, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, apart, motion_of, with_speed
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, SURE
 from trunk_ros.guards import BLIND, TINY
@@ -57,17 +57,12 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     motion = motion_of(gearbox, shown, arm)
     off, found = motion.off, list[Hum]()
     while len(found) < TONES:
-        more = tone(motion.stamp, off, motion.asked, partial(_physics, motion), COMES_BACK)
+        more = tone(motion.stamp, off, motion.asked, partial(with_speed, motion), COMES_BACK)
         if more is None:
             break
         off = off - more.at(motion.stamp)
         found.append(more)
     return found
-
-
-def _physics(motion: Motion, joint: int) -> Array:
-    """(n, features): what physics may do to a joint, and readings that are late."""
-    return np.column_stack([motion.speed[:, joint], basis(motion, joint, True)])
 
 
 @dataclass(frozen=True)

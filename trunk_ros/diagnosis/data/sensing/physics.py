@@ -66,11 +66,26 @@ def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
     return Motion(shown.stamp, phi * arm.ratio, velocity * arm.ratio, fill(shown.position), arm)
 
 
+def with_speed(motion: Motion, joint: int) -> Array:
+    """(n, features): the joint's speed, which is what readings that are late show, and its ``basis``; one
+    copy.
+    """
+    out = np.empty((len(motion.stamp), _count(motion, True) + 1))
+    out[:, 0] = motion.speed[:, joint]
+    for column, feature in enumerate(_features(motion, joint, True), start=1):
+        out[:, column] = feature
+    return out
+
+
+def _count(motion: Motion, wear: bool) -> int:
+    return 3 + wear + 13 + 2 * len(motion.joints)
+
+
 def basis(motion: Motion, joint: int, wear: bool) -> Array:
     """(n, features): friction (always, by load, at low speed, and ``wear``: that grows), posture, load,
     coupling, creep, drift and inertia. Of a long recording they are as large as all else: there is one copy.
     """
-    out = np.empty((3 + wear + 13 + 2 * len(motion.joints), len(motion.stamp)))
+    out = np.empty((_count(motion, wear), len(motion.stamp)))
     for row, feature in zip(out, _features(motion, joint, wear), strict=True):
         row[:] = feature
     return out.T

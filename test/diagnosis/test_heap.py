@@ -1,0 +1,56 @@
+"""What a long recording needs for a moment it does not keep."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import recorded
+from test.effects.example import motion, stamps
+from trunk_ros.arm.body import TOGETHER
+from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, with_speed
+from trunk_ros.diagnosis.heap import KEPT, keep_what_is_freed
+from trunk_ros.model import load_model
+
+
+def resident() -> int:
+    """Bytes of this process that are in memory."""
+    return 4096 * int(Path("/proc/self/statm").read_text().split()[1])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what glibc does")
+def test_large_arrays_go_back_to_the_system_whatever_lies_behind_them() -> None:
+    keep_what_is_freed()
+    before = resident()
+    large, behind = np.ones(KEPT // 2), np.ones(1000)
+    held = resident() - before
+    assert held > 3 * KEPT
+    del large
+    assert resident() - before < held / 4
+    assert behind.all()
+
+
+def test_weight_by_pieces_is_that_of_each_posture() -> None:
+    arm = load_model("trunk").arm
+    angles = motion(stamps((TOGETHER + 3) / 100.0, 100.0))
+    rows = [0, TOGETHER - 1, TOGETHER, len(angles) - 1]
+    whole = arm.load(angles)
+    assert whole[rows] == pytest.approx(np.concatenate([arm.load(angles[[k]]) for k in rows]), abs=1e-15)
+
+
+def test_speed_and_what_physics_may_do_lie_in_one_table() -> None:
+    run, arm = recorded(seconds=10.0), load_model("trunk").arm
+    seen = motion_of(run.series["gearbox_states"], run.series["joint_states"], arm)
+    table = with_speed(seen, 2)
+    assert np.array_equal(table[:, 0], seen.speed[:, 2])
+    assert np.array_equal(table[:, 1:], basis(seen, 2, True))
+
+
+def test_all_joints_and_all_samples_of_a_topic_are_no_copy() -> None:
+    series = recorded(seconds=5.0).series["gearbox_states"]
+    assert series.select(series.joints) is series
+    assert series.between(0.0, np.inf) is series
+    assert series.select(series.joints[::-1]).joints == series.joints[::-1]
