@@ -5,19 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import reshaped
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.effects import effect
 from trunk_ros.effects.effect import Motion
+from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
 BENDING = ("wire_stiffening", "wire_slack")
 
 
-def loaded() -> Recording:
+def loaded(swings: float = 0.09, with_the_speed: float = 0.0) -> Recording:
     """20 s of a joint with a load cell, another ratio and zero, and a wire that hardens."""
     t = np.arange(2000) / 100.0
     phi = 0.5 + 0.3 * np.sin(2 * np.pi * 0.11 * t) + 0.2 * np.sin(2 * np.pi * 0.31 * t)
-    load = 0.1 + 0.09 * np.sin(2 * np.pi * 0.07 * t)
+    load = 0.1 + swings * np.sin(2 * np.pi * 0.07 * t) + with_the_speed * np.gradient(phi, t)
     theta = 0.9 * phi + 0.2 + 0.075 * np.log1p(load / 0.05)
     theta += 1e-4 * np.random.default_rng(0).normal(size=len(t))
     joints = ("jaw",)
@@ -31,6 +34,13 @@ def loaded() -> Recording:
 def test_a_wire_that_hardens_under_a_measured_load_is_named_and_nothing_else_in_its_place() -> None:
     found = {finding.effect for finding in diagnose(loaded(), model="direct").findings}
     assert found == {"wire_stiffening", "ratio_error", "zero_offset"}
+
+
+def test_a_wire_that_a_measured_load_stretches_ahead_of_the_motor_is_no_early_clock() -> None:
+    model, made = load_model("direct"), loaded(swings=0.01, with_the_speed=0.05)
+    assert not clocks_put_right(made, model).observed
+    untold = reshaped(made, "joint_states", effort=None)
+    assert [one.kind for one in clocks_put_right(untold, model).observed] == ["early"]
 
 
 @pytest.mark.parametrize("name", BENDING)

@@ -7,16 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.search.looks import context, drawn_beside_a_ratio, fitted
+from test.diagnosis.arms import recorded
+from test.diagnosis.search.looks import ARMS, context, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.evidence import rivals, veto
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, one_evidence
-from trunk_ros.diagnosis.evidence.veto import believed, harmless, unseen
+from trunk_ros.diagnosis.evidence.veto import believed, harmless, is_repeated, unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import beats
 from trunk_ros.diagnosis.work import Work
+from trunk_ros.model import load_model
 
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
 RIPPLE = Term(
@@ -106,6 +109,17 @@ def test_what_the_motion_hides_on_all_joints_is_no_rival(monkeypatch: pytest.Mon
     assert not alone.rivals
     assert not alone.fitted
     assert not any(isinstance(said, str) for said in alone.equivalents)
+
+
+@pytest.mark.parametrize("other", ["backlash", "clean"])
+def test_a_rival_has_to_tell_recordings_that_it_was_not_fitted_to(other: str) -> None:
+    """What one of two recordings shows and the other does not is ahead on both together."""
+    model = load_model("trunk")
+    spans = [wire_span(recorded(ARMS[arm], seed=k), model) for k, arm in enumerate(("backlash", other))]
+    two = context("backlash").over(spans)
+    nothing, rival = (refit(two, Hypothesis({t.effect: t for t in terms})) for terms in ((), (BACKLASH,)))
+    assert beats(rival, nothing)
+    assert is_repeated(nothing, rival.hypothesis) == (other == "backlash")
 
 
 def test_a_name_gains_more_than_a_rival_does_beyond_it() -> None:

@@ -14,6 +14,7 @@ from trunk_ros.guards import BLIND, ROUNDED, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.resample import resample
+from trunk_ros.resistance import Resistance, resistance
 
 CREEPS = (2.0, 8.0)  # s
 PLAY = 1e-3  # rad, where the model has none
@@ -33,6 +34,8 @@ class Motion:
     speed: Array
     shown: Array
     arm: Arm
+    resists: Resistance | None = None
+    """What the recording tells of the load."""
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -51,7 +54,9 @@ class Motion:
 
     @cached_property
     def load(self) -> Array:
-        """(n, joints) N m, zero where the arm has none."""
+        """(n, joints) N m, zero where the arm has none and none was measured."""
+        if self.resists is not None:
+            return self.resists.load(self.arm, self.asked)
         return self.arm.load(self.asked) if self.arm.has_load else np.zeros_like(self.asked)
 
     @cached_property
@@ -63,7 +68,8 @@ class Motion:
 def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
     """At the joints' stamps, of series with the same joints."""
     phi, velocity = resample(gearbox, shown.stamp)
-    return Motion(shown.stamp, phi * arm.ratio, velocity * arm.ratio, fill(shown.position), arm)
+    asked, resists = phi * arm.ratio, resistance(arm, gearbox, shown.stamp, phi, shown)
+    return Motion(shown.stamp, asked, velocity * arm.ratio, fill(shown.position), arm, resists)
 
 
 def with_speed(motion: Motion, joint: int) -> Array:
