@@ -110,7 +110,9 @@ class TransmissionRipple(Effect):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return {"two_harmonics": cls.parameters[:5], "two_orders": cls.parameters}.get(form, cls.parameters[:3])
+        return {"two_harmonics": cls.parameters[:5], "two_orders": cls.parameters}.get(
+            form, cls.parameters[:3]
+        )
 
     def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
         """Two orders: the strongest line, and the strongest of what it leaves."""

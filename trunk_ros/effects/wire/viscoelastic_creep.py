@@ -11,15 +11,15 @@ from trunk_ros.effects.filters import kept, lag_step, lowpass
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
-OCTAVES = 6  # modes of a spectrum: over two decades creep between them shows no steps
+MODES = 6  # of a spectrum: over two decades creep between them shows no steps
 
 
 class ViscoelasticCreep(Effect):
-    """theta = p - gain lowpass(p), one or two time constants, or (spectrum) as much of the gain in each octave
-    between them; upstream: the wire creeps before the friction,
-    under the friction as well, theta = play(u - lowpass(q gain theta + rubbing z)) with the stretch z that
-    bears the friction, where the play is q = rubbing/(rubbing + gain) of what it would be: the spring by
-    whose pull the wire creeps takes its part of the friction.
+    """theta = p - gain lowpass(p), one or two time constants, or (spectrum) as much of it in each octave
+    between; upstream: the wire creeps before the friction, under the friction as well,
+    theta = play(u - lowpass(q gain theta + rubbing z)) with the stretch z that bears the friction, where the
+    play is q = rubbing/(rubbing + gain) of what it would be: the spring by whose pull the wire creeps takes
+    its part of the friction.
     """
 
     id = "viscoelastic_creep"
@@ -106,8 +106,8 @@ class ViscoelasticCreep(Effect):
     def _modes(self) -> tuple[Array, Array]:
         """Gains and time constants, (modes, columns) each."""
         if self.form == "spectrum":
-            ends = np.log([self["time_constant"], self["time_constant_2"]])
-            return np.tile(self["gain"] / OCTAVES, (OCTAVES, 1)), np.exp(np.linspace(*ends, OCTAVES))
+            constants = np.geomspace(self["time_constant"], self["time_constant_2"], MODES)
+            return np.tile(self["gain"] / MODES, (MODES, 1)), constants
         if self.form != "two_modes":
             return self["gain"][None], self["time_constant"][None]
         gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
