@@ -10,6 +10,12 @@ import pytest
 from scipy.signal import lfilter
 
 from test.diagnosis.arms import NOISE, diagnose, on, recorded
+from test.diagnosis.search.looks import fitted
+from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.evidence import wandering as steadying
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.slow_noise import is_plain, wandering_in
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 
 WANDERS, FORGETS = 2.0 * NOISE, 0.97  # rad, from sample to sample
@@ -46,6 +52,26 @@ def test_slow_noise_of_sensors_is_noise() -> None:
 def test_beside_it_what_is_missing_is_found() -> None:
     found = seen({"backlash": {"half_width": on(3, 2e-3)}}, wandering).findings
     assert [(f.effect, f.joints) for f in found] == [("backlash", ["joint_3"])]
+
+
+@pytest.mark.parametrize(("arm", "goes"), [("creeping like a rope", False), ("clean", True)])
+def test_a_name_that_is_dropped_for_noise_leaves_that_noise(
+    monkeypatch: pytest.MonkeyPatch, arm: str, goes: bool
+) -> None:
+    """In noise that hardly forgets, creep costs next to nothing."""
+    times = {"time_constant": 60.0, "time_constant_2": 0.5}
+    now = fitted(arm, Term("viscoelastic_creep", "spectrum", own={2: {"gain": 0.03}}, shared=times))
+    slow = Noise(NOISE, 0.99, 0.9 * NOISE) if arm != "clean" else now.context.noise[2]
+    monkeypatch.setattr(steadying, "is_plain", lambda _, __, ___, column: column != 2)
+    monkeypatch.setattr(steadying, "likelier", lambda *_: (slow, 1e3))
+    monkeypatch.setattr(steadying, "told", lambda *_: False)
+
+    def held(now: Fit, found: dict[int, Noise]) -> Fit:
+        monkeypatch.setattr(steadying, "is_plain", is_plain)
+        return costed(wandering_in(now.context, {2: found[2]}), Hypothesis())
+
+    monkeypatch.setattr(steadying, "_held", held)
+    assert ("viscoelastic_creep" not in steadying.steadied(now).hypothesis) == goes
 
 
 def test_levels_between_jumps_are_no_noise() -> None:

@@ -67,6 +67,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
             "form": "upstream",
         }
     },
+    "creeping like a rope": {
+        "viscoelastic_creep": {
+            "gain": on(3, 0.03),
+            "time_constant": 60.0,
+            "time_constant_2": 0.5,
+            "form": "spectrum",
+        }
+    },
     "oiled": {
         "stribeck_friction": {
             "amplitude": on(2, 4e-3),

@@ -100,6 +100,14 @@ def test_form_finds_the_law_that_was_at_work() -> None:
     assert improved("form", "gaussian", term).hypothesis["stribeck_friction"].form == "gaussian"
 
 
+def test_form_finds_creep_over_two_decades_of_time() -> None:
+    term = Term("viscoelastic_creep", "one_mode", own={2: {"gain": 0.02}}, shared={"time_constant": 5.0})
+    found = improved("form", "creeping like a rope", term).hypothesis["viscoelastic_creep"]
+    assert found.form == "spectrum"
+    ends = sorted(found.shared.values())
+    assert np.log(ends) == pytest.approx(np.log([0.5, 60.0]), abs=0.3)
+
+
 def test_member_lets_a_joint_join_what_acts_on_all() -> None:
     assert improved("member", "sag", sag(range(1, 5))).hypothesis["load_elasticity"].columns == [
         0,
