@@ -15,8 +15,10 @@ from trunk_ros.diagnosis.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import LASTING, RISE
+from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import GROWN
 
+SMOOTH = 3  # degree of a course of time: with its two ends as many values as a push has
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
 
 
@@ -49,7 +51,8 @@ def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda
     load changes, on both sides of each moment, as far as to the next one; or on one side, where it rests at
     the moment and ``jumps`` all the same. Of joints that move one after the other none shows that. What acts
     by the way of the motion has to be seen on the same way on both sides: if it was there on one way and not
-    on the way back, it went by the direction. What grows does so under way.
+    on the way back, it went by the direction. What grows does so under way. Between two moments what it
+    follows takes no smooth course of time, or a push from outside would show its law as well.
     """
     times, grown = _moments(block), block.values.get(GROWN.name)
     if not times and grown is None:
@@ -60,6 +63,8 @@ def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda
     rows = np.split(np.arange(len(now.stamp)), np.searchsorted(now.stamp, times))
     seen = _ways if block.regime in BY_THE_WAY else _moves
     goes = np.array([[seen(signal, part) for part in rows] for signal in signals])
+    if not all(any(_winds(now.stamp, signal, part) for signal in signals) for part in rows[1:-1]):
+        return False
     if grown is not None:
         growing = np.arange(*np.searchsorted(now.stamp, [min(times, default=-np.inf), float(grown[0])]))
         if not any(any(seen(signal, growing)) for signal in signals):
@@ -103,6 +108,15 @@ def _jumps(context: Context, term: Term, column: int, at: float) -> bool:
 def _moves(signal: Array, part: np.ndarray) -> tuple[bool]:
     """Whether a signal (n,) changes in some rows of it."""
     return (bool(len(part) and np.ptp(signal[part]) > PART * np.ptp(signal)),)
+
+
+def _winds(stamp: Array, signal: Array, part: np.ndarray) -> bool:
+    """Whether a signal (n,) at ``stamp`` (n,) s is in some rows of it more than a smooth course of time."""
+    if len(part) <= SMOOTH + 1 or np.ptp(signal) == 0.0:
+        return False
+    time = (stamp[part] - stamp[part[0]]) / max(stamp[part[-1]] - stamp[part[0]], ROUNDED)
+    smooth = np.polynomial.Polynomial.fit(time, signal[part], SMOOTH)
+    return bool(np.ptp(signal[part] - smooth(time)) > PART * np.ptp(signal))
 
 
 def _ways(signal: Array, part: np.ndarray) -> tuple[bool, bool]:
