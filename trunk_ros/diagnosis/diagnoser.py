@@ -259,15 +259,19 @@ class Diagnoser:
         assert self.result.plots is not None
         for c in context.columns:
             span: Span = context.views[0].span
-            self.result.plots.signals[context.stage.name, context.joints[c]] = {
-                "stamp": span.stamp,
-                "measured": span.target[:, c],
-                "valid": span.valid[:, c],
-                "before": context.predict(0, context.known, c),
-                "after": context.predict(0, hypothesis, c),
+            seen = span.target[:, c]
+            drawn = {
+                "measured": seen,
+                "error_before": seen - context.predict(0, context.known, c),
+                "error_after": seen - context.predict(0, hypothesis, c),
                 "gearbox": span.measured(span.gearbox[:, c]),
                 "velocity": span.measured(span.velocity[:, c]),
+            }
+            self.result.plots.signals[context.stage.name, context.joints[c]] = {
+                "stamp": span.stamp,
+                "valid": span.valid[:, c].copy(),
                 "noise": context.noise[c].std,
+                **{key: values.astype(np.float32) for key, values in drawn.items()},
             }
 
     def tip(self) -> None:
