@@ -12,7 +12,7 @@ from test.diagnosis.arms import recorded
 from test.effects.example import motion, stamps
 from trunk_ros.arm.body import TOGETHER
 from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, with_speed
-from trunk_ros.diagnosis.heap import KEPT, keep_what_is_freed
+from trunk_ros.diagnosis.heap import RETURNED, keep_what_is_freed
 from trunk_ros.model import load_model
 
 
@@ -25,9 +25,9 @@ def resident() -> int:
 def test_large_arrays_go_back_to_the_system_whatever_lies_behind_them() -> None:
     keep_what_is_freed()
     before = resident()
-    large, behind = np.ones(KEPT // 2), np.ones(1000)
+    large, behind = np.ones(RETURNED // 2), np.ones(1000)
     held = resident() - before
-    assert held > 3 * KEPT
+    assert held > 3 * RETURNED
     del large
     assert resident() - before < held / 4
     assert behind.all()

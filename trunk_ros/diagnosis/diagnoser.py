@@ -259,20 +259,16 @@ class Diagnoser:
         assert self.result.plots is not None
         for c in context.columns:
             span: Span = context.views[0].span
-            seen = span.target[:, c]
             drawn = {
-                "measured": seen,
-                "error_before": seen - context.predict(0, context.known, c),
-                "error_after": seen - context.predict(0, hypothesis, c),
+                "measured": span.target[:, c],
+                "error_before": span.target[:, c] - context.predict(0, context.known, c),
+                "error_after": span.target[:, c] - context.predict(0, hypothesis, c),
                 "gearbox": span.measured(span.gearbox[:, c]),
                 "velocity": span.measured(span.velocity[:, c]),
             }
-            self.result.plots.signals[context.stage.name, context.joints[c]] = {
-                "stamp": span.stamp,
-                "valid": span.valid[:, c].copy(),
-                "noise": context.noise[c].std,
-                **{key: values.astype(np.float32) for key, values in drawn.items()},
-            }
+            told = {"stamp": span.stamp, "valid": span.valid[:, c].copy(), "noise": context.noise[c].std}
+            single = {key: values.astype(np.float32) for key, values in drawn.items()}
+            self.result.plots.signals[context.stage.name, context.joints[c]] = {**told, **single}
 
     def tip(self) -> None:
         """Joint to tip."""
