@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from trunk_ros.arm.body import TOGETHER
 from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, with_speed
 from trunk_ros.diagnosis.heap import RETURNED, keep_what_is_freed
 from trunk_ros.model import load_model
+
+ROOT = Path(__file__).parents[2]
 
 
 def resident() -> int:
@@ -31,6 +34,17 @@ def test_large_arrays_go_back_to_the_system_whatever_lies_behind_them() -> None:
     del large
     assert resident() - before < held / 4
     assert behind.all()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what glibc does")
+def test_smaller_arrays_are_kept_for_the_next_ones() -> None:
+    code = (
+        "import numpy as np; from test.diagnosis.test_heap import RETURNED, keep_what_is_freed, resident\n"
+        "keep_what_is_freed(); one = np.ones(RETURNED // 16); there = resident(); del one\n"
+        "print((there - resident()) / RETURNED)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert float(done.stdout) < 0.1
 
 
 def test_weight_by_pieces_is_that_of_each_posture() -> None:
