@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded, reshaped
+from test.diagnosis.arms import diagnose, of_the_wires, on, recorded, reshaped
 from trunk_ros.arm import Arm
 from trunk_ros.commands.simulate import main
 from trunk_ros.compiled import Array
@@ -197,7 +197,7 @@ def test_the_command_simulates_with_effort_from_a_bag(tmp_path: Path) -> None:
 def test_a_diagnosis_names_the_stretch_whatever_the_load_is_taken_from(load: str) -> None:
     """With effort, of an arm whose payload nobody has told."""
     made = heavier() if load == "effort" else swung_arm()
-    result = diagnose([made], taken_from(load))
+    result = diagnose([of_the_wires(made)], taken_from(load))
     (found,) = result.findings
     assert found.effect == "load_elasticity"
     assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
@@ -207,7 +207,7 @@ def test_a_diagnosis_names_the_stretch_whatever_the_load_is_taken_from(load: str
 
 def test_with_effort_the_stretch_is_named_on_an_arm_whose_masses_nobody_knows() -> None:
     arm = replace(NOMINAL.arm, load_from="effort", link_mass=np.empty(0), link_length=np.empty(0))
-    (found,) = diagnose([heavier()], Model(arm)).findings
+    (found,) = diagnose([of_the_wires(heavier())], Model(arm)).findings
     assert found.effect == "load_elasticity"
     assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
 
@@ -217,7 +217,7 @@ def test_with_effort_a_compliance_that_changes_with_the_angle_is_told() -> None:
     made = recorded(
         {"load_elasticity": {**SAG["load_elasticity"], "form": "lever", "slope": np.full(5, 0.8)}}
     )
-    (found,) = diagnose([with_torque(made, weight(made))], taken_from("effort")).findings
+    (found,) = diagnose([of_the_wires(with_torque(made, weight(made)))], taken_from("effort")).findings
     assert (found.effect, found.evidence["form"]) == ("load_elasticity", "lever")
     assert found.parameters["joint_1"]["slope"]["value"] == pytest.approx(0.8, rel=0.15)
     assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
@@ -233,7 +233,7 @@ def swung_arm() -> Recording:
 
 def test_a_payload_that_the_model_has_already_is_counted_once() -> None:
     known = Model(NOMINAL.arm, {"load_elasticity": {**SAG["load_elasticity"], "payload": 0.1}})
-    result = diagnose([recorded(dict(known.effects))], known)
+    result = diagnose([of_the_wires(recorded(dict(known.effects)))], known)
     assert result.verdict == "no_mismatch"
     assert result.model.payload == pytest.approx(0.1, abs=2e-3)
 

@@ -42,8 +42,9 @@ def diagnosis(
     plots, said = Plots(), {}
     for c, joint in enumerate(joints):
         plots.signals["wire", joint] = {
-            "stamp": stamp, "measured": measured[:, c], "valid": stamp > 2.0, "before": before[:, c],
-            "after": after[:, c], "gearbox": gearbox[:, c], "velocity": velocity[:, c], "noise": NOISE,
+            "stamp": stamp, "measured": measured[:, c], "valid": stamp > 2.0,
+            "error_before": (measured - before)[:, c], "error_after": (measured - after)[:, c],
+            "gearbox": gearbox[:, c], "velocity": velocity[:, c], "noise": NOISE,
         }  # fmt: skip
         errors = [float(np.sqrt(np.mean((measured - y)[:, c] ** 2))) for y in (before, after)]
         said[joint] = {

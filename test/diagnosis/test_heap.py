@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -12,8 +13,10 @@ from test.diagnosis.arms import recorded
 from test.effects.example import motion, stamps
 from trunk_ros.arm.body import TOGETHER
 from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, with_speed
-from trunk_ros.diagnosis.heap import KEPT, keep_what_is_freed
+from trunk_ros.diagnosis.heap import RETURNED, keep_what_is_freed
 from trunk_ros.model import load_model
+
+ROOT = Path(__file__).parents[2]
 
 
 def resident() -> int:
@@ -25,12 +28,23 @@ def resident() -> int:
 def test_large_arrays_go_back_to_the_system_whatever_lies_behind_them() -> None:
     keep_what_is_freed()
     before = resident()
-    large, behind = np.ones(KEPT // 2), np.ones(1000)
+    large, behind = np.ones(RETURNED // 2), np.ones(1000)
     held = resident() - before
-    assert held > 3 * KEPT
+    assert held > 3 * RETURNED
     del large
     assert resident() - before < held / 4
     assert behind.all()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what glibc does")
+def test_smaller_arrays_are_kept_for_the_next_ones() -> None:
+    code = (
+        "import numpy as np; from test.diagnosis.test_heap import RETURNED, keep_what_is_freed, resident\n"
+        "keep_what_is_freed(); one = np.ones(RETURNED // 16); there = resident(); del one\n"
+        "print((there - resident()) / RETURNED)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert float(done.stdout) < 0.1
 
 
 def test_weight_by_pieces_is_that_of_each_posture() -> None:

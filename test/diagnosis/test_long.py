@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import weakref
 from dataclasses import replace
 
@@ -123,14 +121,3 @@ def test_banks_are_weighed_on_a_bounded_number_of_rows() -> None:
     rows = [len(thinned(np.zeros(n))) for n in (1000, 99_999, 100_000, 359_000, 720_000)]
     assert rows[:2] == [1000, 99_999]
     assert all(AMPLE <= n < 2 * AMPLE for n in rows[2:])
-
-
-def test_what_is_freed_is_kept_without_taking_memory_for_it() -> None:
-    """The array that the allocator learns from has pages only where they are written to."""
-    code = (
-        "import resource; from trunk_ros.diagnosis.heap import LEARNT, keep_what_is_freed\n"
-        "most = lambda: 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
-        "before = most(); keep_what_is_freed(); print((most() - before) / LEARNT)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert float(done.stdout) < 0.25

@@ -157,7 +157,8 @@ def test_the_plots_hold_what_was_measured_and_both_residuals(found: Diagnosis, p
 def test_a_spike_of_one_sample_is_not_thinned_away(found: Diagnosis) -> None:
     spiked = made.backlash()
     assert spiked.plots is not None
-    spiked.plots.signals["wire", "joint_3"]["measured"][3217] += 0.02
+    for key in ("measured", "error_before", "error_after"):
+        spiked.plots.signals["wire", "joint_3"][key][3217] += 0.02
     signal = next(s for s in signals(spiked) if s.name == "joint_3")
     assert 3217 in thinned(signal)
 

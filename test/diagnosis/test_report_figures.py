@@ -48,7 +48,8 @@ def test_culprit_spans_are_where_the_nominal_error_is_well_above_the_noise() -> 
     result = made.diagnosis({}, [])
     assert result.plots is not None
     held = result.plots.signals["wire", "joint_1"]
-    held["measured"] = held["measured"] + np.where((held["stamp"] > 20) & (held["stamp"] < 30), 1e-3, 0.0)
+    more = np.where((held["stamp"] > 20) & (held["stamp"] < 30), 1e-3, 0.0)
+    held |= {key: held[key] + more for key in ("measured", "error_before", "error_after")}
     assert culprit_spans(signals(result)[0]) == [pytest.approx((20.0, 30.0), abs=0.6)]
     assert culprit_spans(signals(result)[1]) == []
 

@@ -259,16 +259,16 @@ class Diagnoser:
         assert self.result.plots is not None
         for c in context.columns:
             span: Span = context.views[0].span
-            self.result.plots.signals[context.stage.name, context.joints[c]] = {
-                "stamp": span.stamp,
+            drawn = {
                 "measured": span.target[:, c],
-                "valid": span.valid[:, c],
-                "before": context.predict(0, context.known, c),
-                "after": context.predict(0, hypothesis, c),
+                "error_before": span.target[:, c] - context.predict(0, context.known, c),
+                "error_after": span.target[:, c] - context.predict(0, hypothesis, c),
                 "gearbox": span.measured(span.gearbox[:, c]),
                 "velocity": span.measured(span.velocity[:, c]),
-                "noise": context.noise[c].std,
             }
+            told = {"stamp": span.stamp, "valid": span.valid[:, c].copy(), "noise": context.noise[c].std}
+            single = {key: values.astype(np.float32) for key, values in drawn.items()}
+            self.result.plots.signals[context.stage.name, context.joints[c]] = {**told, **single}
 
     def tip(self) -> None:
         """Joint to tip."""

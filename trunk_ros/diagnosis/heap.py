@@ -6,22 +6,20 @@ import ctypes
 import os
 from contextlib import suppress
 
-TRIM, MMAP = -1, -3  # M_TRIM_THRESHOLD, M_MMAP_THRESHOLD of malloc.h
-KEPT = 2**24  # bytes: more than one joint of two hours has, less than all of its joints
-SPARE = 2**26  # bytes at the end of the heap
+RETURNED = 2**24  # bytes: more than one joint of two hours has, less than all of its joints
 
 
 def keep_what_is_freed() -> None:
     """Let glibc keep freed arrays for the next ones: pages that go back to the system and come again take a
-    twentieth of a diagnosis (mallopt(3)). What is larger than ``KEPT`` goes back at once: kept, arrays of all
-    joints of a long recording lie in each other's way, and take half as much again as is in use. Elsewhere
-    nothing happens.
+    twentieth of a diagnosis (mallopt(3)). What is larger than ``RETURNED`` goes back at once: kept, arrays
+    of all joints of a long recording lie in each other's way, and take half as much again as is in use.
+    Elsewhere nothing happens.
     """
     if os.name == "posix":
         with suppress(AttributeError, OSError):
             mallopt = ctypes.CDLL(None).mallopt
-            mallopt(MMAP, KEPT)
-            mallopt(TRIM, SPARE)
+            mallopt(-3, RETURNED)  # M_MMAP_THRESHOLD
+            mallopt(-1, 4 * RETURNED)  # M_TRIM_THRESHOLD: what stays at the end of the heap
 
 
 def give_back() -> None:

@@ -54,11 +54,16 @@ def signals(result: Answer) -> list[Signal]:
     out = []
     for (stage, name), held in sorted(plots.items(), key=lambda item: STAGES.index(item[0][0])):
         said = entries(result, stage).get(name, {})
-        arrays = {k: np.asarray(held[k], dtype=float) for k in ("stamp", "measured", "before", "after")}
+        arrays = {k: np.asarray(held[k], dtype=float) for k in ("stamp", "measured")}
+        said_by = {when: arrays["measured"] - held[f"error_{when}"] for when in ("before", "after")}
         valid = np.asarray(held["valid"], dtype=bool) & np.isfinite(arrays["measured"])
         unit = str(said.get("unit", "rad"))
-        seen: dict[str, Any] = {key: held.get(key) for key in ("gearbox", "velocity")}
-        out.append(Signal(stage, name, unit, **arrays, **seen, valid=valid, noise=float(held["noise"])))
+        seen: dict[str, Any] = {
+            key: None if held.get(key) is None else np.asarray(held[key], dtype=float)
+            for key in ("gearbox", "velocity")
+        }
+        noise = float(held["noise"])
+        out.append(Signal(stage, name, unit, **arrays, **said_by, **seen, valid=valid, noise=noise))
     return out
 
 

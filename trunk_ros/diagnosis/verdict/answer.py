@@ -102,8 +102,9 @@ class Answer:
 
 @dataclass
 class Plots:
-    """Arrays that the report draws: per stage and signal, stamps, measured, predicted before and after,
-    what counts.
+    """Arrays that the report draws: per stage and signal, stamps, measured, how far that is from what was
+    predicted before and after, what counts. Beside the stamps single precision will do for pictures; of
+    errors too, as they are kept instead of predictions, whose difference would show steps.
     """
 
     signals: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)

@@ -107,7 +107,10 @@ def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
     yield from (load, load * np.abs(load), load * t, own**2, own**3, own * t)
     yield from (np.gradient(speed, motion.stamp), speed**2)
     yield from (lowpassed(motion.stamp, own, late) for late in CREEPS)
-    yield from np.sin(motion.asked.cumsum(axis=1)).T
+    turned = np.zeros_like(own)
+    for joint_angle in motion.asked.T:
+        turned = turned + joint_angle
+        yield np.sin(turned)
     yield from motion.asked.T
 
 

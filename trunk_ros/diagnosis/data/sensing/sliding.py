@@ -161,7 +161,9 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     moving = np.ptp(said, axis=0) > MOVES
     if len(stamp) < CLOCKED or not moving.any():
         return None
-    speed, off, said = np.gradient(said, stamp, axis=0)[:, moving], off[:, moving], said[:, moving]
+    del course, at  # of a long recording they are as large as all else
+    speed = np.gradient(said, stamp, axis=0)[:, moving]
+    off, said = off[:, moving], said[:, moving]
     pairs = list(zip(speed.T, said.T, strict=True))
     mixes, left = [], []
     for one, pair in zip(off.T, pairs, strict=True):
