@@ -71,12 +71,12 @@ def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     repeat counts as no better than the name.
     """
     ahead = []
-    for name, evidence in found.items():
-        for rival, there in evidence.fitted.items():
-            if evidence.rivals[rival] >= 0.0 or name in part.context.known or rival not in there:
+    for name, told in found.items():
+        for rival, there in told.fitted.items():
+            if told.rivals[rival] >= 0.0 or name in part.context.known or rival not in there:
                 continue
             if not is_repeated(part, there):
-                evidence.rivals[rival] = 0.0
+                told.rivals[rival] = 0.0
             elif _is_shown(part.context, there[rival]):
                 ahead.append(there)
     best = min((refit(part.context, there) for there in ahead), key=score, default=part)
