@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
-from trunk_ros.diagnosis.discrepancy.bank_weights import FOLDS, Cuts, Source, Sums, chosen_of
+from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, Cuts, Source, Sums, chosen_of
+from trunk_ros.diagnosis.discrepancy.banked import clearly
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.drags import Drags
 from trunk_ros.effects.wire.coupling_curve import CouplingCurve
@@ -127,3 +128,16 @@ def test_no_play_of_a_bank_is_too_wide_to_slide() -> None:
     s = np.tile(np.concatenate([np.linspace(-1.0, 1.0, 200), np.linspace(1.0, -1.0, 200)]), 2)
     held = Drags.shapes(s, *Drags.range_of(s))
     assert (np.ptp(s[:, None] - held, axis=0) > 0.1 * np.ptp(s)).all()
+
+
+def test_what_leaves_half_of_most_blocks_wins_though_those_that_were_right_get_worse() -> None:
+    """Where names happen to be right there is little to lose: 30 times more of next to nothing."""
+    power = np.where(np.arange(CUTS) % 3 == 0, 1.0, np.random.default_rng(1).uniform(50.0, 150.0, CUTS))
+    banked = np.where(power > 1.0, 0.5 * power, 30.0)
+    assert clearly(power, banked, 0.05)
+    assert not clearly(banked, power, 0.05)
+
+
+def test_one_block_that_gets_better_is_chance() -> None:
+    power = np.where(np.arange(CUTS) == 7, 1000.0, 10.0)
+    assert not clearly(power, np.minimum(power, 10.0), 0.05)

@@ -45,6 +45,18 @@ def test_an_old_message_is_old_for_joints_that_hardly_moved_meanwhile(position: 
     assert (all_that_sticks(position, np.arange(len(position)) / 100) == old).all()
 
 
+def test_joints_that_stand_meanwhile_do_not_stick(position: Array) -> None:
+    """In a perfect simulation in which one joint moves after the other, or one is not read at all."""
+    for joint in range(1, 5):
+        position[: 800 * joint, joint] = position[800 * joint, joint]
+    position[1200:1290, 1] = position[1200, 1]
+    position[400:450, 0] = position[400, 0]
+    stamp = np.arange(len(position)) / 100
+    position[:, 4] = np.nan
+    assert np.flatnonzero(all_that_sticks(position, stamp)[:, 1:].any(axis=0)).tolist() == [0]
+    assert all_that_sticks(position, stamp)[401:450, 0].all()
+
+
 def test_single_readings_far_off_are_said_and_hide_no_physics(position: Array) -> None:
     flipped = np.random.default_rng(1).choice(np.arange(10, 3990, 7), 12, replace=False)
     position[flipped, 2] += 0.1

@@ -43,6 +43,17 @@ def test_what_is_read_no_more_often_than_it_has_to_be_is_searched_as_it_is() -> 
     assert sparse(context) is context
 
 
+def test_of_two_topics_in_turns_nothing_is_left_out() -> None:
+    """Their stamps lie closer together than those of either."""
+    made = recorded(seconds=1.1 * LONG * PARTS * ROWS / 200.0 / 5)
+    late = made.series["joint_states"]
+    turns = {**made.series, "joint_states": replace(late, stamp=late.stamp + 0.004)}
+    nominal = load_model("trunk")
+    span = wire_span(replace(made, series=turns), nominal)
+    assert span.gearbox.size > LONG * PARTS * ROWS
+    assert sparser([span]) is None
+
+
 def test_what_is_read_too_often_is_searched_on_readings_that_are_as_far_apart_as_models_are_computed(
     dense: Context,
 ) -> None:

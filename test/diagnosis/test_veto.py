@@ -14,7 +14,8 @@ from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.evidence import rivals, veto
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, one_evidence
-from trunk_ros.diagnosis.evidence.veto import believed, harmless, is_repeated, unseen
+from trunk_ros.diagnosis.evidence.unseen import is_repeated, unseen
+from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import beats

@@ -66,9 +66,9 @@ def test_a_name_that_is_dropped_for_noise_leaves_that_noise(
     monkeypatch.setattr(steadying, "likelier", lambda *_: (slow, 1e3))
     monkeypatch.setattr(steadying, "told", lambda *_: False)
 
-    def held(now: Fit, found: dict[int, Noise]) -> Fit:
+    def held(now: Fit, noise: dict[int, Noise], _: dict[int, Noise]) -> Fit:
         monkeypatch.setattr(steadying, "is_plain", is_plain)
-        return costed(wandering_in(now.context, {2: found[2]}), Hypothesis())
+        return costed(wandering_in(now.context, noise), Hypothesis())
 
     monkeypatch.setattr(steadying, "_held", held)
     assert ("viscoelastic_creep" not in steadying.steadied(now).hypothesis) == goes

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.effects import registry
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 
@@ -328,3 +329,14 @@ def test_a_play_of_many_columns_is_that_of_each() -> None:
     np.testing.assert_array_equal(many[:, [0, 99, 499]].T, alone)
     begun, _ = SharpPlay().run(u, np.full((1, 500), 0.3), None)
     np.testing.assert_array_equal(begun[0], u[0])
+
+
+def test_of_two_waves_the_larger_comes_first_and_is_the_same() -> None:
+    names = ("amplitude", "cycles_per_rev", "phase", "harmonic", "harmonic_phase", "cycles_per_rev_2")
+    given = dict(zip(names, (-4e-4, 3.0, 0.5, 1.7, 1.2, 7.4), strict=True))
+    plain = registry()["transmission_ripple"].plain(given)
+    assert (plain["cycles_per_rev"], plain["cycles_per_rev_2"]) == (7.4, 3.0)
+    assert 0.0 < plain["harmonic"] < 1.0
+    assert plain["amplitude"] == pytest.approx(6.8e-4)
+    same = [wire("transmission_ripple", **values, form="two_orders") for values in (given, plain)]
+    assert same[1] == pytest.approx(same[0], abs=1e-12)

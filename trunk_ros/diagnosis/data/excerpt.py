@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import MOVED
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.levels import ROWS
+from trunk_ros.diagnosis.levels import MOST, ROWS
 from trunk_ros.recording.signal.resample import FINE, LONGEST_GAP
 
 PARTS = 6
@@ -53,7 +53,11 @@ def sparser(spans: Sequence[Span]) -> tuple[list[Span], int] | None:
         min((max(1, int(FINE / step)) for time in times if (step := _mean_step(time)) > 0.0), default=1)
         for times in ([span.stamp for span in spans], [span.grid for span in spans])
     )
-    return ([_sparser(s, read, computed) for s in spans], read) if computed > 1 else None
+    if computed == 1:
+        return None
+    fewer = [_sparser(span, read, computed) for span in spans]
+    few = sum(len(span.grid) for span in fewer) <= MOST * sum(len(span.grid) for span in spans)
+    return (fewer, read) if few else None
 
 
 def _mean_step(time: Array) -> float:

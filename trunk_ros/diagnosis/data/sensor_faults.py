@@ -90,11 +90,15 @@ def wild(readings: Array) -> np.ndarray:
 
 def all_that_sticks(position: Array, stamp: Array) -> np.ndarray:
     """(n, joints) where a sensor sticks. Where one does and all joints repeat their readings the message is
-    an old one: joints that hardly moved meanwhile do not leap.
+    an old one, also for joints that hardly moved meanwhile and do not leap; but not for those that may as
+    well have stood, as their readings often repeat.
     """
     stuck = np.column_stack([sticks(readings, stamp) for readings in position.T])
-    old = np.concatenate([[False], (np.diff(position, axis=0) == 0.0).all(axis=1)])
-    return np.asarray(stuck | (old & stuck.any(axis=1))[:, None])
+    same = np.diff(position, axis=0, prepend=np.nan) == 0.0
+    read = np.isfinite(position).any(axis=0)
+    old = same[:, read].all(axis=1) & stuck.any(axis=1)
+    rarely = read & ((same & ~old[:, None]).mean(axis=0) <= FEW)
+    return np.asarray(stuck | (old[:, None] & rarely))
 
 
 def sticks(readings: Array, stamp: Array) -> np.ndarray:

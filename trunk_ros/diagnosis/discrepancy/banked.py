@@ -95,12 +95,12 @@ def _wins(before: Array, after: Array, misfit: float) -> bool:
 
 
 def clearly(before: Array, after: Array, share: float) -> bool:
-    """Whether powers of blocks (CUTS,) are less than before by a ``share``, and by more than their
-    scatter.
+    """Whether the mean power of blocks (CUTS,) is less than before by a ``share``, and by more than the
+    blocks' scatter.
     """
-    gain = np.log(before[before > 0.0] / after[before > 0.0])
+    gain = before - after
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain))
-    return bool(gain.mean() > max(share, NOTABLE * error))
+    return bool(gain.mean() > max(share * float(before.mean()), NOTABLE * error))
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
-from trunk_ros.diagnosis.search.long import WORK
+from trunk_ros.diagnosis.search.long import granted
 from trunk_ros.diagnosis.sparse import apart
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effect holds: less tells nothing
@@ -57,7 +56,7 @@ def contradiction(context: Context, say: Callable[[str], None]) -> Contradiction
     if len(context.views) < 2 or not context.columns:
         return None
     alone = apart(context.over([excerpt(view.span) for view in context.views]))
-    parts = [replace(part, work=Work(WORK)) for part in alone]
+    parts = [replace(part, work=granted()) for part in alone]
     base = max(parts, key=lambda part: sum(_power(part, part.known, c) for c in context.columns))
     say("the recording with most to explain")
     found = _lasting(search(base, Desk(lambda text: say(f"one recording: {text}"))).hypothesis)

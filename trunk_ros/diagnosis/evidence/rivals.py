@@ -54,8 +54,8 @@ class Looks:
 
 def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Found:
     """Loss of each promising effect in the place of one, and the hypothesis with it: on the same joints, and
-    on all joints where others show too little of it to rule it out. Also of what the motion cannot show, as
-    it cannot rule it out either. ``limit``: a loss that tells.
+    on all joints where others show too little of it to rule it out. Also of what the motion of some of them
+    cannot show, as it cannot rule it out either. ``limit``: a loss that tells.
     """
     context, far = bare.context, FAR * limit
     columns = [c for c in state.hypothesis[name].columns if c in context.columns]

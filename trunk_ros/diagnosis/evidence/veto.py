@@ -4,20 +4,18 @@ is in no model.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.cores import each
-from trunk_ros.diagnosis.discrepancy.curves import redrawn
-from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
+from trunk_ros.diagnosis.evidence.unseen import unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.candidates import usable
-from trunk_ros.diagnosis.search.fit import Fit, fit, groups, refit
+from trunk_ros.diagnosis.search.fit import Fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.diagnosis.work import Work
@@ -67,43 +65,17 @@ def _is_untouched(before: Fit, now: Fit, name: str) -> bool:
 
 def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     """The best fit with a rival that explains more than the name in the place of which it was tried, of those
-    that the motion can show; None where none is better. One that is ahead by what other recordings do not
-    repeat counts as no better than the name.
+    that the motion can show; None where none is better.
     """
-    ahead = []
-    for name, told in found.items():
-        for rival, there in told.fitted.items():
-            if told.rivals[rival] >= 0.0 or name in part.context.known:
-                continue
-            if not is_repeated(part, there):
-                told.rivals[rival] = 0.0
-            elif _is_shown(part.context, there[rival]):
-                ahead.append(there)
+    ahead = [
+        there
+        for name, told in found.items()
+        for rival, there in told.fitted.items()
+        if told.rivals[rival] < 0.0 and name not in part.context.known
+        if _is_shown(part.context, there[rival])
+    ]
     best = min((refit(part.context, there) for there in ahead), key=score, default=part)
     return best if beats(best, part) else None
-
-
-def is_repeated(part: Fit, rival: Hypothesis) -> bool:
-    """Whether a rival predicts recordings that it was not fitted to as well as what it stands for does, each
-    of them in turn by the others; so it is where there is but one.
-    """
-    context = part.context
-    if len(context.views) < SEVERAL:
-        return True
-    before, after = (_unseen_recordings(context, one) for one in (part.hypothesis, rival))
-    told = (before > 0.0) & (after > 0.0)
-    return bool(np.sum(np.log(after[told] / before[told])) <= 0.0)
-
-
-def _unseen_recordings(context: Context, hypothesis: Hypothesis) -> Array:
-    """(recordings,) squared unit-noise residuals of each, by a fit to the others."""
-    left = []
-    for index in range(len(context.views)):
-        own = [np.full(len(view.span.rows), k == index) for k, view in enumerate(context.views)]
-        fitted = _fitted(context.only([~rows for rows in own]), hypothesis, context.columns)
-        judged = context.only(own)
-        left.append(sum(float(np.sum(judged.whitened(fitted, c) ** 2)) for c in context.columns))
-    return np.array(left)
 
 
 def _is_shown(context: Context, term: Term) -> bool:
@@ -165,29 +137,3 @@ def _harm(with_it: Array, without: Array) -> float:
     """By how much squared unit-noise residuals (BLOCKS,) are larger with an effect, for sure."""
     harm = with_it - without
     return float(harm.sum() - np.sqrt(np.sum((harm - harm.mean()) ** 2)))
-
-
-def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -> Array:
-    """(BLOCKS,) squared unit-noise residuals on some columns of blocks of time, each judged by a fit to the
-    others.
-    """
-    total = np.zeros(BLOCKS)
-    for fold in (0, 1):
-        number = [number_of(len(view.span.rows)) for view in context.views]
-        half = context.only([n % 2 != fold for n in number])
-        fitted = _fitted(half, hypothesis, columns)
-        judged = context.only([n % 2 == fold for n in number])
-        for c in columns:
-            counted = zip(number, judged.views, strict=True)
-            block = np.concatenate([n[view.columns[c].counted] for n, view in counted])
-            total += np.bincount(block, judged.whitened(fitted, c) ** 2, BLOCKS)
-    return total
-
-
-def _fitted(half: Context, hypothesis: Hypothesis, columns: Collection[int]) -> Hypothesis:
-    for group in groups(half, hypothesis):
-        if set(group) & set(columns):
-            hypothesis = fit(half, hypothesis, group).hypothesis
-    for column in hypothesis.curved & set(columns):
-        hypothesis = redrawn(half, hypothesis, column)
-    return hypothesis

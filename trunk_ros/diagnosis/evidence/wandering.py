@@ -4,6 +4,7 @@ arm does.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from trunk_ros.diagnosis.context import Context
@@ -22,6 +23,7 @@ from trunk_ros.diagnosis.search.slow_noise import (
     untimed,
     wandering_in,
 )
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.recording.signal.resample import SLOW
 
 
@@ -42,26 +44,27 @@ def steadied(now: Fit) -> Fit:
             likely = likelier(context, less, now.hypothesis, column)
             if likely is not None and (timed or not told(context, less, column)):
                 found[column] = likely[0]
-    while found:
-        done = _held(now, found | _of_the_others(context, now.hypothesis, {**context.wanders, **found}))
-        noise = [(c, one) for c, one in enumerate(done.context.noise) if c in found]
-        wrong = [c for c, one in noise if not is_plain(done.context, one, done.hypothesis, c)]
+    again = context.work.besides()
+    while both := found | _of_the_others(context, now.hypothesis, {**context.wanders, **found}):
+        done = _held(replace(now, context=replace(context, work=again)), both, found)
+        wrong = [c for c in found if not is_plain(done.context, done.context.noise[c], done.hypothesis, c)]
         if not wrong:
-            return done
+            context.work.took(again)
+            return replace(done, context=replace(done.context, work=context.work))
         found = {c: one for c, one in found.items() if c not in wrong}
+    context.work.took(Work(done=again.done))  # no search ended early by it
     return now
 
 
-def _held(now: Fit, found: dict[int, Noise]) -> Fit:
-    """With noises that were found, and names that hold in them."""
-    context, bare = now.context, now.hypothesis
-    for column in found:
+def _held(now: Fit, noise: dict[int, Noise], timed: Iterable[int]) -> Fit:
+    """With noises of joints, without what only follows the readings of some of them about, and with names
+    that hold then.
+    """
+    bare = now.hypothesis
+    for column in timed:
         bare = untimed(bare, column)
-    again = context.work.besides()
-    steady = replace(wandering_in(context, found), claims=True, work=again)
-    done = descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())
-    context.work.took(again)
-    return replace(done, context=replace(done.context, work=context.work))
+    steady = replace(wandering_in(now.context, noise), claims=True)
+    return descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())
 
 
 def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, Noise]) -> dict[int, Noise]:

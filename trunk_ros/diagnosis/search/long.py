@@ -27,6 +27,11 @@ WORK = 1.2e8  # simulated joint-steps that a search may take: twelve seconds of 
 EACH = WORK / 3.0  # more for each effect that it finds
 
 
+def granted() -> Work:
+    """What a search may take."""
+    return Work(WORK, each=EACH)
+
+
 @dataclass(frozen=True)
 class Searched:
     """What was found: ``state`` on the whole, and ``part`` on what rivals are fitted to."""
@@ -39,7 +44,7 @@ class Searched:
 
 def searched(context: Context, say: Callable[[str], None]) -> Searched:
     """The hypothesis of a stage."""
-    context = replace(context, work=Work(WORK, each=EACH))
+    context = replace(context, work=granted())
     spans = [view.span for view in context.views]
     parts = [excerpt(span) for span in spans]
     whole = all(part is span for part, span in zip(parts, spans, strict=True))
@@ -48,7 +53,7 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
         state = search(context, Desk(say))
         return Searched(state, state, context.work.over)
     give_back()
-    first = search(replace(some, work=Work(WORK, each=EACH)), Desk(lambda text: say(f"excerpt: {text}")))
+    first = search(replace(some, work=granted()), Desk(lambda text: say(f"excerpt: {text}")))
     say("the whole recording")
     give_back()
     state = _on_the_whole(context, first.hypothesis, Desk(say))
@@ -61,6 +66,7 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
 
 def _on_the_whole(context: Context, found: Hypothesis, desk: Desk) -> Fit:
     """Fitted to all of it, without what that does not need, and with what only that shows."""
+    context.work.finds(len(found) - len(context.known))
     weights = begun(context).context
     now = _anywhere(renewed(refit(weights, found)))
     return plain(descend(now, (ONSET, DROP, ADD), desk, steady=True))

@@ -85,11 +85,14 @@ class TransmissionRipple(Effect):
         return self["cycles_per_rev_2"] if self.form == "two_orders" else 2.0 * self["cycles_per_rev"]
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """A good period has to lie within the motion, or it is no more than a bent curve."""
+        """A good period has to lie within the motion, or it is a bent curve; and two orders have to part
+        by half of one there, or they are one wave that grows.
+        """
         turns = np.ptp(now.gearbox, axis=0) / (2 * np.pi)
         within = self["cycles_per_rev"] * turns
         if self.form == "two_orders":
-            within = np.minimum(within, self["cycles_per_rev_2"] * turns)
+            second = self["cycles_per_rev_2"] * turns
+            within = np.minimum(np.minimum(within, second), np.abs(second - within) + LEAST)
         if beside:
             return bool(np.all(within > LEAST))
         harmonic = (self.form == "two_harmonics") & (self["harmonic"] != 0.0)
@@ -106,7 +109,12 @@ class TransmissionRipple(Effect):
         if "harmonic" not in values:
             return out
         side = np.sign(values["amplitude"]) or 1.0
-        return positive({**out, "harmonic": side * values["harmonic"]}, "harmonic", "harmonic_phase")
+        out = positive({**out, "harmonic": side * values["harmonic"]}, "harmonic", "harmonic_phase")
+        if "cycles_per_rev_2" in out and out["harmonic"] > 1.0:  # the larger wave comes first
+            size, order, phase, share, phase_2, order_2 = (out[p.name] for p in cls.parameters)
+            turned = (size * share, order_2, phase_2, 1.0 / share, phase, order)
+            out |= {p.name: value for p, value in zip(cls.parameters, turned, strict=True)}
+        return out
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

@@ -11,12 +11,12 @@ from trunk_ros.effects.filters import kept, lag_step, lowpass
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
-MODES = 6  # of a spectrum: over two decades creep between them shows no steps
+MODES = 6  # of a spectrum: two decades of it creep as smoothly as more would
 
 
 class ViscoelasticCreep(Effect):
-    """theta = p - gain lowpass(p), one or two time constants, or (spectrum) as much of it in each octave
-    between; upstream: the wire creeps before the friction, under the friction as well,
+    """theta = p - gain lowpass(p), one or two time constants, or (spectrum) six with equal shares, evenly
+    in the logarithm between two; upstream: the wire creeps before the friction, under the friction as well,
     theta = play(u - lowpass(q gain theta + rubbing z)) with the stretch z that bears the friction, where the
     play is q = rubbing/(rubbing + gain) of what it would be: the spring by whose pull the wire creeps takes
     its part of the friction.
