@@ -18,7 +18,7 @@ from trunk_ros.effects.lasting import LASTING, RISE
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import GROWN
 
-SMOOTH = 3  # degree of a course of time: with its two ends as many values as a push has
+CUBIC = 3  # degree of a course of time: with its two ends as many values as a push has
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
 
 
@@ -112,10 +112,10 @@ def _moves(signal: Array, part: np.ndarray) -> tuple[bool]:
 
 def _winds(stamp: Array, signal: Array, part: np.ndarray) -> bool:
     """Whether a signal (n,) at ``stamp`` (n,) s is in some rows of it more than a smooth course of time."""
-    if len(part) <= SMOOTH + 1 or np.ptp(signal) == 0.0:
+    if len(part) <= CUBIC + 1 or np.ptp(signal) == 0.0:
         return False
     time = (stamp[part] - stamp[part[0]]) / max(stamp[part[-1]] - stamp[part[0]], ROUNDED)
-    smooth = np.polynomial.Polynomial.fit(time, signal[part], SMOOTH)
+    smooth = np.polynomial.Polynomial.fit(time, signal[part], CUBIC)
     return bool(np.ptp(signal[part] - smooth(time)) > PART * np.ptp(signal))
 
 
