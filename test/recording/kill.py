@@ -70,9 +70,12 @@ class Sender:
         """Send for a while, or until somebody hears; what nobody hears does not count."""
         end = time.monotonic() + (MEET_AT_MOST if heard else seconds)
         while (now := time.monotonic()) < end and not (heard and self.sent):
-            stamp = time.time_ns()
+            stamp, counts = (
+                time.time_ns(),
+                bool(self.sent) or self.is_heard(),
+            )  # before: none is sent to nobody
             self.publisher.publish(self.message(stamp))
-            if self.sent or self.is_heard():
+            if counts:
                 self.sent[stamp] = now
             time.sleep(PERIOD)
         assert self.sent or not heard, f"the recorder has not heard {TOPIC} for {MEET_AT_MOST:.0f} s"
