@@ -15,7 +15,6 @@ from trunk_ros.diagnosis.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import LASTING, RISE
-from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import GROWN
 
 CUBIC = 3  # degree of a course of time: with its two ends as many values as a push has
@@ -114,9 +113,8 @@ def _winds(stamp: Array, signal: Array, part: np.ndarray) -> bool:
     """Whether a signal (n,) at ``stamp`` (n,) s is in some rows of it more than a smooth course of time."""
     if len(part) <= CUBIC + 1 or np.ptp(signal) == 0.0:
         return False
-    time = (stamp[part] - stamp[part[0]]) / max(stamp[part[-1]] - stamp[part[0]], ROUNDED)
-    smooth = np.polynomial.Polynomial.fit(time, signal[part], CUBIC)
-    return bool(np.ptp(signal[part] - smooth(time)) > PART * np.ptp(signal))
+    smooth = np.polynomial.Polynomial.fit(stamp[part], signal[part], CUBIC)
+    return bool(np.ptp(signal[part] - smooth(stamp[part])) > PART * np.ptp(signal))
 
 
 def _ways(signal: Array, part: np.ndarray) -> tuple[bool, bool]:

@@ -126,12 +126,10 @@ class TransmissionRipple(Effect):
         """Two orders: the strongest line, and the strongest of what it leaves."""
         if self.form != "two_orders" or rest is None:
             return super().starts(now, column, rest)
-        phi, names = now.gearbox[:, column], ("cycles_per_rev", "cycles_per_rev_2")
-        orders: list[float] = []
+        phi, orders = now.gearbox[:, column], list[float]()
         left, waves = rest, np.zeros((0, 2))
-        for name in names:
-            parameter = next(p for p in self.parameters if p.name == name)
-            lines = self._lines(parameter, phi, left)
+        for _ in range(2):
+            lines = self._lines(phi, left)
             if not lines:
                 return []
             orders.append(lines[0])
@@ -149,9 +147,9 @@ class TransmissionRipple(Effect):
         """Only ripples of which the motion spans a period can be told from a bent curve."""
         if parameter.name != "cycles_per_rev" or rest is None:
             return super().grid(parameter, now, column, rest)
-        return self._lines(parameter, now.gearbox[:, column], rest)
+        return self._lines(now.gearbox[:, column], rest)
 
-    @staticmethod
-    def _lines(parameter: Parameter, phi: Array, rest: Array) -> tuple[float, ...]:
-        low = max(parameter.bounds[0], LEAST * 2 * np.pi / max(float(np.ptp(phi)), 1e-3))
-        return periods(phi, rest, low, parameter.bounds[1])
+    @classmethod
+    def _lines(cls, phi: Array, rest: Array) -> tuple[float, ...]:
+        least, most = next(p for p in cls.parameters if p.name == "cycles_per_rev").bounds
+        return periods(phi, rest, max(least, LEAST * 2 * np.pi / max(float(np.ptp(phi)), 1e-3)), most)
