@@ -35,6 +35,20 @@ def test_a_sensor_that_sticks_is_said_and_hides_no_physics(position: Array) -> N
     assert "joint_4: its sensor sticks, first at 25.01 s; 199 readings left out" in notes
 
 
+@pytest.mark.parametrize("noise", [NOISE, 0.0])
+def test_a_sensor_that_sticks_while_the_joint_goes_little_way_is_seen_beside_the_motor(noise: float) -> None:
+    """Its noise would not let it repeat itself; where there is none, a joint may have stuck and slipped."""
+    good = recorded(seconds=30.0, noise=noise)
+    position = good.series["joint_states"].position.copy()
+    way = np.abs(position[530:2930, 2] - position[500:2900, 2])
+    rows = 500 + int(np.argmax((way > 15 * NOISE) & (way < 30 * NOISE))) + np.arange(1, 30)
+    position[rows, 2] = position[rows[0] - 1, 2]
+    stuck = reshaped(good, "joint_states", position=position.copy())
+    assert not sticks(position[:, 2], good.series["joint_states"].stamp).any()
+    left_out = np.isnan(without_faults(stuck).series["joint_states"].position)
+    assert left_out.sum() == left_out[rows, 2].sum() == (len(rows) if noise else 0)
+
+
 def test_an_old_message_is_old_for_joints_that_hardly_moved_meanwhile(position: Array) -> None:
     position[:, 3] = position[0, 3] + NOISE * np.random.default_rng(5).normal(size=len(position))
     position[1200:1290] = position[1200]

@@ -24,12 +24,19 @@ FORGETS = 0.97  # from sample to sample
 WANDERS = 2.0 * NOISE  # rad
 
 
-def left(name: str = "", wanders: float = WANDERS, swings: float = 0.0, **values: object) -> Fit:
-    """What a nominal arm leaves of one with an effect whose second sensor wanders."""
+def left(
+    name: str = "",
+    wanders: float = WANDERS,
+    swings: float = 0.0,
+    joints: tuple[int, ...] = (1,),
+    **values: object,
+) -> Fit:
+    """What a nominal arm leaves of one with an effect, of which some sensors wander: the second one."""
     recording = recorded({name: values} if name else {}, 30.0)
     shown = recording.series["joint_states"]
-    steps = np.random.default_rng(5).normal(size=len(shown.stamp)) * wanders * np.sqrt(1.0 - FORGETS**2)
-    wander = lfilter([1.0], [1.0, -FORGETS], steps)[:, None] * (np.arange(5) == 1)
+    steps = np.random.default_rng(5).normal(size=(len(joints), len(shown.stamp)))
+    wander = np.zeros((len(shown.stamp), 5))
+    wander[:, joints] = lfilter([1.0], [1.0, -FORGETS], steps * wanders * np.sqrt(1.0 - FORGETS**2)).T
     wander += swings * np.sin(2.0 * np.pi * shown.stamp / 12.0)[:, None] * (np.arange(5) == 1)
     series = {**recording.series, "joint_states": replace(shown, position=shown.position + wander)}
     model = load_model("trunk")
@@ -70,6 +77,14 @@ def test_it_stays_as_it_is_told_while_the_search_goes_on() -> None:
     found = told_from_noise(left(), lambda column: {})
     assert found.context.wanders
     assert found.context.weighed(found.hypothesis).noise[1] == found.context.noise[1]
+
+
+@pytest.mark.parametrize(("joints", "noise"), [((0, 1, 3), {0, 1, 3}), ((1, 3), set())])
+def test_what_goes_far_beyond_the_noise_is_noise_where_three_sensors_wander_alike(
+    joints: tuple[int, ...], noise: set[int]
+) -> None:
+    """Physics has a size of its own on each joint."""
+    assert told(left(wanders=6.0 * NOISE, joints=joints)) == noise
 
 
 def test_what_goes_far_beyond_the_noise_is_none_also_where_some_was_told_before() -> None:

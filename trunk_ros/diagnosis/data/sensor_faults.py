@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -9,10 +10,11 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.noise import noise_of
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, TENFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, ROUGH, TENFOLD
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
+from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD, count
 from trunk_ros.recording.signal.gaps import in_gaps, usual
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
@@ -31,10 +33,13 @@ def without_faults(recording: Recording) -> Recording:
         return recording
     position, notes = series.position.copy(), []
     repeats = bool(new_readings(series)[1])  # old readings, beside a motor that goes on
-    sticking = all_that_sticks(position, series.stamp)
-    for j, joint in enumerate(series.joints):
+    beside = [
+        None if repeats else less_the_motor(recording, joint, series.stamp, readings)
+        for joint, readings in zip(series.joints, position.T, strict=True)
+    ]
+    sticking = all_that_sticks(position, series.stamp, beside)
+    for j, (joint, left) in enumerate(zip(series.joints, beside, strict=True)):
         stuck = sticking[:, j]
-        left = None if repeats else less_the_motor(recording, joint, series.stamp, position[:, j])
         off = strays(position[:, j]) if left is None else strays(left, less=True)
         position[stuck | off, j] = np.nan
         if stuck.any():
@@ -88,12 +93,15 @@ def wild(readings: Array) -> np.ndarray:
     return out
 
 
-def all_that_sticks(position: Array, stamp: Array) -> np.ndarray:
-    """(n, joints) where a sensor sticks. Where one does and all joints repeat their readings the message is
-    an old one, also for joints that hardly moved meanwhile and do not leap; but not for those that may as
-    well have stood, as their readings often repeat.
+def all_that_sticks(
+    position: Array, stamp: Array, beside: Sequence[Array | None] | None = None
+) -> np.ndarray:
+    """(n, joints) where a sensor sticks; by joint, what is left ``beside`` the motor. Where one does and all
+    joints repeat their readings the message is an old one, also for joints that hardly moved meanwhile and do
+    not leap; but not for those that may as well have stood, as their readings often repeat.
     """
-    stuck = np.column_stack([sticks(readings, stamp) for readings in position.T])
+    left = beside or [None] * position.shape[1]
+    stuck = np.column_stack([sticks(r, stamp, one) for r, one in zip(position.T, left, strict=True)])
     same = np.diff(position, axis=0, prepend=np.nan) == 0.0
     read = np.isfinite(position).any(axis=0)
     old = same[:, read].all(axis=1) & stuck.any(axis=1)
@@ -101,8 +109,9 @@ def all_that_sticks(position: Array, stamp: Array) -> np.ndarray:
     return np.asarray(stuck | (old[:, None] & rarely))
 
 
-def sticks(readings: Array, stamp: Array) -> np.ndarray:
-    """(n,) where a sensor repeats one reading for long and leaps when it goes on, at ``stamp`` (n,) s.
+def sticks(readings: Array, stamp: Array, left: Array | None = None) -> np.ndarray:
+    """(n,) where a sensor repeats one reading for long and leaps when it goes on, at ``stamp`` (n,) s; in
+    what is ``left`` beside the motor where its noise would not let it repeat itself at rest either.
 
     Where readings are missing in between the joint may have gone there.
     """
@@ -115,11 +124,21 @@ def sticks(readings: Array, stamp: Array) -> np.ndarray:
     if not runs or rest > FEW * len(same):
         return out
     together = np.diff(stamp) <= usual(stamp)
-    far = leap(readings)
+    leaps, steps = step > leap(readings), step[step > 0.0]
+    if left is not None and steps.size and _noisy(readings, steps):
+        leaps |= np.abs(np.diff(left)) > leap(left)
     for first, last in runs:
-        if last < len(step) and step[last] > far and together[last]:
+        if last < len(step) and leaps[last] and together[last]:
             out[first + 1 : last + 1] = True
     return out
+
+
+def _noisy(readings: Array, steps: Array) -> bool:
+    """Whether readings (n,) that make ``steps`` (m,) have noise, more than a step of their grid and than a
+    perfect simulation has.
+    """
+    noise = noise_of([readings], [np.isfinite(readings)], longest=1).std
+    return noise > max(count(readings), ROUGH * float(np.median(steps)))
 
 
 def strays(readings: Array, less: bool = False) -> np.ndarray:

@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.search.slow_noise import (
     is_plain,
     likelier,
     told,
+    unit,
     unlikely,
     untimed,
     wandering_in,
@@ -73,7 +74,7 @@ def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, No
     """
     out = {}
     for column in [c for c in context.columns if c not in found]:
-        donors = [noise for c, noise in found.items() if _unit(context, c) == _unit(context, column)]
+        donors = [noise for c, noise in found.items() if unit(context, c) == unit(context, column)]
         known = context.noise[column]
         if len(donors) < SEVERAL or is_plain(context, known, hypothesis, column):
             continue
@@ -82,7 +83,3 @@ def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, No
         if gain > need(context, column):
             out[column] = usual
     return out
-
-
-def _unit(context: Context, column: int) -> str:
-    return context.stage.units.get(context.joints[column], "rad")

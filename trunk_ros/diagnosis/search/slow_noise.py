@@ -14,6 +14,7 @@ from scipy.optimize import minimize
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import WHITE, Noise
+from trunk_ros.diagnosis.data.sensing.hum import JOINTS
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
@@ -85,8 +86,28 @@ def likelier(
     noise, cost = likeliest_noise(context, less, column)
     saved = CURVE * name if column in context.wanders else -name
     gained = unlikely(context, known, hypothesis, column) + saved - cost
-    alone = gained > 0.0 and noise.std < THREEFOLD * known.std and is_plain(context, noise, less, column)
-    return (noise, gained) if alone else None
+    if gained <= 0.0 or not is_plain(context, noise, less, column):
+        return None
+    near = noise.std < THREEFOLD * known.std
+    return (noise, gained) if near or is_shared(context, less, column) else None
+
+
+def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
+    """Whether the noise that is all that is left of a column wanders as far and as fast on three joints or
+    more: sensors of one unit are alike, and what physics does has a size of its own on each joint.
+    """
+    alike = [c for c in context.columns if unit(context, c) == unit(context, column)]
+    if len(alike) < JOINTS:
+        return False
+    found = {c: likeliest_noise(context, untimed(hypothesis, c), c) for c in alike}
+    usual = sorted((noise for noise, _ in found.values()), key=lambda noise: noise.std)[(len(alike) - 1) // 2]
+    price = FURTHER * (4 if usual.slow[0] > 0.0 else 2)  # of the values of what wanders
+    for c, (own, cost) in found.items():
+        beside = float(np.sqrt(usual.std**2 - usual.white**2 + own.white**2))
+        noise = replace(usual, white=own.white, std=beside)
+        if unlikely(context, noise, untimed(hypothesis, c), c) - cost > price:
+            alike.remove(c)
+    return column in alike and len(alike) >= JOINTS
 
 
 def _drawn(now: Fit, column: int, gained: float) -> bool:
@@ -187,6 +208,11 @@ def _tells(rest: Array, cuts: Cuts, source: Source) -> bool:
     nothing = sums.tried([], 1.0).left
     gains = (1.0 - sums.tried([0], worth).left / nothing for worth in WORTHS[::2])
     return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > PART for g in gains)
+
+
+def unit(context: Context, column: int) -> str:
+    """In what a column is measured."""
+    return context.stage.units.get(context.joints[column], "rad")
 
 
 def untimed(hypothesis: Hypothesis, column: int) -> Hypothesis:
