@@ -77,6 +77,12 @@ def test_a_drift_is_exponential_or_straight(values: dict[str, Any], drift: Array
     assert wire("thermal_drift", **values) == pytest.approx(THETA + drift[:, None], abs=1e-12)
 
 
+def test_a_drift_with_travel_goes_by_the_way_to_and_fro() -> None:
+    way = np.concatenate([np.zeros((1, 3)), np.cumsum(np.abs(np.diff(THETA, axis=0)), axis=0)])
+    got = wire("thermal_drift", rate=1e-4, speed=0.1, form="travel")
+    assert got == pytest.approx(THETA + 1e-3 * way, abs=1e-5)
+
+
 def test_a_coupling_adds_gain_times_the_sources_true_angle() -> None:
     got = wire("joint_coupling", gain=np.array([0.0, 0.1, 0.05]), source=["", "joint_1", "joint_2"])
     assert got[:, 1] == pytest.approx(THETA[:, 1] + 0.1 * got[:, 0], abs=1e-7)

@@ -1,4 +1,4 @@
-"""Wear with the way slid, from a recording through the model file to another motion."""
+"""Wear and drift with the way gone, from a recording through the model file to another motion."""
 
 from __future__ import annotations
 
@@ -22,14 +22,17 @@ def test_a_wide_loop_that_is_gone_through_once_shows_no_growth_of_its_dead_band(
 
 
 @pytest.mark.timeout(240)
-def test_wear_with_travel_is_named_kept_in_the_file_and_predicts_another_motion(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "rate"), [("friction_wear", 6e-5), ("thermal_drift", -3e-5)])
+def test_what_goes_with_travel_is_named_kept_in_the_file_and_predicts_another_motion(
+    name: str, rate: float, tmp_path: Path
+) -> None:
     """The same joint slides on by another way: what counts is the way, not the time."""
-    hidden = {"friction_wear": {"form": "travel", "rate": on(2, 6e-5), "speed": np.full(5, SPEED)}}
+    hidden = {name: {"form": "travel", "rate": on(2, rate), "speed": np.full(5, SPEED)}}
     result = diagnose([recorded(hidden, seconds=60.0, noise=5e-5)])
     (found,) = result.findings
-    assert (found.effect, found.joints) == ("friction_wear", ["joint_2"])
-    rate, speed = (found.parameters["joint_2"][key]["value"] for key in ("rate", "speed"))
-    assert rate / speed == pytest.approx(6e-5 / SPEED, rel=0.01)
+    assert (found.effect, found.joints) == (name, ["joint_2"])
+    fitted, speed = (found.parameters["joint_2"][key]["value"] for key in ("rate", "speed"))
+    assert fitted / speed == pytest.approx(rate / SPEED, rel=0.01)
     save_model(result.model, tmp_path / "model.yaml")
     again = load_model(tmp_path / "model.yaml")
     assert again.parameters() == result.model.parameters()

@@ -51,6 +51,12 @@ class Now:
         """
         return self.speed
 
+    def gone(self, before: Array | None) -> Array:
+        """(n, columns) rad that each joint has gone to and fro by each sample, after those ``before``."""
+        return np.asarray(
+            np.cumsum(np.abs(self.speed) * self.dt[:, None], axis=0) + (0.0 if before is None else before)
+        )
+
     @cached_property
     def masses(self) -> Array:
         """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""

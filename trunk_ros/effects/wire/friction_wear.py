@@ -6,6 +6,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.now import View
+from trunk_ros.effects.wire.travelled import SPEED, mean_speed
 from trunk_ros.parameter import Parameter
 
 
@@ -30,10 +31,7 @@ class FrictionWear(Effect):
             "time_constant", "s", (3.0, 3000.0), "time in which it settles", typical=30.0,
             null=3000.0, scale="log", scan=(10.0, 40.0),
         ),
-        Parameter(
-            "speed", "rad/s", (1e-6, 100.0), "mean speed of the joint in the recording it was fitted on",
-            typical=0.1, null=0.1, measured=True,
-        ),
+        SPEED,
     )  # fmt: skip
     imitated_by = ("skew",)
     confused_with = (("backlash", "compare the start and the end of a long recording"),)
@@ -48,18 +46,17 @@ class FrictionWear(Effect):
 
     def _slid(self, core: Core, now: Now) -> Array:
         """(n, columns) rad gone to and fro since the first sample."""
-        gone = np.cumsum(np.abs(now.speed) * now.dt[:, None], axis=0) + core.old.get(self.id, 0.0)
+        gone = now.gone(core.old.get(self.id))
         core.new[self.id] = gone[-1]
-        return np.asarray(gone)
+        return gone
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
         """The mean speed is what the motion has."""
-        if parameter.name != "speed":
+        if parameter.name != SPEED.name:
             return super().grid(parameter, now, column, rest)
-        mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
-        return (float(np.clip(mean, *parameter.bounds)),)
+        return (mean_speed(now, column),)
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It settles neither at once nor after the recording: or it is another effect, or straight."""

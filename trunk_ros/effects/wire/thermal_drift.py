@@ -1,4 +1,4 @@
-"""The zero drifts slowly, moving or not."""
+"""The zero drifts slowly, with time or with the way that the joint goes."""
 
 from typing import Any
 
@@ -6,20 +6,25 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.wire.travelled import SPEED, mean_speed
 from trunk_ros.parameter import Parameter
 
 
 class ThermalDrift(Effect):
-    """u += amplitude (1 - exp(-t/time_constant)), or rate t."""
+    """u += amplitude (1 - exp(-t/time_constant)), or rate t, or rate s/speed with the path s gone so far,
+    which at a mean ``speed`` is the same as rate t.
+    """
 
     id = "thermal_drift"
     stage, place, regime = "wire", 40, "time"
     signature = "The residual's mean wanders slowly in one direction in the course of the recording."
     source = (
         "Newton's law of cooling: an assembly nears its new temperature as "
-        "exp(-t/time_constant); straight at first."
+        "exp(-t/time_constant); straight at first. With the path: an incremental encoder that loses "
+        "counts, a wire that creeps over its wheel."
     )
-    forms = ("exponential", "straight")
+    forms = ("exponential", "straight", "travel")
+    refined = ("travel",)
     parameters = (
         Parameter("amplitude", "rad", (-0.2, 0.2), "drift after a long time", typical=1e-3),
         Parameter(
@@ -33,6 +38,7 @@ class ThermalDrift(Effect):
             scan=(10.0, 30.0, 90.0),
         ),
         Parameter("rate", "rad/s", (-0.01, 0.01), "speed of a straight drift", typical=1e-5),
+        SPEED,
     )
     imitated_by = ("skew",)
     confused_with = (
@@ -41,22 +47,36 @@ class ThermalDrift(Effect):
     )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return x + self._drift(now), None
+        drift, state = self._drift(now, state)
+        return x + drift, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y - self._drift(now), None
+        drift, state = self._drift(now, state)
+        return y - drift, state
 
-    def _drift(self, now: Now) -> Array:
+    def _drift(self, now: Now, state: Any) -> tuple[Array, Any]:
         t = now.stamp[:, None]
-        if self.form == "straight":
-            return np.asarray(self["rate"] * t)
-        return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"]))
+        if self.form == "exponential":
+            return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"])), None
+        if self.form == "travel" and not now.held:
+            gone = now.gone(state)
+            return np.asarray(self["rate"] * gone / self["speed"]), gone[-1]
+        return np.asarray(self["rate"] * t), None
+
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
+        """The mean speed is what the motion has."""
+        if parameter.name != SPEED.name:
+            return super().grid(parameter, now, column, rest)
+        return (mean_speed(now, column),)
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It is not over at once: or it is an offset."""
         share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
-        return bool(self.form == "straight" or np.all(share > 0.03))
+        return bool(self.form != "exponential" or np.all(share > 0.03))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return cls.parameters[2:] if form == "straight" else cls.parameters[:2]
+        amplitude, time_constant, rate, speed = cls.parameters
+        return {"straight": (rate,), "travel": (rate, speed)}.get(form, (amplitude, time_constant))
