@@ -107,7 +107,8 @@ def test_where_all_joints_swing_physics_may_make_waves_of_one_size(model: Model)
     noise = np.random.default_rng(2).standard_normal(slow.shape)
     off = _tone(FREQUENCY, np.full(5, SIZE)) + NOISE * noise
     found = [
-        tone(STAMP, off, asked, lambda _: np.ones((len(STAMP), 1)), 2.0) for asked in (slow, swings + slow)
+        tone(STAMP, off.T, asked.T, lambda _: np.ones((len(STAMP), 1)), 2.0)
+        for asked in (slow, swings + slow)
     ]
     assert found[0] is not None
     assert found[0].frequency == pytest.approx(FREQUENCY, abs=1e-3)

@@ -98,8 +98,8 @@ class Context:
         views = self.stage.seen(self, hypothesis)
         if views is self.views:
             return self
-        pairs = [(old.angles, new.angles) for old, new in zip(self.views, views, strict=True)]
-        same = all(float(np.max(np.abs(a - b))) < HARDLY * float(np.ptp(a)) for a, b in pairs)
+        pairs = zip(self.views, views, strict=True)
+        same = all(old.apart(new.angles) < HARDLY * float(np.ptp(old.angles)) for old, new in pairs)
         return replace(self, views=views, look=self.look + (not same), shown_before={}, _cache={})
 
     def weighed(self, hypothesis: Hypothesis) -> Context:
@@ -265,7 +265,7 @@ class Context:
         for view, signal in zip(self.views, signals, strict=True):
             seen = view.columns[column]
             even = self.louder.evened(signal, seen.speed, column)
-            parts.append(self.noise[column].whiten(even, seen.follows).take(seen.counted))
+            parts.append(seen.those(self.noise[column].whiten(even, seen.follows)))
         return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
     # What the motion shows.

@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.against import SERVO, Simulator
+from trunk_ros.diagnosis.aside import aside
 from trunk_ros.diagnosis.beside import put_right_beside
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import common_joints, servo_joints, servo_span, wire_span
@@ -68,6 +69,7 @@ class Diagnoser:
         the arm's in other recordings.
         """
         self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
+        self.units = recordings[0].units
         self.experiments, self.settle, self.servos = experiments, settle, servos
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
@@ -149,17 +151,15 @@ class Diagnoser:
         other = self.against
         if other is not None and not other.has_servo:
             return
-        recorded = self._driven()
-        if not recorded:
+        if not (recorded := self._driven()):
             return
-        give_back()
         self.say("servo")
         self.model = self._with_servos(recorded)
         spans = [servo_span(r, self.model) for r in recorded]
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         found = replace(self.model, effects={**self.model.effects, **self.effects})
-        self._stage(ServoStage(spans, found, self.recordings[0].units))
+        self._stage(ServoStage(spans, found, self.units))
 
     def found_servos(self) -> Servos:
         """Those of joints of which the model says nothing and the recordings tell."""
@@ -168,17 +168,16 @@ class Diagnoser:
 
     def _driven(self) -> list[Recording]:
         """The recordings that show what the servos were asked."""
-        recorded = [r for r in self.recordings if set(r.series) >= SERVO]
-        return [r for r in recorded if servo_joints(r, self.model) == self.joints]
+        some = (r for r in self.recordings if set(r.series) >= SERVO)
+        return [r for r in some if servo_joints(r, self.model) == self.joints]
 
     def _with_servos(self, recorded: list[Recording]) -> Model:
         """The model with what it does not say of its servos, from these recordings."""
         told = any(effect(n).stage == "servo" for n in self.model.effects)
         if self.against is not None and self.against.learned:
             return replace(self.model, setpoints=with_its_servo(self.model, recorded).setpoints)
-        if self.model.arm.servo_stated or told:
-            return self.model
-        return with_its_servo(self.model, recorded, self.servos)
+        stated = self.model.arm.servo_stated or told
+        return self.model if stated else with_its_servo(self.model, recorded, self.servos)
 
     def wire(self) -> None:
         """Gearbox to joint, where the joints have sensors."""
@@ -188,11 +187,12 @@ class Diagnoser:
         self.say("wire")
         wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
         self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
-        stage, self.spans = WireStage(self.spans, self.path, self.recordings[0].units), []
+        stage, self.spans = WireStage(self.spans, self.path, self.units), []
         del wires
         state = self._stage(stage)
         if state is not None:
-            self.recordings, self.wires = (put_right_beside(r, state) for r in (self.recordings, self.wires))
+            for some in (self.recordings, self.wires):
+                some[:] = put_right_beside(some, state)
             noises = zip(self.joints, state.context.noise, state.context.stage.steps, strict=True)
             self.lasting = {j: n.std if n.correlation > 0.0 else steps for j, n, steps in noises}
 
@@ -200,11 +200,11 @@ class Diagnoser:
         give_back()
         context = first_look(stage)
         if not context.columns:
-            self.result.stages[stage.name] = {
-                "compared": False, "joints": {}, "silent": list(stage.joints)
-            }  # fmt: skip
+            self.result.stages[stage.name] = {"compared": False, "joints": {}, "silent": [*stage.joints]}
             return None
-        done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
+        with aside(self.recordings, self.wires):
+            done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
+        give_back()
         state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
         effects = state.hypothesis.model_effects(len(stage.joints))
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
@@ -215,7 +215,7 @@ class Diagnoser:
             "compared": True,
             "joints": {
                 stage.joints[c]: {
-                    "unit": self.recordings[0].units.get(stage.joints[c], "rad"),
+                    "unit": self.units.get(stage.joints[c], "rad"),
                     "rmse_before": e.before,
                     "rmse_after": e.after,
                     "noise_floor": e.noise_floor,
@@ -233,7 +233,7 @@ class Diagnoser:
         new = changes(context, state.hypothesis, every, std, who)
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
-        strong = {stage.joints[c] for c, power in powers(context, state.hypothesis).items() if power > STRONG}
+        strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > STRONG}
         told = {j for f in new if not f.named for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
@@ -250,7 +250,7 @@ class Diagnoser:
         self.say(f"{stage}: experiment")
         done, file = experiment(state, found), f"experiment_{stage}.yaml"
         if done is not None:
-            told = proposals(done, file, self.recordings[0].units)
+            told = proposals(done, file, self.units)
             self.result.experiments += told
             if any(entry["trajectory"] for entry in told):
                 self.result.trajectories[file] = done.motion

@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_eviden
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
+from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.errors import RecordingError
@@ -44,9 +45,11 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
         raise RecordingError(wrong.statement())
     done = searched(context, say)
     say("evidence")
+    give_back()
     steady = steadied(done.state)
     state = as_given(harmless(steady))
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
+    give_back()
     state, part, found = believed(state, part)
     state = from_the_start(state, settle)
     found = found | banks_evidence(state, found)

@@ -166,9 +166,8 @@ class Stage(ABC):
         return sight.usual_rest(column)
 
     def _view(self, span: Span) -> View:
-        angles, speeds = self.arm.driven(span.gearbox), span.velocity * self.arm.ratio
         dt = np.diff(span.grid, prepend=span.grid[:1])
-        return View(span, dt, angles, self.arm, angles, speeds, following(span.valid))
+        return View(span, dt, self.arm, span.velocity * self.arm.ratio, following(span.valid))
 
     def _readings(self, column: int) -> list[Array]:
         return [view.span.target[view.span.valid[:, column], column] for view in self.views]

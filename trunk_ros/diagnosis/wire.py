@@ -102,7 +102,7 @@ class WireStage(Stage):
             ]
         pairs = list(zip(sight.views, paths, strict=True))
         same = ROUGH**2 if hypothesis.shakes else ROUGH  # what shakes links goes by the angles' curvature
-        if all(np.abs(view.angles - path).max() <= same * np.ptp(path) for view, path in pairs):
+        if all(view.apart(path) <= same * np.ptp(path) for view, path in pairs):
             return sight.views
         return tuple(view.turned(path) for view, path in pairs)
 
@@ -154,7 +154,7 @@ def _with_a_start(chain: Chain, view: View, seconds: float) -> View:
         stood[:0] if by_history else stood for stood, by_history in zip(span.start, told, strict=True)
     )
     span = replace(span, source=path, gearbox=path, valid=valid, start=start)
-    return replace(view, span=span, wires=path * chain.arm.ratio, follows=following(valid))
+    return replace(view, span=span, told=view.angles, follows=following(valid))
 
 
 def _history(chain: Chain, span: Span, seconds: float) -> Array:

@@ -70,10 +70,7 @@ class Span:
 
     @cached_property
     def _rows(self) -> np.ndarray | slice:
-        """The measured rows, as a slice where they are one: it takes no copy."""
-        rows = self.rows
-        first, last = (int(rows[0]), int(rows[-1])) if len(rows) else (0, -1)
-        return slice(first, last + 1) if np.array_equal(rows, np.arange(first, last + 1)) else rows
+        return in_one_piece(self.rows)
 
     @property
     def late(self) -> np.ndarray:
@@ -84,3 +81,9 @@ class Span:
     def recorded(self) -> np.ndarray:
         """(k,) rows of the grid that stand for a time of their own."""
         return np.delete(np.arange(self.before, len(self.grid)), self.arrives - self.before)
+
+
+def in_one_piece(rows: np.ndarray) -> np.ndarray | slice:
+    """Rows (n,), as a slice where they are one: it takes no copy."""
+    first, last = (int(rows[0]), int(rows[-1])) if len(rows) else (0, -1)
+    return slice(first, last + 1) if np.array_equal(rows, np.arange(first, last + 1)) else rows

@@ -64,7 +64,7 @@ class Cuts:
     @staticmethod
     def on(context: Context, column: int) -> Cuts:
         """Of a column."""
-        return Cuts.of([len(view.columns[column].counted) for view in context.views])
+        return Cuts.of([int(np.count_nonzero(view.columns[column].valid)) for view in context.views])
 
 
 @dataclass(frozen=True)

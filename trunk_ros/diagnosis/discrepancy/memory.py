@@ -90,7 +90,7 @@ def source_of(
     low, high = kind.range_of(together)
     each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)
     seen = ([view.span.measured(s) for s, view in zip(shapes, context.views, strict=True)] for shapes in each)
-    rows = sum(len(view.columns[column].counted) for view in context.views)
+    rows = context.count(column)
     design = np.empty((len(thinned(np.empty(rows))), kind.weights))
     for k, shapes in enumerate(seen):
         design[:, k] = thinned(context.whiten_change(shapes, column))

@@ -45,8 +45,8 @@ def _tone(context: Context, hypothesis: Hypothesis, index: int) -> Hum | None:
     rows = span.valid[:, columns].all(axis=1)
     if np.count_nonzero(rows) < CLOCKED:
         return None
-    off = np.column_stack([context.residual(index, hypothesis, c)[rows] for c in columns])
-    asked = (span.gearbox[span.rows] * context.arm.ratio)[rows][:, columns]
+    off = (context.residual(index, hypothesis, c)[rows] for c in columns)
+    asked = (span.measured(span.gearbox[:, c])[rows] * context.arm.ratio[c] for c in columns)
 
     def followed(joint: int) -> Array:
         return _followed(context, hypothesis, index, columns[joint])[rows]

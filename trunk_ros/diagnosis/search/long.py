@@ -56,7 +56,7 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
     first = search(replace(some, work=granted()), Desk(lambda text: say(f"excerpt: {text}")))
     say("the whole recording")
     give_back()
-    state = _on_the_whole(context, first.hypothesis, Desk(say))
+    state = _on_the_whole(context, first.hypothesis, Desk(lambda text: _tidied(say, text)))
     noise = (
         noise_of_every(state.context.noise, some.every) if isinstance(some, Sparse) else state.context.noise
     )
@@ -70,6 +70,11 @@ def _on_the_whole(context: Context, found: Hypothesis, desk: Desk) -> Fit:
     weights = begun(context).context
     now = _anywhere(renewed(refit(weights, found)))
     return plain(descend(now, (ONSET, DROP, ADD), desk, steady=True))
+
+
+def _tidied(say: Callable[[str], None], text: str) -> None:
+    give_back()
+    say(text)
 
 
 def _anywhere(now: Fit) -> Fit:

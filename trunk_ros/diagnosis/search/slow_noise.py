@@ -180,7 +180,7 @@ def _parts(context: Context, hypothesis: Hypothesis, column: int) -> Parts:
     """By span the residual (n,), where the sample before counts as well, and which rows count."""
     seen = [view.columns[column] for view in context.views]
     rests = context.evened(hypothesis, column)
-    return [(rest, s.follows, s.counted) for rest, s in zip(rests, seen, strict=True)]
+    return [(rest, s.follows, np.flatnonzero(s.valid)) for rest, s in zip(rests, seen, strict=True)]
 
 
 def is_plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) -> bool:

@@ -46,12 +46,12 @@ class Links:
         shown = np.empty_like(moved)
         omega, zeta, straight = self.omega[swings], self.damping[swings], self.arm.straight_inertia[places]
         if len(places) == 1:
-            row = np.ascontiguousarray(now.masses[:, places[0]])
+            row = np.ascontiguousarray(now.masses[:, places[0]], dtype=float)
             one, alone = np.ascontiguousarray(moved[:, 0]), (straight[0], omega[0], zeta[0])
             swing_link(one, now.dt, angles, places[0], row, *alone, before[:, 0], motion, shown[:, 0])
         elif len(places):
             first = now.masses[:1] if state is None else self.arm.mass_matrix(motion[:1])
-            mass = np.concatenate([first, now.masses])
+            mass = np.concatenate([first, now.masses], dtype=float)
             swing_links(moved, now.dt, angles, places, mass, straight, omega, zeta, before, motion, shown)
         own[:, swings], out[:, swings] = before, shown
         return out, (own, motion)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import count, islice
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.polynomial.legendre import legder, legval, legvander
+from numpy.polynomial.legendre import legder, legval
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import PATH_OF, Bank, parameters_of
@@ -86,15 +87,13 @@ class UnknownLoops(Bank):
     def columns(cls, s: Array, low: float, high: float) -> Iterator[Array]:
         high = max(high, low + LEAST)
         way = 2.0 * (s - low) / (high - low) - 1.0
-        curves = legvander(np.clip(way, -1.0, 1.0), SHAPES - 1)
-        held = np.zeros((REACHES, len(s)))
-        for reach, out in zip(_reaches(low, high), held, strict=True):
-            drag(s, np.array([reach]), np.array([1.0 / reach]), s[:1].copy(), out)
-        yield from held
-        for some in (slice(1, COARSE), slice(COARSE, None)):
-            yield from (one * curve for one in held for curve in curves.T[some])
-        for k, curve in enumerate(curves.T):
-            yield curve + way - np.clip(way, -1.0, 1.0) if k == 1 else curve
+        inside, reaches = np.clip(way, -1.0, 1.0), _reaches(low, high)
+        yield from (_held(s, reach) for reach in reaches)
+        for first, end in ((1, COARSE), (COARSE, SHAPES)):
+            for held in (_held(s, reach) for reach in reaches):
+                yield from (held * curve for curve in islice(_legendre(inside), first, end))
+        for k, curve in enumerate(islice(_legendre(inside), SHAPES)):
+            yield curve + way - inside if k == 1 else curve
 
     @classmethod
     def range_of(cls, s: Array) -> tuple[float, float]:
@@ -109,6 +108,24 @@ class UnknownLoops(Bank):
         bend = legval(at, legder(shapes.T)) * 2.0 / (high - low)
         sticks = np.cumsum((value[1:] / reach[:, None])[::-1], axis=0)
         return float(np.max(np.abs(sticks).max(axis=0) + np.abs(bend).sum(axis=0)))
+
+
+def _held(s: Array, reach: float) -> Array:
+    """(n,) of what a play of a half-width holds back of ``s`` (n,), over that."""
+    out = np.zeros(len(s))
+    drag(s, np.array([reach]), np.array([1.0 / reach]), s[:1].copy(), out)
+    return out
+
+
+def _legendre(x: Array) -> Iterator[Array]:
+    """Legendre polynomials at ``x`` (n,), one after the other: of a long recording all of them are larger
+    than all else.
+    """
+    before, last = np.ones_like(x), x
+    yield before
+    for k in count(2):
+        yield last
+        before, last = last, (last * x * (2 * k - 1) - before * (k - 1)) / k
 
 
 def _reaches(low: float, high: float) -> Array:

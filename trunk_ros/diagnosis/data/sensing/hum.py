@@ -6,7 +6,7 @@ What physics shakes, it shakes each joint by its own inertia and stiffness.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -57,7 +57,7 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     motion = motion_of(gearbox, shown, arm)
     off, found = motion.off, list[Hum]()
     while len(found) < TONES:
-        more = tone(motion.stamp, off, motion.asked, partial(with_speed, motion), COMES_BACK)
+        more = tone(motion.stamp, off.T, motion.asked.T, partial(with_speed, motion), COMES_BACK)
         if more is None:
             break
         off = off - more.at(motion.stamp)
@@ -95,15 +95,15 @@ class _Waves:
 
 
 def tone(
-    stamp: Array, off: Array, asked: Array, features: Callable[[int], Array], least: float
+    stamp: Array, off: Iterable[Array], asked: Iterable[Array], features: Callable[[int], Array], least: float
 ) -> Hum | None:
-    """The strongest line of what ``features`` (n, k) of a joint do not say of where each joint is off
-    (n, joints), of the middle joint, where it is one of all of them, comes back so many times at ``least``,
-    and is not of the motion that was ``asked`` (n, joints).
+    """The strongest line of what ``features`` (n, k) of a joint do not say of where each joint is ``off``
+    (n,), of the middle joint, where it is one of all of them, comes back so many times at ``least``, and is
+    not of the motion (n,) that each was ``asked``.
 
-    Features are made anew when they are needed: those of all joints are as large as all else.
+    All of these are made when they are needed: those of all joints are as large as all else.
     """
-    pairs = [_beside(features(j), one) for j, one in enumerate(off.T)]
+    pairs = [_beside(features(j), one) for j, one in enumerate(off)]
     rests, mixes = [rest for rest, _ in pairs], [mix for _, mix in pairs]
     first = float(np.median([spectrum(stamp, rest)[0] for rest in rests]))
     if first <= 0.0:
@@ -123,7 +123,7 @@ def tone(
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
         return None
-    plain = [Band.of(stamp, first, one[:, None]) for one in asked.T]
+    plain = [Band.of(stamp, first, one[:, None]) for one in asked]
     driving = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))
     if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, driving):
         return None
