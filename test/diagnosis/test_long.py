@@ -13,11 +13,13 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.excerpt import LENGTH, LONG, PARTS, WARM, excerpt
+from trunk_ros.diagnosis.data.seen import at
 from trunk_ros.diagnosis.discrepancy.bank_weights import AMPLE, Source, thinned
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.machine import LOOKED
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.wire.swinging_links import pushed
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
@@ -89,6 +91,27 @@ def test_looks_share_what_does_not_go_by_the_joints_angles(looked: Context) -> N
     assert other.columns is view.columns
     assert other.cuts is view.cuts
     assert not np.array_equal(other.load, view.load)
+
+
+def test_loads_and_masses_stay_where_joints_hardly_move(looked: Context) -> None:
+    """What shakes a link goes by the curvature of the angles, and needs these more exactly."""
+    (view,) = looked.views
+    near, far = view.turned(view.angles + 1e-4, 0.01), view.turned(view.angles + 1.0, 0.01)
+    assert near.masses(0.0) is view.masses(0.0)
+    assert near.load is view.load
+    assert near.apart(view.angles) > 0.0
+    np.testing.assert_allclose(far.masses(0.0), looked.arm.mass_matrix(view.angles + 1.0))
+
+
+def test_what_pushes_a_link_is_worked_out_once_for_its_angles(looked: Context) -> None:
+    (view,) = looked.views
+    now, still = looked.now(0, 1), np.vstack([view.angles[0], 0.0 * view.angles[0]])
+    push, own, _ = now.kept("push", lambda: pushed(now, 1, still))
+    assert now.kept("push", lambda: pushed(now, 1, still))[0] is push
+    np.testing.assert_allclose(own, looked.arm.mass_matrix(view.angles)[:, 1, 1])
+    some = at(now, np.arange(50))
+    assert some.kept("push", lambda: 0.0) == 0.0  # of other steps it is another
+    np.testing.assert_allclose(pushed(some, 1, still)[0], push[:50])
 
 
 def test_mass_matrices_are_kept_for_so_many_looks_as_fit_into_memory(looked: Context) -> None:

@@ -68,4 +68,4 @@ def _arriving(view: View, beyond: Array) -> View:
     """With drives that first go ``beyond`` (joints,) of each way, and come back from there."""
     span, path, here = view.span, view.span.gearbox.copy(), view.span.arrives
     path[here] = path[here + 1] + beyond * (path[here + 1] - path[here - 1])
-    return replace(view, span=replace(span, source=path, gearbox=path), told=view.angles)
+    return replace(view, span=replace(span, source=path, gearbox=path), told=view.angles, posture=view.angles)

@@ -12,8 +12,9 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
+from trunk_ros.diagnosis.data.seen import at
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.data.surroundings import View, at
+from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY
 from trunk_ros.diagnosis.machine import CELLS, KEPT

@@ -10,8 +10,9 @@ from trunk_ros.chain import Chain, run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.data.seen import joined
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.data.surroundings import View, joined
+from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage

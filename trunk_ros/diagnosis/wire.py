@@ -13,8 +13,9 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.align import STANDS
+from trunk_ros.diagnosis.data.seen import beside
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.data.surroundings import View, beside, following
+from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -104,7 +105,7 @@ class WireStage(Stage):
         same = ROUGH**2 if hypothesis.shakes else ROUGH  # what shakes links goes by the angles' curvature
         if all(view.apart(path) <= same * np.ptp(path) for view, path in pairs):
             return sight.views
-        return tuple(view.turned(path) for view, path in pairs)
+        return tuple(view.turned(path, ROUGH if hypothesis.shakes else 0.0) for view, path in pairs)
 
 
 def _chain(arm: Arm, hypothesis: Hypothesis) -> Chain:
@@ -154,7 +155,7 @@ def _with_a_start(chain: Chain, view: View, seconds: float) -> View:
         stood[:0] if by_history else stood for stood, by_history in zip(span.start, told, strict=True)
     )
     span = replace(span, source=path, gearbox=path, valid=valid, start=start)
-    return replace(view, span=span, told=view.angles, follows=following(valid))
+    return replace(view, span=span, told=view.angles, posture=view.angles, follows=following(valid))
 
 
 def _history(chain: Chain, span: Span, seconds: float) -> Array:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+
+Made = TypeVar("Made")
 
 
 @dataclass
@@ -62,6 +66,14 @@ class Now:
         """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
         assert self.arm is not None
         return self.arm.mass_matrix(self.angles)
+
+    def inertia(self, joint: int) -> Array:
+        """(n, all joints) a joint's row of that."""
+        return np.ascontiguousarray(self.masses[:, joint])
+
+    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
+        """What ``make`` makes of angles and masses alone; where these are looked at again and again, once."""
+        return make()
 
 
 def borne(load: Array) -> float:

@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.search.looks import context
 from trunk_ros.diagnosis.data.abreast import abreast, columns_of
-from trunk_ros.diagnosis.data.surroundings import at
+from trunk_ros.diagnosis.data.seen import at
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.side_by_side import alike

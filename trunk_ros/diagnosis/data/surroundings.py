@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
@@ -11,12 +11,13 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.abreast import abreast
+from trunk_ros.diagnosis.data.seen import Seen
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
 from trunk_ros.diagnosis.machine import LOOKED, make_room
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.now import Made
 
 
 class Column(NamedTuple):
@@ -47,10 +48,12 @@ class View:
     follows: np.ndarray
     told: Array | None = None
     """Angles of the joints (m, joints), where these are not just where their motors take them."""
+    posture: Array | None = None
+    """Those by which loads and masses go, likewise: these need them less exactly than what swings does."""
     hums: tuple[tuple[tuple[int, ...], Hum], ...] = ()
     """Tones of columns that showed beside the physics, and were taken out of the span's target."""
     cuts: dict[int, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
-    large: dict[tuple[str, float, int], tuple[Array | None, Array]] = field(
+    large: dict[tuple[Hashable, float, int], tuple[Array | None, Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
     """What is known at angles, and those: of long recordings only that of the last looks fits into memory."""
@@ -107,6 +110,17 @@ class View:
             return self._kept("masses", 0.0, partial(_by_pieces, self.arm.mass_matrix))
         return self._kept("loaded", payload, lambda _: self.masses(0.0) + payload * self._mass_lever)
 
+    def inertia(self, joint: int, payload: float) -> Array:
+        """(m, joints) a joint's row of that."""
+        row = self._kept(("row", joint), 0.0, lambda _: _row(self.masses(0.0), joint))
+        if not payload:
+            return row
+        return row + payload * self._kept(("lever", joint), 0.0, lambda _: _row(self._mass_lever, joint))
+
+    def kept(self, what: Hashable, payload: float, make: Callable[[], Made]) -> Made:
+        """What an effect makes of the joints' angles and the masses, made once for these."""
+        return self._keep((what, payload, id(self.told)), self.told, make)
+
     @property
     def _mass_lever(self) -> Array:
         return self._kept("mass_lever", 0.0, partial(_by_pieces, self.arm.mass_lever))
@@ -116,21 +130,28 @@ class View:
         more = self.arm.lever(angles) if known is None else known.per_kilogram(self.arm, angles)
         return more if self.arm.coupling is None else self.arm.carried(more)
 
-    def _kept(self, what: str, payload: float, of: Callable[[Array], Array]) -> Array:
-        key = what, payload, id(self.told)
+    def _kept(self, what: Hashable, payload: float, of: Callable[[Array], Array]) -> Array:
+        key = what, payload, id(self.posture)
+        return self._keep(key, self.posture, lambda: of(self.wires if self.posture is None else self.posture))
+
+    def _keep(self, key: tuple[Hashable, float, int], at: Array | None, make: Callable[[], Made]) -> Made:
         if key not in self.large:
-            make_room(self.large, len(self.span.grid), (k for k in self.large if k[0] == what))
-            self.large[key] = self.told, of(self.angles)
-        return self.large[key][1]
+            make_room(self.large, len(self.span.grid), (k for k in self.large if k[0] == key[0]))
+            self.large[key] = at, make()
+        made: Made = self.large[key][1]
+        return made
 
     def apart(self, angles: Array) -> float:
-        """How far the joints are at most from other angles (m, joints); of one joint after the other."""
-        own = self.angles
-        return max(float(np.abs(one - other).max()) for one, other in zip(own.T, angles.T, strict=True))
+        """How far the joints are at most from other angles (m, joints)."""
+        return _apart(self.angles, angles)
 
-    def turned(self, angles: Array) -> View:
-        """The same with the joints at other angles (m, joints); what does not go by these is there once."""
-        other = replace(self, told=angles)
+    def turned(self, angles: Array, least: float = 0.0) -> View:
+        """The same with the joints at other angles (m, joints); what does not go by these is there once.
+        Loads and masses stay as they are where all angles lie within a share ``least`` of their range.
+        """
+        before = self.wires if self.posture is None else self.posture
+        stands = _apart(before, angles) <= least * np.ptp(angles)
+        other = replace(self, told=angles, posture=self.posture if stands else angles)
         kept = {"cuts": self.cuts, "large": self.large, "rests": self.rests, "there": self.there}
         vars(other).update(kept, columns=self.columns)
         return other
@@ -159,7 +180,7 @@ class View:
             columns=(column,),
             arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
         )
-        seen.known_masses = partial(self.masses, payload.own)
+        seen.known = Inertia(self, payload.own)
         return seen
 
     def _load(self, column: int, payload: Payload) -> Array:
@@ -199,80 +220,40 @@ def _by_pieces(of: Callable[[Array], Array], angles: Array) -> Array:
     )
 
 
-class Seen(Now):
-    """Surroundings whose load and wires are worked out when an effect asks for them; what is known of the
-    arm's masses at all its angles serves every joint.
-    """
+def _row(masses: Array, joint: int) -> Array:
+    return np.ascontiguousarray(masses[:, joint], dtype=float)
 
-    _load: Any
-    _wires: Any
-    known_masses: Callable[[], Array] | None = None
+
+def _apart(angles: Array, others: Array) -> float:
+    """How far joints are apart at most; of one joint after the other."""
+    return max(float(np.abs(one - other).max()) for one, other in zip(angles.T, others.T, strict=True))
+
+
+class Inertia(NamedTuple):
+    """What is known of an arm's masses with so many kg more at the tip, at all steps of a view or at some."""
+
+    view: View
+    payload: float
+    rows: np.ndarray | None = None
 
     @property
     def masses(self) -> Array:
-        """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
-        return super().masses if self.known_masses is None else self.known_masses()
+        every = self.view.masses(self.payload)
+        return every if self.rows is None else every[self.rows]
 
-    @property
-    def load(self) -> Array:
-        """(n, columns) N m."""
-        if callable(self._load):
-            self._load = self._load()
-        return np.asarray(self._load)
+    def of(self, joint: int) -> Array:
+        row = self.view.inertia(joint, self.payload)
+        return row if self.rows is None else row[self.rows]
 
-    @load.setter
-    def load(self, load: Array | Callable[[], Array]) -> None:
-        self._load = load
+    def at(self, rows: np.ndarray) -> Inertia:
+        return self._replace(rows=rows)
 
-    @property
-    def wires(self) -> Array:
-        """(n, all joints) rad."""
-        return np.asarray(self._wires() if callable(self._wires) else self._wires)
-
-    @wires.setter
-    def wires(self, wires: Array | Callable[[], Array]) -> None:
-        self._wires = wires
+    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
+        return make() if self.rows is not None else self.view.kept(what, self.payload, make)
 
 
 def following(valid: np.ndarray) -> np.ndarray:
     """(n, joints): where the sample before counts as well."""
     out = np.zeros_like(valid)
     out[1:] = valid[1:] & valid[:-1]
-    return out
-
-
-def beside(now: Now, times: int) -> Now:
-    """The surroundings of one joint, side by side as many times."""
-    return now if times == 1 else joined([now] * times)
-
-
-def joined(each: Sequence[Now]) -> Now:
-    """The surroundings of single joints in one recording, side by side."""
-    first = each[0]
-    if len(each) == 1:
-        return first
-    out = replace(
-        first,
-        gearbox=abreast([now.gearbox for now in each]),
-        speed=abreast([now.speed for now in each]),
-        load=lambda: abreast([now.load for now in each]),  # type: ignore[arg-type]
-        wires=lambda: first.wires,  # type: ignore[arg-type]
-        ratio=np.concatenate([now.ratio for now in each]),
-        columns=tuple(column for now in each for column in now.columns),
-    )
-    if isinstance(out, Seen):
-        out.known_masses = lambda: first.masses
-    return out
-
-
-def at(now: Now, rows: np.ndarray) -> Now:
-    """The surroundings at some steps (k,) alone, the time between them with them."""
-    lazy = isinstance(now, Seen)
-    whole = ("joints", "ratio", "held", "columns", "arm", "dt", *(["load", "wires"] if lazy else []))
-    steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
-    if lazy:
-        steps |= {"load": lambda: now.load[rows], "wires": lambda: now.wires[rows]}
-    out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
-    if isinstance(out, Seen):
-        out.known_masses = lambda: now.masses[rows]
     return out

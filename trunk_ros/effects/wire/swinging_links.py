@@ -39,17 +39,24 @@ class Links:
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         """Joint angles behind wires at ``x`` (n, columns), under what all joints' acceleration asks."""
-        swings, places, angles = self.omega > 0.0, self._places, np.ascontiguousarray(now.angles)
-        begun = state or (np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]]))
+        swings, places, angles = self.omega > 0.0, self._places, now.angles
+        still = np.vstack([angles[0], 0.0 * angles[0]])
+        begun = state or (np.vstack([x[0], x[0], 0.0 * x[0]]), still)
         out, own, motion = x.copy(), begun[0].copy(), begun[1].copy()
         before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
         shown = np.empty_like(moved)
         omega, zeta, straight = self.omega[swings], self.damping[swings], self.arm.straight_inertia[places]
         if len(places) == 1:
-            row = np.ascontiguousarray(now.masses[:, places[0]], dtype=float)
-            one, alone = np.ascontiguousarray(moved[:, 0]), (straight[0], omega[0], zeta[0])
-            swing_link(one, now.dt, angles, places[0], row, *alone, before[:, 0], motion, shown[:, 0])
+            push, own_mass, motion = (
+                now.kept(("pushed", places[0]), lambda: pushed(now, places[0], still))
+                if state is None
+                else pushed(now, places[0], motion)
+            )
+            lighter = np.sqrt(straight[0] / own_mass)
+            one = np.ascontiguousarray(moved[:, 0])
+            swing_link(one, now.dt, push, omega[0] * lighter, zeta[0] * lighter, before[:, 0], shown[:, 0])
         elif len(places):
+            angles = np.ascontiguousarray(angles)
             first = now.masses[:1] if state is None else self.arm.mass_matrix(motion[:1])
             mass = np.concatenate([first, now.masses], dtype=float)
             swing_links(moved, now.dt, angles, places, mass, straight, omega, zeta, before, motion, shown)
@@ -147,31 +154,46 @@ def swing_links(
         out[i] = y
 
 
+def pushed(now: Now, place: int, before: Array) -> tuple[Array, Array, Array]:
+    """(n,) rad/s by which the other joints' changes of speed push one at each sample, (n,) its own M_jj, and
+    angles and slopes (2, joints) after it all; ``before``: those of the sample before.
+    """
+    row, motion, push = now.inertia(place), before.copy(), np.empty(len(now.dt))
+    push_link(np.ascontiguousarray(now.angles), now.dt, place, row, motion, push)
+    return push, np.ascontiguousarray(row[:, place]), motion
+
+
+@compiled
+def push_link(angles: Array, dt: Array, place: int, row: Array, motion: Array, push: Array) -> None:
+    """``row`` (n, joints): that of the joint in M."""
+    for i in range(len(dt)):
+        push[i] = 0.0
+        if dt[i] > 0.0:
+            for k in range(angles.shape[1]):
+                slope = (angles[i, k] - motion[0, k]) / dt[i]
+                if k != place:
+                    push[i] -= row[i, k] / row[i, place] * (slope - motion[1, k])
+                motion[1, k] = slope
+        motion[0] = angles[i]
+
+
 @compiled
 def swing_link(
-    x: Array, dt: Array, angles: Array, place: int, row: Array, straight: float, omega: float, zeta: float,
-    before: Array, motion: Array, out: Array,
-) -> None:  # fmt: skip
+    x: Array, dt: Array, push: Array, omega: Array, zeta: Array, before: Array, out: Array
+) -> None:
     """The same of one joint alone, exact for the posture of each sample: ``x`` and ``out`` (n,), ``before``
-    (3,); ``row`` (n, joints): that of the joint in M.
+    (3,); ``push`` (n,) rad/s, ``omega`` (n,) rad/s and ``zeta`` (n,) those of each posture.
     """
-    joints = angles.shape[1]
     swing = np.zeros(5)
     old, y, rate = before[0], before[1], before[2]
     for i in range(len(x)):
         if dt[i] > 0.0:
-            for k in range(joints):
-                slope = (angles[i, k] - motion[0, k]) / dt[i]
-                if k != place:
-                    rate -= row[i, k] / row[i, place] * (slope - motion[1, k])
-                motion[1, k] = slope
-            lighter = np.sqrt(straight / row[i, place])
-            swing_step(dt[i], omega * lighter, zeta * lighter, swing)
+            rate += push[i]
+            swing_step(dt[i], omega[i], zeta[i], swing)
             ramp = (x[i] - old) / dt[i]
             off, faster = y - old, rate - ramp
             y = x[i] + swing[0] * off + swing[1] * faster
             rate = ramp + swing[2] * off + swing[3] * faster
-        motion[0] = angles[i]
         old = x[i]
         out[i] = y
     before[0], before[1], before[2] = old, y, rate

@@ -1,0 +1,111 @@
+"""Surroundings of joints that are looked at again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import fields, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.abreast import abreast
+from trunk_ros.effects.effect import Now
+from trunk_ros.effects.now import Made
+
+
+class Known(Protocol):
+    """What is known of the arm's masses at all steps, for all joints and looks."""
+
+    @property
+    def masses(self) -> Array:
+        """M (n, all joints, all joints) kg m^2."""
+
+    def of(self, joint: int) -> Array:
+        """(n, all joints) a joint's row of it."""
+
+    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
+        """What ``make`` makes of angles and masses, once for these."""
+
+    def at(self, rows: np.ndarray) -> Known:
+        """The same at some steps (k,)."""
+
+
+class Seen(Now):
+    """Surroundings whose load and wires are worked out when an effect asks for them; what is known of the
+    arm's masses at all its angles serves every joint.
+    """
+
+    _load: Any
+    _wires: Any
+    known: Known | None = None
+
+    @property
+    def masses(self) -> Array:
+        """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
+        return super().masses if self.known is None else self.known.masses
+
+    def inertia(self, joint: int) -> Array:
+        """(n, all joints) a joint's row of that."""
+        return super().inertia(joint) if self.known is None else self.known.of(joint)
+
+    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
+        """What ``make`` makes of angles and masses, once for these."""
+        return make() if self.known is None else self.known.kept(what, make)
+
+    @property
+    def load(self) -> Array:
+        """(n, columns) N m."""
+        if callable(self._load):
+            self._load = self._load()
+        return np.asarray(self._load)
+
+    @load.setter
+    def load(self, load: Array | Callable[[], Array]) -> None:
+        self._load = load
+
+    @property
+    def wires(self) -> Array:
+        """(n, all joints) rad."""
+        return np.asarray(self._wires() if callable(self._wires) else self._wires)
+
+    @wires.setter
+    def wires(self, wires: Array | Callable[[], Array]) -> None:
+        self._wires = wires
+
+
+def beside(now: Now, times: int) -> Now:
+    """The surroundings of one joint, side by side as many times."""
+    return now if times == 1 else joined([now] * times)
+
+
+def joined(each: Sequence[Now]) -> Now:
+    """The surroundings of single joints in one recording, side by side."""
+    first = each[0]
+    if len(each) == 1:
+        return first
+    out = replace(
+        first,
+        gearbox=abreast([now.gearbox for now in each]),
+        speed=abreast([now.speed for now in each]),
+        load=lambda: abreast([now.load for now in each]),  # type: ignore[arg-type]
+        wires=lambda: first.wires,  # type: ignore[arg-type]
+        ratio=np.concatenate([now.ratio for now in each]),
+        columns=tuple(column for now in each for column in now.columns),
+    )
+    if isinstance(first, Seen) and isinstance(out, Seen):
+        out.known = first.known
+    return out
+
+
+def at(now: Now, rows: np.ndarray) -> Now:
+    """The surroundings at some steps (k,) alone, the time between them with them."""
+    lazy = isinstance(now, Seen)
+    whole = ("joints", "ratio", "held", "columns", "arm", "dt", *(["load", "wires"] if lazy else []))
+    steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
+    if lazy:
+        steps |= {"load": lambda: now.load[rows], "wires": lambda: now.wires[rows]}
+    out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
+    if isinstance(now, Seen) and isinstance(out, Seen) and now.known is not None:
+        out.known = now.known.at(rows)
+    return out
