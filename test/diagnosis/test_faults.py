@@ -36,7 +36,7 @@ def test_a_sensor_that_sticks_is_said_and_hides_no_physics(position: Array) -> N
 
 
 @pytest.mark.parametrize("noise", [NOISE, 0.0])
-def test_a_sensor_that_sticks_while_the_joint_goes_little_way_is_seen_beside_the_motor(noise: float) -> None:
+def test_a_sensor_that_sticks_while_the_joint_moves_little_is_seen_beside_the_motor(noise: float) -> None:
     """Its noise would not let it repeat itself; where there is none, a joint may have stuck and slipped."""
     good = recorded(seconds=30.0, noise=noise)
     position = good.series["joint_states"].position.copy()
@@ -47,6 +47,19 @@ def test_a_sensor_that_sticks_while_the_joint_goes_little_way_is_seen_beside_the
     assert not sticks(position[:, 2], good.series["joint_states"].stamp).any()
     left_out = np.isnan(without_faults(stuck).series["joint_states"].position)
     assert left_out.sum() == left_out[rows, 2].sum() == (len(rows) if noise else 0)
+
+
+@pytest.mark.parametrize("rate", [8.0, 12.0])
+def test_a_joint_that_sticks_and_slips_is_no_sensor_that_sticks(rate: float) -> None:
+    """In a perfect simulation of few samples, whose motion looks like noise from one to the next."""
+    good = recorded(seconds=60.0, noise=0.0, rate=rate)
+    position = good.series["joint_states"].position.copy()
+    far = 1.3 * np.quantile(np.abs(np.diff(position[:, 3])), 0.99)
+    way = np.abs(position[208:, 3] - position[200:-8, 3])
+    first = 200 + int(np.argmin(np.abs(way - far)))
+    position[first : first + 8, 3] = position[first, 3]
+    seen = without_faults(reshaped(good, "joint_states", position=position))
+    assert not any("sticks" in note for note in seen.notes)
 
 
 def test_an_old_message_is_old_for_joints_that_hardly_moved_meanwhile(position: Array) -> None:

@@ -106,11 +106,11 @@ def test_loads_and_masses_stay_where_joints_hardly_move(looked: Context) -> None
 def test_what_pushes_a_link_is_worked_out_once_for_its_angles(looked: Context) -> None:
     (view,) = looked.views
     now, still = looked.now(0, 1), np.vstack([view.angles[0], 0.0 * view.angles[0]])
-    push, own, _ = now.kept("push", lambda: pushed(now, 1, still))
-    assert now.kept("push", lambda: pushed(now, 1, still))[0] is push
+    push, own, _ = now.cached("push", lambda: pushed(now, 1, still))
+    assert now.cached("push", lambda: pushed(now, 1, still))[0] is push
     np.testing.assert_allclose(own, looked.arm.mass_matrix(view.angles)[:, 1, 1])
     some = at(now, np.arange(50))
-    assert some.kept("push", lambda: 0.0) == 0.0  # of other steps it is another
+    assert some.cached("push", lambda: 0.0) == 0.0  # of other steps it is another
     np.testing.assert_allclose(pushed(some, 1, still)[0], push[:50])
 
 

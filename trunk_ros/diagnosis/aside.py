@@ -14,8 +14,9 @@ from trunk_ros.recording.recording import Recording
 
 @contextmanager
 def aside(*lists: list[Recording]) -> Iterator[None]:
-    """Lists of long recordings are empty within, and as they were afterwards: they lie on disk, while a stage
-    is searched that has all that it needs of them. Short ones, and those for which a disk has no room, stay.
+    """Lists of long recordings are empty within, and as they were afterwards: while a stage is
+    searched that has all that it needs of them, they lie in the directory for temporary files. Short ones,
+    and those for which there is no room, stay.
     """
     if sum(series.position.nbytes for r in lists[0] for series in r.series.values()) < RETURNED:
         yield
@@ -39,6 +40,7 @@ def _written(lists: Sequence[list[Recording]]) -> IO[bytes] | None:
     with suppress(OSError), ExitStack() as closing:
         file: IO[bytes] = closing.enter_context(tempfile.TemporaryFile())
         pickle.dump(lists, file, pickle.HIGHEST_PROTOCOL)
+        file.flush()  # a full disk shows here at the latest
         closing.pop_all()
         return file
     return None

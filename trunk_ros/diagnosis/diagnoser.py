@@ -65,8 +65,8 @@ class Diagnoser:
         settle: float = SETTLE,
         servos: Servos | None = None,
     ):
-        """``mixed``: what is mixed up in each recording, and left out of it. ``servos``: what was found of
-        the arm's in other recordings.
+        """``recordings``: a list that this object empties and changes. ``mixed``: what is mixed up in each, and
+        left out. ``servos``: what was found of the arm's in other recordings.
         """
         self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
         self.units = recordings[0].units
@@ -149,9 +149,7 @@ class Diagnoser:
     def servo(self) -> None:
         """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
         other = self.against
-        if other is not None and not other.has_servo:
-            return
-        if not (recorded := self._driven()):
+        if (other is not None and not other.has_servo) or not (recorded := self._driven()):
             return
         self.say("servo")
         self.model = self._with_servos(recorded)
@@ -159,6 +157,7 @@ class Diagnoser:
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         found = replace(self.model, effects={**self.model.effects, **self.effects})
+        del recorded
         self._stage(ServoStage(spans, found, self.units))
 
     def found_servos(self) -> Servos:

@@ -18,6 +18,7 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import FROM, GROWN, LATER, NEVER, SPELL_NAMES, UNTIL
 
 RISE = 0.02  # s, so that a fit can move a moment
+SHOWN = 20.0  # s after a recording begins, and before it ends, at which a moment shows before and after
 LASTING = (FROM, UNTIL, GROWN, *LATER)
 NULLS = {p.name: p.null for p in LASTING}
 
@@ -48,6 +49,13 @@ class Payload(NamedTuple):
 
 
 NOTHING = Payload()
+
+
+def margin(share: float, length: float) -> float:
+    """The ``share`` of a recording of so many seconds at its ends in which no moment is told, at most SHOWN:
+    in a long one that is time enough.
+    """
+    return min(share, SHOWN / max(length, SHOWN))
 
 
 def share(stamp: Array, values: Mapping[str, Any], columns: int) -> Array:

@@ -55,8 +55,11 @@ class Now:
         """
         return self.speed
 
-    def gone(self, before: Array | None) -> Array:
-        """(n, columns) rad that each joint has gone to and fro by each sample, after those ``before``."""
+    def travelled(self, before: Array | None) -> Array:
+        """(n, columns) rad that each joint has travelled to and fro by each sample, after those ``before``:
+        by its motor where that is known, and by itself where the way goes back to the motor, which is less by
+        a dead band at each reversal.
+        """
         return np.asarray(
             np.cumsum(np.abs(self.speed) * self.dt[:, None], axis=0) + (0.0 if before is None else before)
         )
@@ -71,7 +74,7 @@ class Now:
         """(n, all joints) a joint's row of that."""
         return np.ascontiguousarray(self.masses[:, joint])
 
-    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
+    def cached(self, what: Hashable, make: Callable[[], Made]) -> Made:
         """What ``make`` makes of angles and masses alone; where these are looked at again and again, once."""
         return make()
 

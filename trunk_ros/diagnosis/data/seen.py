@@ -24,7 +24,7 @@ class Known(Protocol):
     def of(self, joint: int) -> Array:
         """(n, all joints) a joint's row of it."""
 
-    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
+    def cached(self, what: Hashable, make: Callable[[], Made]) -> Made:
         """What ``make`` makes of angles and masses, once for these."""
 
     def at(self, rows: np.ndarray) -> Known:
@@ -49,9 +49,9 @@ class Seen(Now):
         """(n, all joints) a joint's row of that."""
         return super().inertia(joint) if self.known is None else self.known.of(joint)
 
-    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
+    def cached(self, what: Hashable, make: Callable[[], Made]) -> Made:
         """What ``make`` makes of angles and masses, once for these."""
-        return make() if self.known is None else self.known.kept(what, make)
+        return make() if self.known is None else self.known.cached(what, make)
 
     @property
     def load(self) -> Array:

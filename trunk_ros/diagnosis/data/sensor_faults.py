@@ -10,11 +10,10 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import noise_of
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, ROUGH, TENFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, TENFOLD
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD, count
+from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD, count, noises
 from trunk_ros.recording.signal.gaps import in_gaps, usual
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
@@ -37,7 +36,9 @@ def without_faults(recording: Recording) -> Recording:
         None if repeats else less_the_motor(recording, joint, series.stamp, readings)
         for joint, readings in zip(series.joints, position.T, strict=True)
     ]
-    sticking = all_that_sticks(position, series.stamp, beside)
+    noisy = noises(series) > [count(readings) for readings in position.T]  # at rest no two would be equal
+    told = [left if one else None for left, one in zip(beside, noisy, strict=True)]
+    sticking = all_that_sticks(position, series.stamp, told)
     for j, (joint, left) in enumerate(zip(series.joints, beside, strict=True)):
         stuck = sticking[:, j]
         off = strays(position[:, j]) if left is None else strays(left, less=True)
@@ -124,21 +125,13 @@ def sticks(readings: Array, stamp: Array, left: Array | None = None) -> np.ndarr
     if not runs or rest > FEW * len(same):
         return out
     together = np.diff(stamp) <= usual(stamp)
-    leaps, steps = step > leap(readings), step[step > 0.0]
-    if left is not None and steps.size and _noisy(readings, steps):
+    leaps = step > leap(readings)
+    if left is not None:
         leaps |= np.abs(np.diff(left)) > leap(left)
     for first, last in runs:
         if last < len(step) and leaps[last] and together[last]:
             out[first + 1 : last + 1] = True
     return out
-
-
-def _noisy(readings: Array, steps: Array) -> bool:
-    """Whether readings (n,) that make ``steps`` (m,) have noise, more than a step of their grid and than a
-    perfect simulation has.
-    """
-    noise = noise_of([readings], [np.isfinite(readings)], longest=1).std
-    return noise > max(count(readings), ROUGH * float(np.median(steps)))
 
 
 def strays(readings: Array, less: bool = False) -> np.ndarray:

@@ -56,7 +56,9 @@ class View:
     large: dict[tuple[Hashable, float, int], tuple[Array | None, Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    """What is known at angles, and those: of long recordings only that of the last looks fits into memory."""
+    """What is known at angles, and those, and what effects make of it: of long recordings only that of the
+    last looks fits into memory.
+    """
     rests: dict[tuple[int, float], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
     """How columns rest from moments [s] on."""
     there: dict[tuple[tuple[str, float], ...], Array] = field(
@@ -81,8 +83,8 @@ class View:
 
     @property
     def wires(self) -> Array:
-        """(m, joints) rad where the motors take the joints; made when it is asked for, as few effects do."""
-        return self.arm.driven(self.span.gearbox)
+        """(m, joints) rad where the motors take the joints; made when it is asked for."""
+        return self._keep(("wires", 0.0, 0), None, lambda: self.arm.driven(self.span.gearbox))
 
     @property
     def angles(self) -> Array:
@@ -112,12 +114,10 @@ class View:
 
     def inertia(self, joint: int, payload: float) -> Array:
         """(m, joints) a joint's row of that."""
-        row = self._kept(("row", joint), 0.0, lambda _: _row(self.masses(0.0), joint))
-        if not payload:
-            return row
-        return row + payload * self._kept(("lever", joint), 0.0, lambda _: _row(self._mass_lever, joint))
+        row = np.ascontiguousarray(self.masses(0.0)[:, joint], dtype=float)
+        return row + payload * self._mass_lever[:, joint] if payload else row
 
-    def kept(self, what: Hashable, payload: float, make: Callable[[], Made]) -> Made:
+    def cached(self, what: Hashable, payload: float, make: Callable[[], Made]) -> Made:
         """What an effect makes of the joints' angles and the masses, made once for these."""
         return self._keep((what, payload, id(self.told)), self.told, make)
 
@@ -220,10 +220,6 @@ def _by_pieces(of: Callable[[Array], Array], angles: Array) -> Array:
     )
 
 
-def _row(masses: Array, joint: int) -> Array:
-    return np.ascontiguousarray(masses[:, joint], dtype=float)
-
-
 def _apart(angles: Array, others: Array) -> float:
     """How far joints are apart at most; of one joint after the other."""
     return max(float(np.abs(one - other).max()) for one, other in zip(angles.T, others.T, strict=True))
@@ -246,10 +242,10 @@ class Inertia(NamedTuple):
         return row if self.rows is None else row[self.rows]
 
     def at(self, rows: np.ndarray) -> Inertia:
-        return self._replace(rows=rows)
+        return self._replace(rows=rows if self.rows is None else self.rows[rows])
 
-    def kept(self, what: Hashable, make: Callable[[], Made]) -> Made:
-        return make() if self.rows is not None else self.view.kept(what, self.payload, make)
+    def cached(self, what: Hashable, make: Callable[[], Made]) -> Made:
+        return make() if self.rows is not None else self.view.cached(what, self.payload, make)
 
 
 def following(valid: np.ndarray) -> np.ndarray:

@@ -93,21 +93,20 @@ def likelier(
 
 
 def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
-    """Whether the noise that is all that is left of a column wanders as far and as fast on three joints or
-    more: sensors of one unit are alike, and what physics does has a size of its own on each joint.
+    """Whether the noise of a column is all that is left of three joints or more, each with white noise of its
+    own: sensors of one unit are alike, and what physics does has a size of its own on each joint.
     """
-    alike = [c for c in context.columns if unit(context, c) == unit(context, column)]
-    if len(alike) < JOINTS:
-        return False
-    found = {c: likeliest_noise(context, untimed(hypothesis, c), c) for c in alike}
-    usual = sorted((noise for noise, _ in found.values()), key=lambda noise: noise.std)[(len(alike) - 1) // 2]
+    usual, _ = likeliest_noise(context, untimed(hypothesis, column), column)
     price = FURTHER * (4 if usual.slow[0] > 0.0 else 2)  # of the values of what wanders
-    for c, (own, cost) in found.items():
-        beside = float(np.sqrt(usual.std**2 - usual.white**2 + own.white**2))
-        noise = replace(usual, white=own.white, std=beside)
-        if unlikely(context, noise, untimed(hypothesis, c), c) - cost > price:
-            alike.remove(c)
-    return column in alike and len(alike) >= JOINTS
+
+    def shares(c: int) -> bool:
+        less = untimed(hypothesis, c)
+        own, cost = likeliest_noise(context, less, c)
+        noise = replace(usual, white=own.white, std=np.sqrt(usual.std**2 - usual.white**2 + own.white**2))
+        return unlikely(context, noise, less, c) - cost < price and is_plain(context, noise, less, c)
+
+    alike = (c for c in context.columns if unit(context, c) == unit(context, column))
+    return sum(map(shares, alike)) >= JOINTS
 
 
 def _drawn(now: Fit, column: int, gained: float) -> bool:

@@ -46,7 +46,7 @@ class FrictionWear(Effect):
 
     def _slid(self, core: Core, now: Now) -> Array:
         """(n, columns) rad gone to and fro since the first sample."""
-        gone = now.gone(core.old.get(self.id))
+        gone = now.travelled(core.old.get(self.id))
         core.new[self.id] = gone[-1]
         return gone
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,18 +41,14 @@ class Links:
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         """Joint angles behind wires at ``x`` (n, columns), under what all joints' acceleration asks."""
         swings, places, angles = self.omega > 0.0, self._places, now.angles
-        still = np.vstack([angles[0], 0.0 * angles[0]])
-        begun = state or (np.vstack([x[0], x[0], 0.0 * x[0]]), still)
+        begun = state or (np.vstack([x[0], x[0], 0.0 * x[0]]), np.vstack([angles[0], 0.0 * angles[0]]))
         out, own, motion = x.copy(), begun[0].copy(), begun[1].copy()
         before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
         shown = np.empty_like(moved)
         omega, zeta, straight = self.omega[swings], self.damping[swings], self.arm.straight_inertia[places]
         if len(places) == 1:
-            push, own_mass, motion = (
-                now.kept(("pushed", places[0]), lambda: pushed(now, places[0], still))
-                if state is None
-                else pushed(now, places[0], motion)
-            )
+            make = partial(pushed, now, places[0], motion)
+            push, own_mass, motion = make() if state else now.cached(("pushed", places[0]), make)
             lighter = np.sqrt(straight[0] / own_mass)
             one = np.ascontiguousarray(moved[:, 0])
             swing_link(one, now.dt, push, omega[0] * lighter, zeta[0] * lighter, before[:, 0], shown[:, 0])

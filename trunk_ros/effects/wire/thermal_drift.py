@@ -1,4 +1,4 @@
-"""The zero drifts slowly, with time or with the way that the joint goes."""
+"""The zero drifts slowly, with time or with the distance that the joint travels."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ class ThermalDrift(Effect):
     source = (
         "Newton's law of cooling: an assembly nears its new temperature as "
         "exp(-t/time_constant); straight at first. With the path: an incremental encoder that loses "
-        "counts, a wire that creeps over its wheel."
+        "counts in one direction, a wire that creeps over its wheel one way."
     )
     forms = ("exponential", "straight", "travel")
     refined = ("travel",)
@@ -59,7 +59,7 @@ class ThermalDrift(Effect):
         if self.form == "exponential":
             return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"])), None
         if self.form == "travel" and not now.held:
-            gone = now.gone(state)
+            gone = now.travelled(state)
             return np.asarray(self["rate"] * gone / self["speed"]), gone[-1]
         return np.asarray(self["rate"] * t), None
 

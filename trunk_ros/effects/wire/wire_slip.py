@@ -6,10 +6,10 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.lasting import RISE, margin
 from trunk_ros.parameter import Parameter
 
-RISE = 0.02  # s, so that a fit can move the onset
-SEEN = (0.04, 0.97)  # of a recording, within which a jump shows before and after
+EARLY, LATE = 0.04, 0.03  # of a recording, at its ends, where a jump does not show before and after
 MOMENTS = 80  # parts of it, of each of which the steepest is looked at
 LIKELY = 6  # of them that a fit may start from
 NEAR = 1.0  # s before and after a jump by which it shows where other things move the mean as well
@@ -53,7 +53,8 @@ class WireSlip(Effect):
         """The likeliest jumps, each as large as it shows at once and in the long run: what is within the dead
         band shows in full once the joint moves.
         """
-        ends = np.asarray(now.stamp[0] + (now.stamp[-1] - now.stamp[0]) * np.array(SEEN))
+        length = float(now.stamp[-1] - now.stamp[0])
+        ends = now.stamp[0] + length * np.array([margin(EARLY, length), 1.0 - margin(LATE, length)])
         if rest is None:
             step = self.parameters[0].typical
             return [{"step": step, "onset": at} for at in np.linspace(ends[0], ends[1], MOMENTS).tolist()]
