@@ -53,7 +53,7 @@ LATE = [
 ]
 
 
-def all_joints_alike(seconds: float = 40.0) -> Array:
+def all_joints_alike(seconds: float = 20.0) -> Array:
     """Reference (n, 5) of joints that all move together: none can be told from another as the cause."""
     t = np.arange(round(seconds / PERIOD)) * PERIOD
     rng = np.random.default_rng(3)
@@ -62,7 +62,7 @@ def all_joints_alike(seconds: float = 40.0) -> Array:
     return np.repeat(alike[:, None], 5, axis=1)
 
 
-def slow(seconds: float = 40.0) -> Array:
+def slow(seconds: float = 30.0) -> Array:
     """Reference (n, 5) below 0.1 rad/s, each joint for itself: a lag and a delay look the same."""
     t = np.arange(round(seconds / PERIOD)) * PERIOD
     rng = np.random.default_rng(5)
@@ -157,10 +157,8 @@ def test_a_run_that_only_one_of_two_can_show_says_so_and_does_what_it_says(
 
 
 def test_a_rival_explains_in_one_form_what_is_said_of_it() -> None:
-    stage = WireStage(
-        [wire_span(recorded({"tension_error": {"factor": 1.35}}, size=0.15), load_model("trunk"))],
-        load_model("trunk"),
-    )
+    model, tight = load_model("trunk"), {"tension_error": {"factor": 1.35}}
+    stage = WireStage([wire_span(recorded(tight, seconds=20.0, size=0.15), model)], model)
     state = search(first_look(stage), Desk())
     found = evidence(state)["tension_error"]
     assert {"stribeck_friction", "presliding_hysteresis"} <= set(found.equivalents)
@@ -230,7 +228,7 @@ def test_what_it_promises_is_what_the_arm_shows(
 
 
 def test_rivals_that_can_turn_into_each_other_are_said_to_be_beyond_any_motion() -> None:
-    result = diagnose([of_the_wires(recorded({"sensor_delay": {"delay": 0.03}}))])
+    result = diagnose([of_the_wires(recorded({"sensor_delay": {"delay": 0.03}}, seconds=20.0))])
     (found,) = result.findings
     assert (found.effect, found.equivalents) == ("sensor_delay", ["viscous_lag"])
     (told,) = result.experiments
@@ -298,7 +296,7 @@ def test_units_are_those_of_the_joints(designed: tuple[Context, Experiment]) -> 
 
 def test_without_rivals_there_is_no_experiment(tmp_path: Path) -> None:
     hidden = {"ratio_error": {"relative": np.array([0, 0, 0, 6e-3, 0])}}
-    result = diagnose([of_the_wires(recorded(hidden))])
+    result = diagnose([of_the_wires(recorded(hidden, seconds=20.0))])
     assert [f.equivalents for f in result.findings] == [[]]
     assert result.experiments == []
     result.save(tmp_path)

@@ -15,7 +15,7 @@ from trunk_ros.simulate import simulate
 
 def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() -> None:
     hidden = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}}
-    result = diagnose([of_the_wires(recorded(hidden))])
+    result = diagnose([of_the_wires(recorded(hidden, seconds=20.0))])
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"backlash", "ratio_error"}
     assert named["backlash"].joints == ["joint_2"]
@@ -29,7 +29,7 @@ def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() ->
 def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
     """The droop of a servo under load is as large as it is, not as large as the payload makes it look."""
     effects = {"load_elasticity": {"compliance": load_model("trunk").arm.compliance, "payload": 0.06}}
-    recording = recorded(effects | {"load_droop": {"gain": 0.05}})
+    recording = recorded(effects | {"load_droop": {"gain": 0.05}}, seconds=20.0)
     result = diagnose([recording])
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"load_droop", "load_elasticity"}
@@ -55,7 +55,7 @@ def test_effects_that_hide_each_other_are_both_named(effects: dict[str, dict[str
 
 def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
     truth = {"backlash": {"half_width": on(1, 1e-3)}, "zero_offset": {"offset": on(3, 2e-3)}}
-    real = recorded(truth)
+    real = recorded(truth, seconds=20.0)
     theirs = simulate(real, replace(load_model("trunk"), effects={"zero_offset": {"offset": on(3, 2e-3)}}))
     result = diagnose([real], against=theirs)
     assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_1"])]
@@ -73,7 +73,8 @@ def test_several_recordings_are_one_arm() -> None:
 def test_what_only_one_of_several_recordings_shows_is_found_in_any_order(order: int) -> None:
     """The joint meets its stop in the wide motion alone."""
     upper = np.where(on(2, 1.0) > 0, 0.11, np.inf)
-    bags = [recorded({"hard_stop": {"upper": upper}}, seed=2 + k, size=s) for k, s in enumerate((0.3, 1.0))]
+    stop = {"hard_stop": {"upper": upper}}
+    bags = [recorded(stop, seconds=25.0, seed=2 + k, size=s) for k, s in enumerate((0.3, 1.0))]
     result = diagnose([of_the_wires(bag) for bag in bags[::order]])
     assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
     assert result.findings[0].parameters["joint_2"]["upper"]["value"] == pytest.approx(0.11, abs=1e-3)
