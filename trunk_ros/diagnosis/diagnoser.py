@@ -65,8 +65,8 @@ class Diagnoser:
         settle: float = SETTLE,
         servos: Servos | None = None,
     ):
-        """``recordings``: a list that this object empties and changes. ``mixed``: what is mixed up in each, and
-        left out. ``servos``: what was found of the arm's in other recordings.
+        """``recordings``: a list that this object empties and changes. ``mixed``: what is mixed up in each,
+        and left out. ``servos``: what was found of the arm's in other recordings.
         """
         self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
         self.units = recordings[0].units
