@@ -74,18 +74,29 @@ def without_skew(shown: JointSeries, found: Skew) -> JointSeries:
 
 @dataclass(frozen=True)
 class _Told:
-    """What the moving joints say: growth of their lag, evenly and in two other ways, (joints, 3) s/s, and the
-    std (joints,) of the even one. ``wear``: each may have friction that grows as well.
+    """What moving joints say: growth of their lag, evenly and in other ways, (joints, ways) s/s, with std.
+    ``wear``: each may have friction that grows as well.
     """
 
     grown: Array
-    std: Array
+    spread: Array
     wear: bool
+
+    @property
+    def std(self) -> Array:
+        """(joints,) of the even one."""
+        return self.spread[:, 0]
 
     @property
     def together(self) -> Array:
         """(3,) s/s of all joints."""
         return np.asarray(self.std**-2.0 @ self.grown / np.sum(self.std**-2.0))
+
+    @property
+    def even(self) -> bool:
+        """Whether nothing is seen of the other ways."""
+        weight = self.spread[:, 1:] ** -2.0
+        return bool((np.sum(weight * self.grown[:, 1:], axis=0) ** 2 < SURE**2 * weight.sum(axis=0)).all())
 
     @property
     def able(self) -> np.ndarray:
@@ -101,7 +112,12 @@ class _Told:
     def skew(self) -> Skew:
         """What all say, with a std that is larger where they differ."""
         differ = np.sqrt(np.mean((self.off / self.std)[self.able] ** 2)) if self.able.any() else 1.0
-        return Skew(float(self.together[0]), float(np.sum(self.std**-2.0) ** -0.5 * max(differ, 1.0)))
+        return Skew(float(self.together[0]), self.alone * max(float(differ), 1.0))
+
+    @property
+    def alone(self) -> float:
+        """The std of what all say by those of each."""
+        return float(np.sum(self.std**-2.0) ** -0.5)
 
     @property
     def agree(self) -> bool:
@@ -121,10 +137,22 @@ def _said(motion: Motion) -> Skew | None:
         return whole.skew
     both = SURE * np.hypot(whole.skew.std, bare.skew.std) + ROUGHLY * abs(bare.skew.rate)
     if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
-        return _from_joint_to_joint(motion)
+        return _from_joint_to_joint(motion) or _rarely(motion, whole)
     speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
     # joints of one speed are late alike for other reasons
     return bare.skew if speeds.max() > CLEARLY * speeds.min() else None
+
+
+def _rarely(motion: Motion, whole: _Told) -> Skew | None:
+    """The same of joints that move too rarely to tell in which way their lag grows: evenly, if nothing shows
+    of another way, as much on each of them as on all.
+    """
+    if len(motion.moving) < IN_TURN or not whole.even:
+        return None
+    evenly = _told(motion, True, 1)
+    rate, spread, off = float(evenly.together[0]), evenly.alone, evenly.off / evenly.std
+    alike = float(off @ off) < chdtri(len(off) - 1, CHANCE)
+    return Skew(rate, spread) if alike and CERTAIN * spread < abs(rate) < LARGEST else None
 
 
 def _from_joint_to_joint(motion: Motion) -> Skew | None:
@@ -153,18 +181,18 @@ def _lag(motion: Motion, joint: int) -> tuple[float, float]:
     return float(values[0]), float(spread[0])
 
 
-def _told(motion: Motion, wear: bool) -> _Told:
-    each = [_of_joint(motion, joint, wear) for joint in motion.moving]
-    return _Told(np.array([one[0] for one in each]), np.array([one[1][0] for one in each]), wear)
+def _told(motion: Motion, wear: bool, ways: int = 3) -> _Told:
+    each = [_of_joint(motion, joint, wear, ways) for joint in motion.moving]
+    return _Told(np.array([one[0] for one in each]), np.array([one[1] for one in each]), wear)
 
 
-def _of_joint(motion: Motion, joint: int, wear: bool) -> tuple[Array, Array]:
-    """Lag of a joint that grows with time, s/s, evenly and in two other ways, (3,), and its std; the std is
-    from blocks of samples, so that what is smooth counts once.
+def _of_joint(motion: Motion, joint: int, wear: bool, many: int) -> tuple[Array, Array]:
+    """Lag of a joint that grows with time, s/s, evenly and in so many ways at all, (ways,), and its std; the
+    std is from blocks of samples, so that what is smooth counts once.
     """
     late, length = -motion.speed[:, joint], float(np.ptp(motion.stamp)) / 2
     x = (motion.stamp - motion.stamp[0]) / length - 1.0
-    ways = np.column_stack([x, x**2 - 1 / 3, x**3 - 0.6 * x]) * length
+    ways = np.column_stack([x, x**2 - 1 / 3, x**3 - 0.6 * x])[:, :many] * length
     features = np.column_stack([ways * late[:, None], late, basis(motion, joint, wear)])
     values, spread = fitted(features, motion.off[:, joint])
-    return values[:3], spread[:3]
+    return values[:many], spread[:many]
