@@ -136,7 +136,7 @@ def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(clean: Run
 def test_a_skew_that_only_shows_beside_the_physics_is_told_from_a_late_sensor(
     clean: Run, model: Model, delay: float
 ) -> None:
-    """5 ppm, a fifth of a millisecond at the end; and a sensor that is late on an arm of clocks that agree."""
+    """5 ppm, a fifth of a millisecond at the end; and one that is late, of clocks that agree."""
     recording = _recording(clean)
     shown = recording.series["joint_states"]
     stamp = shown.stamp + delay if delay else shown.stamp * (1.0 + 5e-6)
