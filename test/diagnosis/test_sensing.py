@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -189,21 +190,28 @@ def test_stamps_of_one_clock_have_no_skew(model: Model) -> None:
     np.testing.assert_allclose(without_skew(late, Skew(1e-3, 0.0)).stamp, stamp / 1.001)
 
 
+def _skew_of_late(
+    model: Model, stamp: np.ndarray, moved: Callable[[np.ndarray], np.ndarray], late: np.ndarray, noise: float
+) -> Skew | None:
+    """The skew that is told of joints that move so many s ``late`` behind their gearboxes."""
+    times, rng = stamp[:, None], np.random.default_rng(5)
+    shown = moved(times - late) + noise * rng.standard_normal((len(stamp), 5))
+    gearbox = JointSeries(stamp, JOINTS, moved(times) / model.arm.ratio)
+    return skew(gearbox, JointSeries(stamp + 0.004, JOINTS, shown), model.arm)
+
+
 @pytest.mark.parametrize("own_lags", [False, True])
 def test_joints_that_move_in_turn_tell_of_skew_together(model: Model, own_lags: bool) -> None:
     """45 ppm that no joint sees much of by itself; lags of their own are no clock's."""
-    rng, stamp, arm = np.random.default_rng(5), np.arange(12000) * 0.01, model.arm
+    stamp = np.arange(12000) * 0.01
     begins = 24.0 * np.arange(5)
     late = 1e-3 * np.array([0.4, 3.1, 1.2, 4.4, 0.9]) if own_lags else 45e-6 * np.ones(5)
 
     def moved(t: np.ndarray) -> np.ndarray:
         return np.asarray(0.6 * np.sin(2 * np.pi * 2 / 24.0 * np.clip(t - begins, 0.0, 24.0)))
 
-    times = stamp[:, None]
-    off = late if own_lags else late * times
-    shown = moved(times - off) + 7e-5 * rng.standard_normal((len(stamp), 5))
-    gearbox = JointSeries(stamp, arm.joints, moved(times) / arm.ratio)
-    found = skew(gearbox, JointSeries(stamp + 0.004, arm.joints, shown), arm)
+    off = late if own_lags else late * stamp[:, None]
+    found = _skew_of_late(model, stamp, moved, off, 7e-5)
     if own_lags:
         assert found is None
     else:
@@ -214,7 +222,7 @@ def test_joints_that_move_in_turn_tell_of_skew_together(model: Model, own_lags: 
 @pytest.mark.parametrize("own_lags", [False, True])
 def test_joints_that_mostly_rest_tell_of_skew_together(model: Model, own_lags: bool) -> None:
     """Moves at three times do not tell in which way a lag grows; one that grows by joint is no clock's."""
-    rng, stamp, arm = np.random.default_rng(5), np.arange(6000) * 0.01, model.arm
+    stamp = np.arange(6000) * 0.01
     pace = 72e-6 * (np.array([0.2, 1.5, 0.6, 2.2, 0.5]) if own_lags else np.ones(5))
     size = np.array([0.03, 0.06, -0.05, 0.07, -0.06])
 
@@ -222,10 +230,7 @@ def test_joints_that_mostly_rest_tell_of_skew_together(model: Model, own_lags: b
         began = np.array([11.0, 41.0, 52.0])[:, None, None]
         return np.asarray(size * np.sum(1.0 - np.cos(np.pi * np.clip(t - began, 0.0, 4.0)), axis=0))
 
-    times = stamp[:, None]
-    shown = moved(times - pace * times) + 6e-5 * rng.standard_normal((len(stamp), 5))
-    gearbox = JointSeries(stamp, arm.joints, moved(times) / arm.ratio)
-    found = skew(gearbox, JointSeries(stamp + 0.004, arm.joints, shown), arm)
+    found = _skew_of_late(model, stamp, moved, pace * stamp[:, None], 6e-5)
     if own_lags:
         assert found is None
     else:

@@ -14,14 +14,12 @@ from trunk_ros.recording.recording import Recording
 
 @contextmanager
 def aside(*lists: list[Recording]) -> Iterator[None]:
-    """Lists of long recordings are empty within, and as they were afterwards: while a stage is
-    searched that has all that it needs of them, they lie in the directory for temporary files. Short ones,
-    and those for which there is no room, stay.
+    """Lists of long recordings are empty within, and as they were afterwards: while a stage is searched that
+    has all that it needs of them, they lie in the directory for temporary files. Short ones, and those for
+    which there is no room, stay.
     """
-    if sum(series.position.nbytes for r in lists[0] for series in r.series.values()) < RETURNED:
-        yield
-        return
-    file = _written(lists)
+    size = sum(series.position.nbytes for r in lists[0] for series in r.series.values())
+    file = _written(lists) if size >= RETURNED else None
     if file is None:
         yield
         return

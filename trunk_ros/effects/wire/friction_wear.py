@@ -4,13 +4,13 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Effect, Motion, Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.now import View
-from trunk_ros.effects.wire.travelled import SPEED, mean_speed
+from trunk_ros.effects.wire.travelled import SPEED, Travelled
 from trunk_ros.parameter import Parameter
 
 
-class FrictionWear(Effect):
+class FrictionWear(Travelled):
     """w += rate t, or rate T (1 - exp(-t/T)) for surfaces that run in, or rate s/speed with the path s slid
     so far, which at a mean ``speed`` is the same as rate t.
     """
@@ -49,14 +49,6 @@ class FrictionWear(Effect):
         gone = now.travelled(core.old.get(self.id))
         core.new[self.id] = gone[-1]
         return gone
-
-    def grid(
-        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
-    ) -> tuple[float, ...]:
-        """The mean speed is what the motion has."""
-        if parameter.name != SPEED.name:
-            return super().grid(parameter, now, column, rest)
-        return (mean_speed(now, column),)
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It settles neither at once nor after the recording: or it is another effect, or straight."""

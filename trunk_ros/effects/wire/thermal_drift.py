@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.wire.travelled import SPEED, mean_speed
+from trunk_ros.effects.effect import Now
+from trunk_ros.effects.wire.travelled import SPEED, Travelled
 from trunk_ros.parameter import Parameter
 
 
-class ThermalDrift(Effect):
+class ThermalDrift(Travelled):
     """u += amplitude (1 - exp(-t/time_constant)), or rate t, or rate s/speed with the path s gone so far,
     which at a mean ``speed`` is the same as rate t.
     """
@@ -62,14 +62,6 @@ class ThermalDrift(Effect):
             gone = now.travelled(state)
             return np.asarray(self["rate"] * gone / self["speed"]), gone[-1]
         return np.asarray(self["rate"] * t), None
-
-    def grid(
-        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
-    ) -> tuple[float, ...]:
-        """The mean speed is what the motion has."""
-        if parameter.name != SPEED.name:
-            return super().grid(parameter, now, column, rest)
-        return (mean_speed(now, column),)
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It is not over at once: or it is an offset."""

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from trunk_ros.effects.now import Now
+from trunk_ros.compiled import Array
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 SPEED = Parameter(
@@ -11,7 +12,14 @@ SPEED = Parameter(
 )  # fmt: skip
 
 
-def mean_speed(now: Now, column: int) -> float:
-    """Mean size of a column's speed [rad/s]."""
-    mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
-    return float(np.clip(mean, *SPEED.bounds))
+class Travelled(Effect):
+    """An effect with a form in which it goes with that way."""
+
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
+        """The mean speed is what the motion has."""
+        if parameter.name != SPEED.name:
+            return super().grid(parameter, now, column, rest)
+        mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
+        return (float(np.clip(mean, *SPEED.bounds)),)
