@@ -186,7 +186,13 @@ def euler(rate: Callable[[Array, int], Array], start: Array, steps: int = 40) ->
     return np.array(out)
 
 
-FINE = np.column_stack([np.interp(np.arange((len(STAMP) - 1) * 40 + 1) / 8000.0, STAMP, c) for c in THETA.T])
+def finely(signal: Array) -> Array:
+    """A signal (n, 3) at STAMP at each of the small steps."""
+    between = np.arange((len(STAMP) - 1) * 40 + 1) / 8000.0
+    return np.column_stack([np.interp(between, STAMP, c) for c in signal.T])
+
+
+FINE = finely(THETA)
 
 
 def test_a_lag_is_a_first_order_low_pass() -> None:
@@ -198,6 +204,13 @@ def test_a_creep_gives_back_a_share_of_the_slow_position() -> None:
     low = euler(lambda x, row: (FINE[row] - x) / 2.0, THETA[0])
     got = wire("viscoelastic_creep", gain=0.05, time_constant=np.full(3, 2.0))
     assert got == pytest.approx(THETA - 0.05 * low, abs=2e-5)
+
+
+def test_a_wire_that_creeps_under_weight_goes_by_the_slow_load() -> None:
+    got = wire("viscoelastic_creep", compliance=0.05, time_constant=np.full(3, 2.0), form="load")
+    load = finely(ARM.load(got))
+    low = euler(lambda x, row: (load[row] - x) / 2.0, load[0])
+    assert got == pytest.approx(THETA + 0.05 * low, abs=2e-5)
 
 
 def test_a_link_swings_as_a_damped_oscillator() -> None:

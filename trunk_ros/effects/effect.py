@@ -138,6 +138,11 @@ class Effect(ABC):
         """Its place, in this form."""
         return self.place
 
+    @property
+    def bears(self) -> bool:
+        """Whether it goes by the load, in this form."""
+        return "load" in self.needs
+
     def upstream(self) -> Effect | None:
         """The part of an effect behind the stage's core that lies before it, if any."""
         return None

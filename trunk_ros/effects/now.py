@@ -96,6 +96,8 @@ class Motion:
     """It shows a wide loop, and goes through none of it twice."""
     masses: bool = True
     """Those of the links are known, and their inertia is in no load yet."""
+    bears: bool = True
+    """It bears a load, which is known."""
 
 
 @dataclass(frozen=True)

@@ -67,6 +67,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
             "form": "upstream",
         }
     },
+    "giving way": {
+        "viscoelastic_creep": {
+            "compliance": np.full(5, 0.02),
+            "upstream": 1.0,
+            "time_constant": 4.0,
+            "form": "load",
+        }
+    },
     "creeping like a rope": {
         "viscoelastic_creep": {
             "gain": on(3, 0.03),

@@ -87,6 +87,14 @@ def test_add_knows_that_creep_may_pass_through_the_friction() -> None:
     assert best.hypothesis["viscoelastic_creep"].own[2]["gain"] == pytest.approx(0.004, rel=0.2)
 
 
+def test_add_knows_wires_that_give_way_little_by_little_under_weight() -> None:
+    best = best_of(MOVE["add"], fitted("giving way"))
+    assert best is not None
+    creep = best.hypothesis["viscoelastic_creep"]
+    assert creep.form == "load"
+    assert creep.own[0]["compliance"] == pytest.approx(0.02, rel=0.1)
+
+
 def test_add_knows_friction_that_takes_time_to_fade() -> None:
     """By the motor's speed alone, what a film of oil does looks like nothing that friction would do."""
     best = best_of(MOVE["add"], fitted("oiled"))

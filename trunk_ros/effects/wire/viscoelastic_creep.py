@@ -6,20 +6,22 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.filters import kept, lag_step, lowpass
+from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
 MODES = 6  # of a spectrum: two decades of it creep as smoothly as more would
 
 
-class ViscoelasticCreep(Effect):
+class ViscoelasticCreep(OnBothSides):
     """theta = p - gain lowpass(p), one or two time constants, or (spectrum) six with equal shares, evenly
-    in the logarithm between two; upstream: the wire creeps before the friction, under the friction as well,
-    theta = play(u - lowpass(q gain theta + rubbing z)) with the stretch z that bears the friction, where the
-    play is q = rubbing/(rubbing + gain) of what it would be: the spring by whose pull the wire creeps takes
-    its part of the friction.
+    in the logarithm between two; load: theta = p + compliance lowpass(tau), of a wire that goes on giving way
+    under weight, before the friction, behind it, or in part on either side; upstream: the wire creeps before
+    the friction, under the friction as well, theta = play(u - lowpass(q gain theta + rubbing z)) with the
+    stretch z that bears the friction, where the play is q = rubbing/(rubbing + gain) of what it would be: the
+    spring by whose pull the wire creeps takes its part of the friction.
     """
 
     id = "viscoelastic_creep"
@@ -33,7 +35,7 @@ class ViscoelasticCreep(Effect):
         "22(6). spectrum: Neubert (1963), Aeronaut. Q. 14(2); Fung (1972), for tendons. upstream: the solid "
         "in series with dry friction."
     )
-    forms = ("one_mode", "two_modes", "spectrum", "upstream")
+    forms = ("one_mode", "two_modes", "spectrum", "upstream", "load")
     refined = ("two_modes", "spectrum")
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
@@ -65,6 +67,14 @@ class ViscoelasticCreep(Effect):
         Parameter(
             "rubbing", "1", (0.0, 5.0), "creep of the wire over its stretch, under the friction", typical=0.2
         ),
+        Parameter(
+            "compliance",
+            "rad/(N*m)",
+            (0.0, 20.0),
+            "what it gives way by in the end, per moment",
+            typical=0.01,
+        ),
+        UPSTREAM,
     )
     confused_with = (
         ("thermal_drift", "hold at zero and far from it: creep follows the deflection"),
@@ -72,10 +82,16 @@ class ViscoelasticCreep(Effect):
     )
 
     @property
+    def bears(self) -> bool:
+        return self.form == "load"
+
+    @property
     def acts_at(self) -> int:
         return self.CORE if self.form == "upstream" else self.place
 
     def adjust(self, core: Core, now: Now) -> None:
+        if self.form != "upstream":
+            return
         gain, rubbing = self["gain"], self["rubbing"]
         lets = np.where(gain == 0.0, 1.0, rubbing / np.maximum(rubbing + np.abs(gain), ROUNDED))
         core.width = core.width * lets
@@ -88,6 +104,9 @@ class ViscoelasticCreep(Effect):
         core.middle = core.middle - out
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        if self.bears:
+            given, state = self._given(x.shape, now, state)
+            return x + given, state
         gains, constants = self._modes()
         state = np.tile(x[0], (len(gains), 2, 1)) if state is None else state.copy()
         out = np.empty_like(x)
@@ -95,6 +114,9 @@ class ViscoelasticCreep(Effect):
         return out, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        if self.bears:
+            given, state = self._given(y.shape, now, state)
+            return y - given, state
         gains, constants = self._modes()
         state = (
             np.tile(y[0] / (1.0 - gains.sum(axis=0)), (len(gains), 2, 1)) if state is None else state.copy()
@@ -103,8 +125,19 @@ class ViscoelasticCreep(Effect):
         creep_inverse(y, now.dt, gains, constants, state, out)
         return out, state
 
+    def _given(self, shape: tuple[int, ...], now: Now, state: Any) -> tuple[Array, Array]:
+        """(n, columns) rad by which the load has made the wire give way so far; what lies before the friction
+        and what lies behind it remember the same.
+        """
+        load = np.ascontiguousarray(np.broadcast_to(now.load, shape))
+        state, low = np.tile(load[0], (2, 1)) if state is None else state.copy(), np.empty_like(load)
+        lowpass(load, now.dt, self["time_constant"], state, low)
+        return self["compliance"] * low, state
+
     def _modes(self) -> tuple[Array, Array]:
         """Gains and time constants, (modes, columns) each."""
+        if self.bears:
+            return self["compliance"][None], self["time_constant"][None]
         if self.form == "spectrum":
             constants = np.geomspace(self["time_constant"], self["time_constant_2"], MODES)
             return np.tile(self["gain"] / MODES, (MODES, 1)), constants
@@ -119,8 +152,15 @@ class ViscoelasticCreep(Effect):
         return bool(np.all((constants > 0.4) & (constants < 2.0 * (now.stamp[-1] - now.stamp[0]))))
 
     @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """What goes with the load, of a joint that bears one that is known."""
+        return tuple(f for f in super().forms_shown(motion) if motion.bears or f != "load")
+
+    @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        gain, constant, share, constant_2, rubbing = cls.parameters
+        gain, constant, share, constant_2, rubbing, compliance, upstream = cls.parameters
+        if form == "load":
+            return compliance, constant, upstream
         further = {"two_modes": (share, constant_2), "spectrum": (constant_2,), "upstream": (rubbing,)}
         return (gain, constant, *further.get(form, ()))
 
