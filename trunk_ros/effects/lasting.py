@@ -18,7 +18,7 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import FROM, GROWN, LATER, NEVER, SPELL_NAMES, UNTIL
 
 RISE = 0.02  # s, so that a fit can move a moment
-SHOWN = 20.0  # s after a recording begins, and before it ends, at which a moment shows before and after
+ENDS, SHOWN = 0.03, 20.0  # of a recording, and s at most, at its ends: no moment there shows before and after
 LASTING = (FROM, UNTIL, GROWN, *LATER)
 NULLS = {p.name: p.null for p in LASTING}
 
@@ -51,11 +51,10 @@ class Payload(NamedTuple):
 NOTHING = Payload()
 
 
-def margin(share: float, length: float) -> float:
-    """The ``share`` of a recording of so many seconds at its ends in which no moment is told, at most SHOWN:
-    in a long one that is time enough.
-    """
-    return min(share, SHOWN / max(length, SHOWN))
+def shown_between(stamp: Array) -> tuple[float, float]:
+    """The first and last moment [s] that a recording at ``stamp`` (n,) s shows before and after."""
+    margin = min(ENDS * float(stamp[-1] - stamp[0]), SHOWN)
+    return float(stamp[0]) + margin, float(stamp[-1]) - margin
 
 
 def share(stamp: Array, values: Mapping[str, Any], columns: int) -> Array:

@@ -10,13 +10,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.course import Course
-from trunk_ros.effects.lasting import LASTING, margin
+from trunk_ros.effects.lasting import LASTING, shown_between
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import FROM, GROWN, MANY, UNTIL
 
 EDGES = 100  # moments of a recording that are looked at
-INSIDE = 0.03  # of a recording, at most SHOWN: nothing is said of a beginning nearer to its ends
-
 FINE = 41  # moments around each of those that gain most
 
 Reach = tuple[float, float]
@@ -199,9 +197,7 @@ def best_window(
 
     What gains most at a hundred moments is looked at again at those between them.
     """
-    first, span = stamp[0], stamp[-1] - stamp[0]
-    inside = margin(INSIDE, float(span))
-    edges = first + span * np.linspace(inside, 1.0 - inside, EDGES)
+    edges = np.linspace(*shown_between(stamp), EDGES)
     found = _best_at(edges, seen, within, prices, grows, steps)
     near = (edges[1] - edges[0]) * np.linspace(-1.0, 1.0, FINE)
     if found is None:

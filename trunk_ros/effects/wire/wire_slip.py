@@ -6,11 +6,10 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.lasting import RISE, margin
+from trunk_ros.effects.lasting import RISE, shown_between
 from trunk_ros.parameter import Parameter
 
-EARLY, LATE = 0.04, 0.03  # of a recording, at its ends, where a jump does not show before and after
-MOMENTS = 80  # parts of it, of each of which the steepest is looked at
+MOMENTS = 80  # parts of a recording, of each of which the steepest is looked at
 LIKELY = 6  # of them that a fit may start from
 NEAR = 1.0  # s before and after a jump by which it shows where other things move the mean as well
 
@@ -53,11 +52,10 @@ class WireSlip(Effect):
         """The likeliest jumps, each as large as it shows at once and in the long run: what is within the dead
         band shows in full once the joint moves.
         """
-        length = float(now.stamp[-1] - now.stamp[0])
-        ends = now.stamp[0] + length * np.array([margin(EARLY, length), 1.0 - margin(LATE, length)])
+        ends = shown_between(now.stamp)
         if rest is None:
             step = self.parameters[0].typical
-            return [{"step": step, "onset": at} for at in np.linspace(ends[0], ends[1], MOMENTS).tolist()]
+            return [{"step": step, "onset": at} for at in np.linspace(*ends, MOMENTS).tolist()]
         jumps = [_jumps(now.stamp, rest, ends, reach) for reach in (NEAR, np.inf)]
         likely = sorted({k for jump, gain in jumps for k in _peaks(gain)})
         at = _inside(now.stamp, ends)
@@ -69,13 +67,13 @@ class WireSlip(Effect):
         ]
 
 
-def _inside(stamp: Array, ends: Array) -> np.ndarray:
+def _inside(stamp: Array, ends: tuple[float, float]) -> np.ndarray:
     """(k,) samples between two ends [s], with one before each."""
     first, last = np.searchsorted(stamp, ends)
     return np.arange(max(int(first), 1), int(last))
 
 
-def _jumps(stamp: Array, rest: Array, ends: Array, reach: float) -> tuple[Array, Array]:
+def _jumps(stamp: Array, rest: Array, ends: tuple[float, float], reach: float) -> tuple[Array, Array]:
     """By how much the mean of ``rest`` (n,) jumps at each sample between two ``ends`` (s), by so many seconds
     before and after, and what that explains.
     """
