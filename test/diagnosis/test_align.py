@@ -12,6 +12,7 @@ from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
+from trunk_ros.diagnosis.data.seen import now_of
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.first_look import first_look
@@ -62,7 +63,7 @@ def test_what_is_seen_of_one_joint_is_no_copy() -> None:
         view = Stage._view(WireStage([span], TRUNK), span)
         assert np.shares_memory(view.columns[1].target, span.target)
         assert np.shares_memory(view.columns[1].speed, view.speeds)
-        assert np.shares_memory(view.now(TRUNK.arm, 1).gearbox, span.gearbox)
+        assert np.shares_memory(now_of(view, TRUNK.arm, 1).gearbox, span.gearbox)
 
 
 def test_a_prediction_does_not_swing_out_where_gearbox_angles_are_missing() -> None:

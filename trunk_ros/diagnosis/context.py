@@ -12,7 +12,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
 from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
-from trunk_ros.diagnosis.data.seen import at
+from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -200,7 +200,7 @@ class Context:
         key = (index, column, payload, rows)
         if key not in self._cache:
             if rows is None:
-                made = self.views[index].now(self.arm, column, payload)
+                made = now_of(self.views[index], self.arm, column, payload)
             else:
                 made = at(self.now(index, column, payload), np.array(rows))
             if len(self._cache) > KEPT * len(self.joints) * len(self.views):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context, fitted
+from trunk_ros.diagnosis.data.seen import now_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import Fit
@@ -110,7 +111,7 @@ def test_a_search_that_runs_out_of_work_finds_out_how_what_it_put_in_last_is_wha
 def test_when_a_payload_is_there_is_worked_out_once_for_all_masses_and_joints() -> None:
     view, when = context("picked up").views[0], (("from", 9.0),)
     loads = {
-        (mass, c): view.now(view.arm, c, Payload(mass, when)).load for mass in (0.1, 0.2) for c in (1, 2)
+        (mass, c): now_of(view, view.arm, c, Payload(mass, when)).load for mass in (0.1, 0.2) for c in (1, 2)
     }
     assert [*view.there].count(when) == 1
     for c in (1, 2):

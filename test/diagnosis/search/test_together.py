@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.search.looks import context
 from trunk_ros.diagnosis.data.abreast import abreast, columns_of
-from trunk_ros.diagnosis.data.seen import at
+from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.side_by_side import alike
@@ -112,7 +112,7 @@ def test_columns_side_by_side_and_apart_again_are_what_they_were(same: bool) -> 
 def test_a_load_is_worked_out_only_where_an_effect_asks_for_it() -> None:
     there = context("sag")
     view = there.views[0].turned(there.views[0].angles + 0.1)
-    seen = view.now(there.arm, 1)
+    seen = now_of(view, there.arm, 1)
     some = at(seen, np.array([3, 70]))
     assert "load" not in vars(view)
     np.testing.assert_array_equal(some.load, view.load[[3, 70], 1:2])

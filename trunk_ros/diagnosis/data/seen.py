@@ -4,31 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import fields, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import abreast
+from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.effects.effect import Now
+from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.effects.now import Made
 
 
-class Known(Protocol):
-    """What is known of the arm's masses at all steps, for all joints and looks."""
+class Inertia(NamedTuple):
+    """What is known of an arm's masses with so many kg more at the tip, at all steps of a view or at some."""
+
+    view: View
+    payload: float
+    rows: np.ndarray | None = None
 
     @property
     def masses(self) -> Array:
         """M (n, all joints, all joints) kg m^2."""
+        every = self.view.masses(self.payload)
+        return every if self.rows is None else every[self.rows]
 
     def of(self, joint: int) -> Array:
         """(n, all joints) a joint's row of it."""
+        row = self.view.inertia(joint, self.payload)
+        return row if self.rows is None else row[self.rows]
+
+    def at(self, rows: np.ndarray) -> Inertia:
+        """The same at some steps (k,)."""
+        return self._replace(rows=rows if self.rows is None else self.rows[rows])
 
     def cached(self, what: Hashable, make: Callable[[], Made]) -> Made:
-        """What ``make`` makes of angles and masses, once for these."""
-
-    def at(self, rows: np.ndarray) -> Known:
-        """The same at some steps (k,)."""
+        """What ``make`` makes of angles and masses, once for all steps."""
+        return make() if self.rows is not None else self.view.cached(what, self.payload, make)
 
 
 class Seen(Now):
@@ -38,7 +51,7 @@ class Seen(Now):
 
     _load: Any
     _wires: Any
-    known: Known | None = None
+    known: Inertia | None = None
 
     @property
     def masses(self) -> Array:
@@ -72,6 +85,27 @@ class Seen(Now):
     @wires.setter
     def wires(self, wires: Array | Callable[[], Array]) -> None:
         self._wires = wires
+
+
+def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now:
+    """The surroundings of one joint of an arm that carries a payload, (m, 1) each."""
+    gearbox, speed = view.of(column)
+    seen = Seen(
+        view.span.grid,
+        view.dt,
+        gearbox,
+        speed,
+        lambda: view.load_of(column, payload),  # type: ignore[arg-type]
+        view.angles,
+        lambda: view.wires,  # type: ignore[arg-type]
+        view.span.joints,
+        arm.ratio[column : column + 1],
+        speeds=view.speeds,
+        columns=(column,),
+        arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
+    )
+    seen.known = Inertia(view, payload.own)
+    return seen
 
 
 def beside(now: Now, times: int) -> Now:

@@ -11,12 +11,10 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.seen import Seen
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
 from trunk_ros.diagnosis.machine import LOOKED, make_room
-from trunk_ros.effects.effect import Now
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.lasting import Payload
 from trunk_ros.effects.now import Made
 
 
@@ -163,27 +161,8 @@ class View:
         vars(other).update(cuts=self.cuts, large=self.large, there=self.there)
         return other
 
-    def now(self, arm: Arm, column: int, payload: Payload = NOTHING) -> Now:
-        """The surroundings of one joint, (m, 1) each."""
-        gearbox, speed = self._of(column)
-        seen = Seen(
-            self.span.grid,
-            self.dt,
-            gearbox,
-            speed,
-            lambda: self._load(column, payload),  # type: ignore[arg-type]
-            self.angles,
-            lambda: self.wires,  # type: ignore[arg-type]
-            self.span.joints,
-            arm.ratio[column : column + 1],
-            speeds=self.speeds,
-            columns=(column,),
-            arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
-        )
-        seen.known = Inertia(self, payload.own)
-        return seen
-
-    def _load(self, column: int, payload: Payload) -> Array:
+    def load_of(self, column: int, payload: Payload) -> Array:
+        """(m, 1) N m on one joint, of an arm that carries so much."""
         one = slice(column, column + 1)
         load = self.load[:, one]
         if payload.mass:
@@ -200,7 +179,7 @@ class View:
             self.there[payload.when] = payload.share(self.span.grid)
         return self.there[payload.when]
 
-    def _of(self, column: int) -> tuple[Array, Array]:
+    def of(self, column: int) -> tuple[Array, Array]:
         """Gearbox angle and speed at the joint of one joint, (m, 1) each."""
         if column not in self.cuts:
             one, span = slice(column, column + 1), self.span
@@ -223,29 +202,6 @@ def _by_pieces(of: Callable[[Array], Array], angles: Array) -> Array:
 def _apart(angles: Array, others: Array) -> float:
     """How far joints are apart at most; of one joint after the other."""
     return max(float(np.abs(one - other).max()) for one, other in zip(angles.T, others.T, strict=True))
-
-
-class Inertia(NamedTuple):
-    """What is known of an arm's masses with so many kg more at the tip, at all steps of a view or at some."""
-
-    view: View
-    payload: float
-    rows: np.ndarray | None = None
-
-    @property
-    def masses(self) -> Array:
-        every = self.view.masses(self.payload)
-        return every if self.rows is None else every[self.rows]
-
-    def of(self, joint: int) -> Array:
-        row = self.view.inertia(joint, self.payload)
-        return row if self.rows is None else row[self.rows]
-
-    def at(self, rows: np.ndarray) -> Inertia:
-        return self._replace(rows=rows if self.rows is None else self.rows[rows])
-
-    def cached(self, what: Hashable, make: Callable[[], Made]) -> Made:
-        return make() if self.rows is not None else self.view.cached(what, self.payload, make)
 
 
 def following(valid: np.ndarray) -> np.ndarray:
