@@ -24,6 +24,8 @@ LITTLE = 0.02
 """Of a misfit: forms of the same physics differ by so much."""
 SEVERAL = 2
 """Of joints, effects or waves that each show something by themselves: so many are no accident."""
+JOINTS = 3
+"""Of joints that show one size alike: so many are no accident."""
 REFITTED = 3
 """Of the best by a first look that are fitted in full, where a fit is dear."""
 TURNS = 4

@@ -10,11 +10,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.sensing.hum import JOINTS, TONES, Hum, tone
+from trunk_ros.diagnosis.data.sensing.hum import TONES, Hum, tone
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SEVERAL
+from trunk_ros.diagnosis.levels import JOINTS, SEVERAL
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, costed, refit
 from trunk_ros.diagnosis.search.score import measured
 from trunk_ros.recording.signal.resample import SLOW

@@ -14,12 +14,11 @@ from scipy.optimize import minimize
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import WHITE, Noise
-from trunk_ros.diagnosis.data.sensing.hum import JOINTS
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import NOTABLE, PART, SOME, SURE, TENFOLD, THREEFOLD
+from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need, score

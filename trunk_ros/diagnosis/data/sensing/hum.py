@@ -19,12 +19,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, apart, motion_of, with_speed
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, JOINTS, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
-JOINTS = 3  # of which one size says something
 LINE, BINS = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
 COMES_BACK = 5.0  # times: what comes back less often may have happened to the arm, such as a payload
