@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, on, recorded
+from test.diagnosis.arms import NOISE, on, recorded, reshaped
 from trunk_ros.__main__ import main
 from trunk_ros.evaluate import of_model, of_simulator, score
 from trunk_ros.model import Model, load_model, save_model
@@ -57,6 +57,20 @@ def test_a_model_is_scored_against_its_arm_without_effects(
     assert wire["joint_2"]["worst_before"] > wire["joint_2"]["rms_before"]  # type: ignore[operator]
     assert wire["joint_1"]["rms_before"] == pytest.approx(wire["joint_1"]["rms_after"], rel=0.02)
     assert {r["stage"] for r in rows} == {"servo", "wire"}
+
+
+def test_readings_of_a_sensor_that_sticks_do_not_count(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As ``diagnose`` leaves them out."""
+    position = recorded(TRUTH).series["joint_states"].position.copy()
+    position[2500:2700, 3] = position[2500, 3]
+    write_recording(tmp_path / "run", reshaped(recorded(TRUTH), "joint_states", position=position))
+    assert main(["evaluate", str(tmp_path / "run"), "--model", str(folder / "model.yaml"), "--json"]) == 0
+    out, said = capsys.readouterr()
+    assert "run: joint_4: its sensor sticks, first at 25.01 s; 199 readings left out" in said
+    after = {row["joint"]: row["rms_after"] for row in json.loads(out)["rows"] if row["stage"] == "wire"}
+    assert after["joint_4"] == pytest.approx(NOISE, rel=0.05)
 
 
 def test_simulators_are_scored_against_the_first_of_them(

@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 
 from trunk_ros.diagnosis.data.quality import strangers
+from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
 from trunk_ros.evaluate.source import of_model, of_simulator
@@ -23,7 +24,9 @@ STAGES = ("servo", "wire", "arm")
 
 
 def evaluated(arguments: argparse.Namespace) -> list[Row]:
-    """All rows, recording by recording. Raises TrunkError in one line."""
+    """All rows, recording by recording, without readings that a sensor never made. Raises TrunkError in one
+    line.
+    """
     models = [(name, load_model(name)) for name in arguments.model]
     rows: list[Row] = []
     left_out: list[str] = []
@@ -32,7 +35,8 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
         shared = shared_out(arguments.bag, arguments.against)
         for bag, called_so, simulators in zip(arguments.bag, names, shared, strict=True):
             status.update(f"{bag}")
-            recording = read_recording(bag, namespace=arguments.namespace)
+            recording = without_faults(read_recording(bag, namespace=arguments.namespace))
+            left_out += [f"{called_so}: {note}" for note in recording.notes]
             predictions = [of_model(recording, name, model) for name, model in models]
             read: list[Recording] = [read_recording(path) for path in simulators]
             for name, model in models:
