@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose, on, recorded
+from trunk_ros.effects import effect
 from trunk_ros.effects.effect import Motion
 from trunk_ros.effects.wire.friction_wear import FrictionWear
 from trunk_ros.model import load_model, save_model
@@ -21,6 +22,14 @@ def test_a_wide_loop_that_is_gone_through_once_shows_no_growth_of_its_dead_band(
     assert FrictionWear.forms_shown(Motion(wide_loop=True)) == FrictionWear.forms
 
 
+def test_a_drift_is_said_to_go_with_what_it_goes_with() -> None:
+    drift = effect("thermal_drift")
+    said = {form: drift.title(form) for form in drift.forms}
+    assert {form for form, what in said.items() if "the distance" in what} == {"travel"}
+    assert {form for form, what in said.items() if what.endswith("with time")} == {"exponential", "straight"}
+    assert effect("backlash").title("") == effect("backlash").title()
+
+
 @pytest.mark.timeout(240)
 @pytest.mark.parametrize(("name", "rate"), [("friction_wear", 6e-5), ("thermal_drift", -3e-5)])
 def test_what_goes_with_travel_is_named_kept_in_the_file_and_predicts_another_motion(
@@ -31,6 +40,7 @@ def test_what_goes_with_travel_is_named_kept_in_the_file_and_predicts_another_mo
     result = diagnose([recorded(hidden, seconds=60.0, noise=5e-5)])
     (found,) = result.findings
     assert (found.effect, found.joints) == (name, ["joint_2"])
+    assert effect(name).title("travel")[1:] in found.statement
     fitted, speed = (found.parameters["joint_2"][key]["value"] for key in ("rate", "speed"))
     assert fitted / speed == pytest.approx(rate / SPEED, rel=0.01)
     save_model(result.model, tmp_path / "model.yaml")

@@ -53,7 +53,7 @@ def main(argv: list[str]) -> int:
 
 def listed(kinds: list[type[Effect]]) -> list[str]:
     """A line for each effect, by stage."""
-    rows = [(kind.id, kind.stage, kind.regime, title(kind)) for kind in kinds]
+    rows = [(kind.id, kind.stage, kind.regime, kind.title()) for kind in kinds]
     return [
         *columns([("effect", "stage", "regime", "what it is"), *rows]),
         "",
@@ -61,18 +61,11 @@ def listed(kinds: list[type[Effect]]) -> list[str]:
     ]
 
 
-def title(kind: type[Effect]) -> str:
-    """What an effect is, in the first line of its file."""
-    module = inspect.getmodule(kind)
-    text = (module and module.__doc__) or kind.__doc__ or kind.id
-    return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")
-
-
 def facts(kind: type[Effect]) -> dict[str, Any]:
     """All about an effect, as JSON has it."""
     return {
         "effect": kind.id,
-        "what": title(kind),
+        "what": kind.title(),
         "equation": inspect.cleandoc(kind.__doc__ or ""),
         "stage": kind.stage,
         "regime": kind.regime,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from abc import ABC
 from collections.abc import Mapping
 from dataclasses import replace
@@ -203,6 +204,13 @@ class Effect(ABC):
         own = "N*m" in parameter.unit and not self.everywhere  # what acts on all joints begins alike
         size = parameter.under(borne(now.load[:, column])) if own else 1.0
         return tuple(size * start for start in parameter.scan or (parameter.typical,))
+
+    @classmethod
+    def title(cls, form: str | None = None) -> str:
+        """What it is, in the first line of its file; or what it is in one of its forms."""
+        module = sys.modules.get(cls.__module__)
+        text = (module and module.__doc__) or cls.__doc__ or cls.id
+        return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

@@ -45,7 +45,7 @@ def _named(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Finding:
         unit = problem.arm.units.get(of, p.unit) if p.unit == "rad" else p.unit
         parameters.setdefault(of, {})[p.name] = value_of(done.values[k], done.std[k], unit)
     rivals, elsewhere = _rivals(problem, done, mine), _elsewhere(problem, done, mine)
-    said = [statement_of(kind, ", ".join(named) or "the arm", parameters)]
+    said = [statement_of(kind.title(), ", ".join(named) or "the arm", parameters)]
     said += [
         f"The model has {problem.known[k]:.4g} {parameter_of(k).unit}." for k in mine if k in problem.known
     ]

@@ -19,7 +19,6 @@ from trunk_ros.diagnosis.verdict.findings import (
     VARIES_WITH,
     Spreads,
     is_known,
-    title,
     unchanged,
     value_of,
 )
@@ -123,7 +122,8 @@ def _changed(
         return None
     joints = [joint for joint in context.joints if joint in parameters]
     joints = joints or (found.joints if found else [context.joints[c] for c in context.columns])
-    statement = f"{title(kind)[0].lower()}{title(kind)[1:]}: {'; '.join(said)}."
+    what = kind.title((now or known).form)
+    statement = f"{what[0].lower()}{what[1:]}: {'; '.join(said)}."
     base = _gone(known) if found is None or gone else found
     return replace(base, joints=joints, parameters=parameters, statement=statement)
 

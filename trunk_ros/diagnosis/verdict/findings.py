@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
@@ -66,7 +65,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
     else:
         parameters = _parameters(context, kind, term, std)
         varies, regime = _varies_with(kind, term), kind.regime
-        statement, curve = statement_of(kind, where, parameters), {}
+        statement, curve = statement_of(kind.title(term.form), where, parameters), {}
     return Finding(
         effect=term.effect if kind.named else UNKNOWN,
         stage=kind.stage,
@@ -154,18 +153,10 @@ def value_of(value: float, std: float | None, unit: str) -> dict[str, Any]:
     return {"value": value, "std": std if std is not None and np.isfinite(std) else None, "unit": unit}
 
 
-def title(kind: type[Effect]) -> str:
-    """What an effect is, in the first line of its file."""
-    module = sys.modules.get(kind.__module__)
-    text = (module and module.__doc__) or kind.__doc__ or kind.id
-    return text.strip().split("\n")[0].rstrip(".")
-
-
-def statement_of(kind: type[Effect], where: str, parameters: dict[str, dict[str, dict[str, Any]]]) -> str:
+def statement_of(what: str, where: str, parameters: dict[str, dict[str, dict[str, Any]]]) -> str:
     """A finding in a sentence: where, what, how much."""
     values = [f"{owner} {_said(name, v)}" for owner, named in parameters.items() for name, v in named.items()]
-    what = f"{title(kind)[0].lower()}{title(kind)[1:]}"
-    return f"{where}: {what}" + (f" ({'; '.join(values)})." if values else ".")
+    return f"{where}: {what[0].lower()}{what[1:]}" + (f" ({'; '.join(values)})." if values else ".")
 
 
 def _said(name: str, value: dict[str, Any]) -> str:

@@ -69,6 +69,11 @@ class ThermalDrift(Travelled):
         return bool(self.form != "exponential" or np.all(share > 0.03))
 
     @classmethod
+    def title(cls, form: str | None = None) -> str:
+        by = "the distance that the joint travels" if form == "travel" else "time"
+        return super().title() if form is None else f"The zero drifts slowly with {by}"
+
+    @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         amplitude, time_constant, rate, speed = cls.parameters
         return {"straight": (rate,), "travel": (rate, speed)}.get(form, (amplitude, time_constant))
