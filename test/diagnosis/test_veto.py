@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.evidence import rivals, veto
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, one_evidence
-from trunk_ros.diagnosis.evidence.unseen import is_repeated, unseen
+from trunk_ros.diagnosis.evidence.unseen import unrepeated, unseen
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -120,7 +120,19 @@ def test_a_rival_has_to_tell_recordings_that_it_was_not_fitted_to(other: str) ->
     two = context("backlash").over(spans)
     nothing, rival = (refit(two, Hypothesis({t.effect: t for t in terms})) for terms in ((), (BACKLASH,)))
     assert beats(rival, nothing)
-    assert is_repeated(nothing, rival.hypothesis) == (other == "backlash")
+    found = unrepeated(nothing, {"backlash": rival.hypothesis})
+    assert list(found) == ([] if other == "backlash" else ["backlash"])
+
+
+def test_a_rival_takes_a_place_beside_the_names_of_now() -> None:
+    """One that was kept since another name was dropped, and one came."""
+    wrong = Term("stribeck_friction", "gaussian", own={2: {"amplitude": 1e-3, "velocity": 0.05}})
+    ratio = Term("ratio_error", own={1: {"relative": 1e-6}})
+    now, before = fitted("backlash", wrong, ratio), Hypothesis(backlash=BACKLASH, transmission_ripple=RIPPLE)
+    kept = Evidence({2: 1.0}, 1.0, 1.0, rivals={"backlash": -1.0}, fitted={"backlash": before})
+    better = veto._better(now, {"stribeck_friction": kept})
+    assert better is not None
+    assert {n: term.columns for n, term in better.hypothesis.items()} == {"ratio_error": [1], "backlash": [2]}
 
 
 def test_a_name_gains_more_than_a_rival_does_beyond_it() -> None:

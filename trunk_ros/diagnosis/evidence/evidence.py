@@ -12,7 +12,7 @@ import numpy as np
 from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, loss, rivals
 from trunk_ros.diagnosis.evidence.sets import pairs
-from trunk_ros.diagnosis.evidence.unseen import is_repeated
+from trunk_ros.diagnosis.evidence.unseen import unrepeated
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH, SCATTER
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
@@ -202,9 +202,9 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         fits = rivals(state, name, doubted, looks, limit or 1.0)
         out.rivals = {rival: lost for rival, (lost, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}
-        for rival in [rival for rival, lost in out.rivals.items() if lost < 0.0]:
-            if not is_repeated(state, out.fitted[rival]):
-                out.rivals[rival] = 0.0  # ahead by what other recordings do not repeat: no better
+        ahead = {rival: out.fitted[rival] for rival, lost in out.rivals.items() if lost < 0.0}
+        for rival in unrepeated(state, ahead):
+            out.rivals[rival] = 0.0  # ahead by what other recordings do not repeat: no better
         for rival in [rival for rival, lost in out.rivals.items() if lost < limit]:
             own = by_its_own_angles(state, out.fitted[rival])
             if own is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -32,16 +32,19 @@ def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -
     return total
 
 
-def is_repeated(part: Fit, rival: Hypothesis) -> bool:
-    """Whether a rival predicts recordings that it was not fitted to as well as what it stands for does, each
-    of them in turn by the others; so it is where there is but one.
+def unrepeated(part: Fit, rivals: Mapping[str, Hypothesis]) -> Iterator[str]:
+    """The rivals that predict recordings which they were not fitted to worse than what they stand for does,
+    each recording in turn by the others; none where there is but one.
     """
     context = part.context
-    if len(context.views) < SEVERAL:
-        return True
-    before, after = (_unseen_recordings(context, one) for one in (part.hypothesis, rival))
-    told = (before > 0.0) & (after > 0.0)
-    return bool(np.sum(np.log(after[told] / before[told])) <= 0.0)
+    if not rivals or len(context.views) < SEVERAL:
+        return
+    before = _unseen_recordings(context, part.hypothesis)
+    for name, rival in rivals.items():
+        after = _unseen_recordings(context, rival)
+        told = (before > 0.0) & (after > 0.0)
+        if np.sum(np.log(after[told] / before[told])) > 0.0:
+            yield name
 
 
 def _unseen_recordings(context: Context, hypothesis: Hypothesis) -> Array:

@@ -68,7 +68,7 @@ def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     that the motion can show; None where none is better.
     """
     ahead = [
-        there
+        _in_its_place(part.hypothesis, name, rival, there)
         for name, told in found.items()
         for rival, there in told.fitted.items()
         if told.rivals[rival] < 0.0 and name not in part.context.known
@@ -76,6 +76,18 @@ def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     ]
     best = min((refit(part.context, there) for there in ahead), key=score, default=part)
     return best if beats(best, part) else None
+
+
+def _in_its_place(now: Hypothesis, name: str, rival: str, there: Hypothesis) -> Hypothesis:
+    """With what was found ``there`` with a rival in the place of a name, beside what other joints have by
+    now: names may have come and gone since.
+    """
+    out = now.without(name)
+    if effect(rival).everywhere:
+        out[rival] = there[rival].copy()
+    for column in now[name].columns:
+        out.take(column, there)
+    return out
 
 
 def _is_shown(context: Context, term: Term) -> bool:
