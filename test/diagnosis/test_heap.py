@@ -12,7 +12,7 @@ import pytest
 from test.diagnosis.arms import recorded
 from test.effects.example import motion, stamps
 from trunk_ros.arm.body import TOGETHER
-from trunk_ros.diagnosis.data.sensing.physics import basis, motion_of, with_speed
+from trunk_ros.diagnosis.data.sensing.physics import beside_physics, motion_of
 from trunk_ros.model import load_model
 
 ROOT = Path(__file__).parents[2]
@@ -66,9 +66,9 @@ def test_weight_by_pieces_is_that_of_each_posture() -> None:
 def test_speed_and_what_physics_may_do_lie_in_one_table() -> None:
     run, arm = recorded(seconds=10.0), load_model("trunk").arm
     seen = motion_of(run.series["gearbox_states"], run.series["joint_states"], arm)
-    table = with_speed(seen, 2)
+    table = beside_physics(seen, 2, seen.speed[:, 2])
     assert np.array_equal(table[:, 0], seen.speed[:, 2])
-    assert np.array_equal(table[:, 1:], basis(seen, 2, True))
+    assert np.array_equal(table[:, 1:], beside_physics(seen, 2))
 
 
 def test_all_joints_and_all_samples_of_a_topic_are_no_copy() -> None:

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.band import Band
 from trunk_ros.diagnosis.data.sensing.hum import _beside, hums, tone
-from trunk_ros.diagnosis.data.sensing.physics import apart, motion_of, with_speed
+from trunk_ros.diagnosis.data.sensing.physics import apart, beside_physics, motion_of
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -120,7 +120,7 @@ def test_what_late_readings_do_to_a_joint_leaves_nothing_that_may_be_hum(model: 
     late = np.stack([np.interp(STAMP - 0.03, STAMP, one) for one in moving.T], axis=1) - moving
     series = _recording(model, late).series
     motion = motion_of(series["gearbox_states"], series["joint_states"], model.arm)
-    left = [_beside(with_speed(motion, j), motion.off[:, j])[0] for j in range(5)]
+    left = [_beside(beside_physics(motion, j, motion.speed[:, j]), motion.off[:, j])[0] for j in range(5)]
     assert np.std(left, axis=1) == pytest.approx(NOISE, rel=0.25)  # 30 ms late makes 1.3 to 2.8 mrad
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -17,7 +16,7 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, apart, motion_of, with_speed
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, apart, beside_physics, motion_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, JOINTS, SURE
 from trunk_ros.guards import BLIND, TINY
@@ -55,8 +54,12 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
         return []
     motion = motion_of(gearbox, shown, arm)
     off, found = motion.off, list[Hum]()
+
+    def features(joint: int) -> Array:
+        return beside_physics(motion, joint, motion.speed[:, joint])  # which late readings show
+
     while len(found) < TONES:
-        more = tone(motion.stamp, off.T, motion.asked.T, partial(with_speed, motion), COMES_BACK)
+        more = tone(motion.stamp, off.T, motion.asked.T, features, COMES_BACK)
         if more is None:
             break
         off = off - more.at(motion.stamp)

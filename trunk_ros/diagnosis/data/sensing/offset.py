@@ -14,9 +14,8 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import (
     CLOCKED,
-    FRICTION,
     Motion,
-    basis,
+    beside_physics,
     fitted,
     lowpassed,
     motion_of,
@@ -97,12 +96,12 @@ def _lag(motion: Motion, joint: int) -> tuple[float, float]:
     wire that creeps back quickly.
     """
     speed, load = motion.speed[:, joint], float(np.mean(np.abs(motion.load[:, joint])))
-    features, off = np.column_stack([-speed, basis(motion, joint, False)]), motion.off[:, joint]
+    features, off = beside_physics(motion, joint, -speed, wear=False), motion.off[:, joint]
     values, spread = fitted(features, off)
     late, std = float(values[0]), float(spread[0])
     if late > 0.0:
         return late, std
-    band = -float(values[1 : 1 + FRICTION] @ [1.0, load, 1.0])
+    band = -float(values[1:4] @ [1.0, load, 1.0])  # of friction: always, by load, at low speed
     fades = -late * float(np.sqrt(np.mean(speed**2))) < band - float(motion.arm.dead_band[joint])
     creep = lowpassed(motion.stamp, motion.asked[:, joint], QUICK)
     beside, unsure = (each[0] for each in fitted(np.column_stack([features, creep]), off))
@@ -132,16 +131,16 @@ def _together(told: list[tuple[float, float]], fewest: float, later: bool = Fals
     return None
 
 
-def _lags(motion: Motion, joint: int) -> Array:
-    """(n, features): what physics and clocks do that are not set."""
+def _lags(motion: Motion, joint: int, *own: Array) -> Array:
+    """(n, features): such as are (n,), and what physics and clocks do that are not set."""
     late = -motion.speed[:, joint]
-    return np.column_stack([late, late * motion.time, basis(motion, joint, True)])
+    return beside_physics(motion, joint, *own, late, late * motion.time)
 
 
 def _step_of(motion: Motion, joint: int, since: float) -> tuple[float, float]:
     """s by which a joint is later from a moment on, and the std."""
     late = -motion.speed[:, joint] * (motion.stamp >= since)
-    values, spread = fitted(np.column_stack([late, _lags(motion, joint)]), motion.off[:, joint])
+    values, spread = fitted(_lags(motion, joint, late), motion.off[:, joint])
     return float(values[0]), float(spread[0])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -20,7 +21,6 @@ CREEPS = (2.0, 8.0)  # s
 PLAY = 1e-3  # rad, where the model has none
 SLOWLY = 0.05  # rad/s, at which friction may have fallen
 MOVES = 0.02  # rad
-FRICTION = 3  # features that come first where friction does not wear
 BLOCK = 50  # samples may depend on each other
 CLOCKED = 10 * BLOCK  # samples: the scatter of fewer blocks tells nothing of clocks
 
@@ -72,29 +72,15 @@ def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
     return Motion(shown.stamp, asked, velocity * arm.ratio, fill(shown.position), arm, resists)
 
 
-def with_speed(motion: Motion, joint: int) -> Array:
-    """(n, features): the joint's speed, which is what readings that are late show, and its ``basis``; one
-    copy.
+def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -> Array:
+    """(n, features): such as are (n,) of a clock's ``own``, and after them what physics does to a joint:
+    friction (always, by load, at low speed, and ``wear``: that grows), posture, load, coupling, creep, drift
+    and inertia. Of a long recording they are as large as all else: there is one copy.
     """
-    out = np.empty((len(motion.stamp), _count(motion, True) + 1))
-    out[:, 0] = motion.speed[:, joint]
-    for column, feature in enumerate(_features(motion, joint, True), start=1):
-        out[:, column] = feature
+    out = np.empty((len(motion.stamp), len(own) + 16 + wear + 2 * len(motion.joints)))
+    for column, feature in zip(out.T, chain(own, _features(motion, joint, wear)), strict=True):
+        column[:] = feature
     return out
-
-
-def _count(motion: Motion, wear: bool) -> int:
-    return 3 + wear + 13 + 2 * len(motion.joints)
-
-
-def basis(motion: Motion, joint: int, wear: bool) -> Array:
-    """(n, features): friction (always, by load, at low speed, and ``wear``: that grows), posture, load,
-    coupling, creep, drift and inertia. Of a long recording they are as large as all else: there is one copy.
-    """
-    out = np.empty((_count(motion, wear), len(motion.stamp)))
-    for row, feature in zip(out, _features(motion, joint, wear), strict=True):
-        row[:] = feature
-    return out.T
 
 
 def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:

@@ -12,7 +12,7 @@ from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, basis, fitted, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, fitted, motion_of
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, MOST, NEARLY, PART, ROUGHLY, ROWS, SURE
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
@@ -175,9 +175,8 @@ def _from_joint_to_joint(motion: Motion) -> Skew | None:
 
 def _lag(motion: Motion, joint: int) -> tuple[float, float]:
     """s that a joint is late, and the std."""
-    values, spread = fitted(
-        np.column_stack([-motion.speed[:, joint], basis(motion, joint, False)]), motion.off[:, joint]
-    )
+    features = beside_physics(motion, joint, -motion.speed[:, joint], wear=False)
+    values, spread = fitted(features, motion.off[:, joint])
     return float(values[0]), float(spread[0])
 
 
@@ -193,6 +192,6 @@ def _of_joint(motion: Motion, joint: int, wear: bool, many: int) -> tuple[Array,
     late, length = -motion.speed[:, joint], float(np.ptp(motion.stamp)) / 2
     x = (motion.stamp - motion.stamp[0]) / length - 1.0
     ways = np.column_stack([x, x**2 - 1 / 3, x**3 - 0.6 * x])[:, :many] * length
-    features = np.column_stack([ways * late[:, None], late, basis(motion, joint, wear)])
+    features = beside_physics(motion, joint, *(ways * late[:, None]).T, late, wear=wear)
     values, spread = fitted(features, motion.off[:, joint])
     return values[:many], spread[:many]
