@@ -5,7 +5,9 @@ What physics does to a joint depends on that joint; what a clock does to a topic
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import chdtri
@@ -13,13 +15,11 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, fitted, motion_of
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, CLEARLY, MOST, NEARLY, PART, ROUGHLY, ROWS, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, HALF, MOST, NOTABLE, ROUGHLY, ROWS, SURE
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME, SLOW
 
 LARGEST = 5e-3  # s/s: no clock is worse
-IN_TURN = 4  # joints that move one after the other, whose lags lie on a line over their times
-WINDING = np.array([1 / 3, 4 / 45, 4 / 175])  # mean squares of the first three Legendre polynomials, as below
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,13 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
     """The skew of the joints' clock against the gearbox's, of series with the same joints; None where none is
     certain.
 
-    Certain is a lag that all joints share and that grows evenly with time, beyond what load, posture, creep,
-    friction (and its wear), coupling and inertia do to a joint. Where joints go at one speed each, wear and
-    skew look alike on one of them; then three joints of different speeds have to say the same.
+    Certain is a lag that grows evenly with time and on several joints alike, beyond what load, posture,
+    creep, friction (and its wear), coupling and inertia do to a joint.
     """
     motion = _between_clocks(gearbox, shown, arm)
-    return None if motion is None else _said(motion)
+    looks = () if motion is None else _looks(motion)
+    told = (look for look in looks if look.certain and (look.shared or len(arm.joints) == 1))
+    return next((look.skew for look in told), None)
 
 
 def unseen_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> float:
@@ -54,7 +55,7 @@ def unseen_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> float:
     stamps, or nothing tells how far two may differ.
     """
     motion = _between_clocks(gearbox, shown, arm)
-    return min(_told(motion, True).skew.std, LARGEST) if motion is not None and motion.moving else 0.0
+    return 0.0 if motion is None else min(_growth(motion, 3)[0].skew.std, LARGEST)
 
 
 def _between_clocks(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
@@ -64,7 +65,8 @@ def _between_clocks(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motio
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return None
     shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
-    return motion_of(gearbox, shown, arm)
+    motion = motion_of(gearbox, shown, arm)
+    return motion if motion.moving else None
 
 
 def without_skew(shown: JointSeries, found: Skew) -> JointSeries:
@@ -73,125 +75,83 @@ def without_skew(shown: JointSeries, found: Skew) -> JointSeries:
 
 
 @dataclass(frozen=True)
-class _Told:
-    """What moving joints say: growth of their lag, evenly and in other ways, (joints, ways) s/s, with std.
-    ``wear``: each may have friction that grows as well.
+class _Look:
+    """What joints say, (joints,) with std, and ``over`` what (joints, k) it lies on a line if clocks make it:
+    the last slope is their skew.
     """
 
-    grown: Array
-    spread: Array
-    wear: bool
+    said: Array
+    std: Array
+    over: Array
+
+    @cached_property
+    def line(self) -> tuple[Array, Array]:
+        """(k,) slopes and their covariance (k, k)."""
+        over = self.over / self.std[:, None]
+        covariance = np.linalg.pinv(over.T @ over).astype(float)
+        return covariance @ (over.T @ (self.said / self.std)), covariance
 
     @property
-    def std(self) -> Array:
-        """(joints,) of the even one."""
-        return self.spread[:, 0]
+    def spread(self) -> float:
+        """The std of the skew by those of the joints."""
+        return float(np.sqrt(self.line[1][-1, -1]))
 
-    @property
-    def together(self) -> Array:
-        """(3,) s/s of all joints."""
-        return np.asarray(self.std**-2.0 @ self.grown / np.sum(self.std**-2.0))
+    def off(self, alike: float = 0.0) -> Array:
+        """(able,) squares of how far joints that tell something are off the line, in std and in a share of it
+        by which they may differ.
+        """
+        there = self.over @ self.line[0]
+        off = (self.said - there) ** 2 / (self.std**2 + (alike * there) ** 2)
+        return np.asarray(off[NOTABLE * self.std < np.abs(there)])
 
-    @property
-    def even(self) -> bool:
-        """Whether nothing is seen of the other ways."""
-        weight = self.spread[:, 1:] ** -2.0
-        return bool((np.sum(weight * self.grown[:, 1:], axis=0) ** 2 < SURE**2 * weight.sum(axis=0)).all())
-
-    @property
-    def able(self) -> np.ndarray:
-        """(joints,) that can tell."""
-        return np.asarray(SURE * self.std < abs(self.together[0]))
-
-    @property
-    def off(self) -> Array:
-        """(joints,) s/s from what all say."""
-        return np.asarray(np.abs(self.grown[:, 0] - self.together[0]))
-
-    @property
+    @cached_property
     def skew(self) -> Skew:
         """What all say, with a std that is larger where they differ."""
-        differ = np.sqrt(np.mean((self.off / self.std)[self.able] ** 2)) if self.able.any() else 1.0
-        return Skew(float(self.together[0]), self.alone * max(float(differ), 1.0))
+        differ = float(np.mean(self.off())) if len(self.off()) else 1.0
+        return Skew(float(self.line[0][-1]), self.spread * max(differ, 1.0) ** 0.5)
 
     @property
-    def alone(self) -> float:
-        """The std of what all say by those of each."""
-        return float(np.sum(self.std**-2.0) ** -0.5)
+    def certain(self) -> bool:
+        """Whether a clock may run so and joints differ from it by chance, or as rough looks do."""
+        off = self.off(ROUGHLY)
+        alike = off.sum() <= chdtri(max(len(off) - len(self.line[0]), 1), CHANCE)
+        return bool(alike and CERTAIN * self.skew.std < abs(self.skew.rate) < LARGEST)
 
     @property
-    def agree(self) -> bool:
-        """Whether those that can tell say the same, and it is a clock's way to grow."""
-        alike = (ROUGHLY if self.wear else PART) * abs(self.together[0])
-        near = (self.off < np.maximum(SURE * self.std, alike))[self.able]
-        share = self.together**2 * WINDING
-        sure = CERTAIN * self.skew.std < abs(self.together[0]) < LARGEST
-        return bool(near.all() and sure and share[0] > NEARLY * share.sum())
+    def shared(self) -> bool:
+        """Whether no joint says it alone: without any of them the others are sure."""
+        alone = np.eye(len(self.std), dtype=bool)
+        others = (replace(self, std=np.where(one, np.inf, self.std)) for one in alone)
+        sure = (SURE * other.spread < abs(self.skew.rate) for other in others)
+        return len(self.std) > len(self.line[0]) and all(sure)
 
 
-def _said(motion: Motion) -> Skew | None:
-    if not motion.moving:
-        return None
-    whole, bare = _told(motion, True), _told(motion, False)
-    if whole.agree and whole.able.sum() >= min(2, len(motion.joints)):
-        return whole.skew
-    both = SURE * np.hypot(whole.skew.std, bare.skew.std) + ROUGHLY * abs(bare.skew.rate)
-    if not bare.agree or bare.able.sum() < 3 or abs(whole.skew.rate - bare.skew.rate) > both:
-        return _from_joint_to_joint(motion) or _rarely(motion, whole)
-    speeds = np.sqrt(np.mean(motion.speed[:, motion.moving] ** 2, axis=0))[bare.able]
-    # joints of one speed are late alike for other reasons
-    return bare.skew if speeds.max() > CLEARLY * speeds.min() else None
-
-
-def _rarely(motion: Motion, whole: _Told) -> Skew | None:
-    """The same of joints that move too rarely to tell in which way their lag grows: evenly, if nothing shows
-    of another way, as much on each of them as on all.
+def _looks(motion: Motion) -> Iterator[_Look]:
+    """At how evenly lags grow, where they show no other way; and at the lags of joints that move one after
+    the other, each of which sees little growth.
     """
-    if len(motion.moving) < IN_TURN or not whole.even:
-        return None
-    evenly = _told(motion, True, 1)
-    rate, spread, off = float(evenly.together[0]), evenly.alone, evenly.off / evenly.std
-    alike = float(off @ off) < chdtri(len(off) - 1, CHANCE)
-    return Skew(rate, spread) if alike and CERTAIN * spread < abs(rate) < LARGEST else None
-
-
-def _from_joint_to_joint(motion: Motion) -> Skew | None:
-    """The same of joints that move one after the other, each of which sees little of a skew: the lags of all
-    of them, each with its own std, lie on a line over the times at which they move.
-    """
-    if len(motion.moving) < IN_TURN:
-        return None
+    evenly, *others = _growth(motion, 3)
+    least = HALF * abs(evenly.skew.rate)
+    if all(abs(way.skew.rate) < max(SURE * way.skew.std, least) for way in others):
+        yield from _growth(motion, 1)
     power = motion.speed[:, motion.moving] ** 2
     when = (motion.stamp - motion.stamp[0]) @ power / power.sum(axis=0)
-    lag, std = np.array([_lag(motion, joint) for joint in motion.moving]).T
-    line = np.column_stack([np.ones_like(when), when]) / std[:, None]
-    covariance = np.linalg.pinv(line.T @ line)
-    found = covariance @ (line.T @ (lag / std))
-    rate, spread, off = float(found[1]), float(np.sqrt(covariance[1, 1])), lag / std - line @ found
-    on_line = float(off @ off) < chdtri(len(lag) - 2, CHANCE)
-    apart = np.ptp(when) > (1.0 - MOST) * np.ptp(motion.stamp)
-    return Skew(rate, spread) if on_line and apart and CERTAIN * spread < abs(rate) < LARGEST else None
+    if np.ptp(when) > (1.0 - MOST) * np.ptp(motion.stamp):
+        (lags,) = _growth(motion, 0)
+        yield replace(lags, over=np.column_stack([np.ones_like(when), when]))
 
 
-def _lag(motion: Motion, joint: int) -> tuple[float, float]:
-    """s that a joint is late, and the std."""
-    features = beside_physics(motion, joint, -motion.speed[:, joint], wear=False)
-    values, spread = fitted(features, motion.off[:, joint])
-    return float(values[0]), float(spread[0])
-
-
-def _told(motion: Motion, wear: bool, ways: int = 3) -> _Told:
-    each = [_of_joint(motion, joint, wear, ways) for joint in motion.moving]
-    return _Told(np.array([one[0] for one in each]), np.array([one[1] for one in each]), wear)
-
-
-def _of_joint(motion: Motion, joint: int, wear: bool, many: int) -> tuple[Array, Array]:
-    """Lag of a joint that grows with time, s/s, evenly and in so many ways at all, (ways,), and its std; the
-    std is from blocks of samples, so that what is smooth counts once.
+def _growth(motion: Motion, ways: int) -> list[_Look]:
+    """How the lag of each joint grows with time, s/s, evenly and in so many ways at all; of none the lag, s.
+    A joint that is late by itself, or the friction of which wears, is not late by a clock that runs evenly.
     """
-    late, length = -motion.speed[:, joint], float(np.ptp(motion.stamp)) / 2
+    length = float(np.ptp(motion.stamp)) / 2
     x = (motion.stamp - motion.stamp[0]) / length - 1.0
-    ways = np.column_stack([x, x**2 - 1 / 3, x**3 - 0.6 * x])[:, :many] * length
-    features = beside_physics(motion, joint, *(ways * late[:, None]).T, late, wear=wear)
-    values, spread = fitted(features, motion.off[:, joint])
-    return values[:many], spread[:many]
+    growths = [length * x, length * (x**2 - 1 / 3), length * (x**3 - 0.6 * x)][:ways]
+    said = []
+    for joint in motion.moving:
+        late = -motion.speed[:, joint]
+        features = beside_physics(motion, joint, *(late * way for way in growths), late, wear=bool(ways))
+        said.append([each[: max(ways, 1)] for each in fitted(features, motion.off[:, joint])])
+    over = np.ones((len(said), 1))
+    return [_Look(value, std, over) for value, std in np.array(said).transpose(2, 1, 0)]
