@@ -116,9 +116,9 @@ def test_what_is_worse_than_in_the_last_release_is_said_first() -> None:
 
 def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     by_name = {str(each): each for each in policy.constants()}
-    assert {"context.LEAST", "starts.SHARES", "long.WORK"} <= set(by_name)
-    shares = by_name["starts.SHARES"]
-    assert shares.scaled(0.5) == "(0.025, 0.075, 0.15)"
+    assert {"context.LEAST", "sliding.SLIDES", "long.WORK"} <= set(by_name)
+    slides = by_name["sliding.SLIDES"]
+    assert slides.scaled(0.5) == "(0.25, 30.0)"
     assert by_name["context.LEAST"].scaled(4 / 3) == "67"
     assert policy.Constant("x.py", "MOST", 1, "2").scaled(4 / 3) == "3"
     chance, part = by_name["levels.CHANCE"], by_name["levels.PART"]

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.data.seen import at
 from trunk_ros.diagnosis.discrepancy.bank_weights import AMPLE, Source, thinned
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.machine import LOOKED
+from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects.wire.swinging_links import pushed
 from trunk_ros.model import load_model
@@ -116,7 +116,7 @@ def test_what_pushes_a_link_is_worked_out_once_for_its_angles(looked: Context) -
 
 def test_mass_matrices_are_kept_for_so_many_looks_as_fit_into_memory(looked: Context) -> None:
     (view,) = looked.views
-    first, most = view.masses(0.0), LOOKED // len(view.angles)
+    first, most = view.masses(0.0), CELLS // len(view.angles)
     assert view.masses(0.0) is first
     np.testing.assert_allclose(
         view.masses(0.5), looked.arm.mass_matrix(view.angles) + 0.5 * looked.arm.mass_lever(view.angles)

@@ -12,9 +12,9 @@ NUMBER = 4
 PIECE = 2048
 """Rows that stay in the processor's cache."""
 CELLS = 2**17
-"""Samples that are computed together: of long recordings more would not fit into memory."""
-LOOKED = 2**17
-"""Rows at which what is known of the whole arm is kept."""
+"""Samples that are computed together, and at which what is known of the whole arm is kept: of long recordings
+more would not fit into memory.
+"""
 KEPT = 8
 """Surroundings of each joint and span that are kept."""
 FACTORS = 8
@@ -26,5 +26,5 @@ BOUND = 64
 def make_room(kept: MutableMapping[Key, Any], rows: int, among: Iterable[Key]) -> None:
     """Forget the oldest ``among`` what is ``kept``, until one more of so many rows fits beside the others."""
     there = list(among)
-    for old in there[: max(len(there) + 1 - max(LOOKED // rows, 1), 0)]:
+    for old in there[: max(len(there) + 1 - max(CELLS // rows, 1), 0)]:
         del kept[old]

@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_joints, servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, OUTLIERS, SEVERAL, THREEFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, HALF, LITTLE, OUTLIERS, SEVERAL, THREEFOLD
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.effects.servo.loop import STEP
@@ -27,7 +27,7 @@ from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
 STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for all that can be seen
-SWINGS = 1.0 / (2.0 * 0.5) ** 2  # kp tau_v of a loop with half of critical damping: no servo swings longer
+SWINGS = 1.0 / (2.0 * HALF) ** 2  # kp tau_v of a loop with half of critical damping: no servo swings longer
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reached, and one that is left open

@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.data.repeated_readings import coarseness
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, hypothesis_of, payload_of
+from trunk_ros.diagnosis.levels import HALF
 from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.diagnosis.side_by_side import Seen, alike
 from trunk_ros.diagnosis.work import Work
@@ -28,7 +29,7 @@ from trunk_ros.guards import SAME
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count
 
-STANDING = 3.0  # times the mean power of an encoder's steps that a joint shows where it stands
+STANDING = 12.0 * HALF**2  # times the mean power of an encoder's steps: half of one, where a joint stands
 
 
 class Sight(Protocol):

@@ -13,7 +13,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
-from trunk_ros.diagnosis.machine import LOOKED, make_room
+from trunk_ros.diagnosis.machine import CELLS, make_room
 from trunk_ros.effects.lasting import Payload
 from trunk_ros.effects.now import Made
 
@@ -192,10 +192,10 @@ class View:
 
 def _by_pieces(of: Callable[[Array], Array], angles: Array) -> Array:
     """What is known (m, ...) at angles (m, joints); of long recordings in single precision."""
-    if len(angles) <= LOOKED:
+    if len(angles) <= CELLS:
         return of(angles)
     return np.concatenate(
-        [of(angles[k : k + LOOKED]).astype(np.float32) for k in range(0, len(angles), LOOKED)]
+        [of(angles[k : k + CELLS]).astype(np.float32) for k in range(0, len(angles), CELLS)]
     )
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.precisions import Beside, Total, Weighed, weighed
-from trunk_ros.diagnosis.levels import REFITTED
+from trunk_ros.diagnosis.levels import REFITTED, ROWS, TENFOLD
 from trunk_ros.effects.bank import Bank
 
-AMPLE = 50_000  # rows
+AMPLE = round(TENFOLD) * ROWS
 CUTS = 40  # blocks of time, in FOLDS that are left out in turn
 FOLDS = 5
 WORTHS = 4.0 ** np.arange(6)  # samples that may be worth one

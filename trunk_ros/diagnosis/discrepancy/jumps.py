@@ -6,10 +6,11 @@ import numpy as np
 from scipy.special import bdtrc
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.diagnosis.data.align import SETTLING
 from trunk_ros.diagnosis.data.motion_content import APART
 from trunk_ros.diagnosis.levels import CHANCE, HARDLY
 
-TURNING = 0.3  # s from a joint's turn within which a jump belongs to the turn
+TURNING = SETTLING  # s from a joint's turn within which a jump belongs to the turn
 
 
 def jumps(stamp: Array, rest: Array, worth: float, most: int) -> Array:

@@ -22,10 +22,11 @@ from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.long import WORK
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.trajectory import Trajectory
 
-DESIGNED = 1e7  # simulated joint-steps after which no further pair and no further motion is tried
+DESIGNED = WORK / 12.0  # joint-steps, a second: then no further pair and no further motion is tried
 LIKELIEST = 2  # equivalents of a finding that it is to be told from: each costs as much as the first
 STRETCHES = 4  # stretches of a motion, and of the best ones that are tried in other postures or once more
 

@@ -13,12 +13,12 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import HALF, OUTLIERS, SLIGHT, SOME
+from trunk_ros.diagnosis.levels import ENOUGH, HALF, OUTLIERS, SLIGHT, SOME
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
 SECONDS = 8.0  # of one stretch
-SAMPLES = 200  # of one stretch at least
+SAMPLES = 2 * ENOUGH  # of one stretch at least: to and fro
 MOMENT = 1e-3  # s: too short for a piece of a motion
 BEND = round(10.0 / sqrt(3.0), 4)
 """Peak acceleration of a rest-to-rest quintic, times its time squared over its way."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
-from trunk_ros.diagnosis.levels import FAR_OFF, HALF, SLIGHT, TOGETHER
+from trunk_ros.diagnosis.levels import FAR_OFF, HALF, PART, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
@@ -23,13 +23,13 @@ SIGNIFICANT = 60.0
 """Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""
 RELEVANT = 0.02
 """Share of the noise power that an effect must remove from a joint, however long the recording is."""
-OWN_STEPS = 0.1
+OWN_STEPS = PART
 """Times that of the joint's own encoder, which the other noise shakes loose."""
 SLICE = 0.15
 """The same for each value of what will be said, beside a rest as strong as the noise."""
 STRONG = 1.0
 """Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
-FURTHER = 20.0
+FURTHER = SIGNIFICANT / 3.0
 """Price of each further value of an effect, in white noise."""
 FORMULAS = 0.001
 """Of a joint's misfit: what the formulas of named effects may be off by, 3 % of their size. On arms that go

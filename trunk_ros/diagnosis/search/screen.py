@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import NEARLY
+from trunk_ros.diagnosis.levels import HALF, NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.followed import directions
@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_cours
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
 
-PROMISED = 0.5  # of what a fit gains: a linear look does not see all of it
+PROMISED = HALF  # of what a fit gains: a linear look does not see all of it
 
 Products = dict[int, tuple[float, float]]
 """By column: (rest . d, d . d) of a change d of the prediction."""

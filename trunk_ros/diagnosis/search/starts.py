@@ -9,12 +9,13 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.motion_content import MOVED
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import SEVERAL, SLIGHT, SOME
 from trunk_ros.diagnosis.search.size import different
 from trunk_ros.effects import Effect
 
-SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
-BAGS = 2  # of an arm's recordings that give an effect its starts
+SHARES = (SLIGHT, MOVED, SOME)  # of the motion: half-widths of wide loops that a fit starts at
 
 
 def whens(hypothesis: Hypothesis, kind: type[Effect], form: str, column: int) -> list[dict[str, float]]:
@@ -31,7 +32,7 @@ class Starts:
 
     def __init__(self, context: Context, hypothesis: Hypothesis, columns: Iterable[int]):
         self.context, self.hypothesis = context, hypothesis
-        self._telling = {c: context.telling(c)[:BAGS] for c in columns}
+        self._telling = {c: context.telling(c)[:SEVERAL] for c in columns}
         self._left = {  # beforehand: what is left counts as work once, on any number of cores
             (c, k): self._residual(c, k) for c in columns if c not in context.wide for k in self._telling[c]
         }
