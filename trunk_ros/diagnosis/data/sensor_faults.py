@@ -11,7 +11,7 @@ from scipy.ndimage import median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, TENFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, SLIGHT, TENFOLD
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD, count, noises
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -20,7 +20,7 @@ from trunk_ros.recording.topics import COMPARED, TOPICS
 BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
 WILD, USUALLY = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
-FEW = 0.06  # of the readings: more of them are how the sensor is
+FEW = SLIGHT  # of the readings: more of them are how the sensor is
 AROUND = ENOUGH + 1  # readings whose scatter counts: a burst of noise is no row of single readings
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds, scales
+from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.effects import effect
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
 ROUNDS = 12
-SHAKES = 3  # looks at links that shake each other: each leaves a tenth of the change before
 SETTLED = 2  # rounds after which gains only get smaller
 TRIES = 6  # dampings a round
 DAMPING = 1e-3
@@ -146,7 +146,7 @@ def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf, spared
     if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
         seen = context.seen_with(done.hypothesis)
         done = done if seen is context else _refit(seen, done.hypothesis, goal, spared)
-    for _ in range(SHAKES if hypothesis.shakes else 0):
+    for _ in range(TURNS if hypothesis.shakes else 0):
         seen = done.context.seen_with(done.hypothesis)
         if seen is done.context:
             break

@@ -29,7 +29,7 @@ from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
 Parts = list[tuple[Array, np.ndarray, np.ndarray]]
-LAGS = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144)  # samples
+LAGS = 2 ** np.arange(8)  # samples
 LOST = np.log(np.finfo(float).max) / 4.0  # of a logarithm: the squares of what goes further are no numbers
 
 

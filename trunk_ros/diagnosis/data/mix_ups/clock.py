@@ -8,12 +8,12 @@ from scipy.fft import irfft, next_fast_len, rfft
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, correlation
 from trunk_ros.diagnosis.levels import FEWEST, SOME
+from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.signal.fill import fill
 
 DELAY = 0.6  # s: less is a delay
 COARSE = 0.05  # s: as exactly as it is needed
-FINEST = 1 << 16  # of the longer topic at most
 BANDS = np.linspace(0.02, 0.48, 16)  # half-widths of dead bands, of the motion
 
 
@@ -24,7 +24,7 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
     if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > FOLLOWS:
         return 0.0
     usual = max(float(np.median(np.diff(stamp))) for stamp in (first, second))
-    step = max(COARSE, usual, np.ptp(first) / FINEST, np.ptp(second) / FINEST)
+    step = max(COARSE, usual, np.ptp(first) / CELLS, np.ptp(second) / CELLS)
     lag = _lag(_changes(first, source, step), _changes(second, target, step))
     off = float(second[0] - first[0]) + step * lag
     if abs(off) <= DELAY:

@@ -14,6 +14,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.physics import (
     CLOCKED,
+    CREEPS,
     Motion,
     beside_physics,
     fitted,
@@ -26,7 +27,7 @@ from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
 
-QUICK = 0.6  # s: a wire that creeps back so soon leads for a while
+QUICK = CREEPS[0] ** 2 / CREEPS[1]  # s: a wire that creeps back so soon leads for a while
 
 
 @dataclass(frozen=True)
