@@ -22,6 +22,14 @@ def test_a_wide_loop_that_is_gone_through_once_shows_no_growth_of_its_dead_band(
     assert FrictionWear.forms_shown(Motion(wide_loop=True)) == FrictionWear.forms
 
 
+def test_a_wide_loop_hides_drift_with_the_distance_and_one_way_through_a_loop_ripples() -> None:
+    drift, ripple = effect("thermal_drift"), effect("transmission_ripple")
+    assert drift.forms_shown(Motion(wide_loop=True)) == ("exponential", "straight")
+    assert ripple.forms_shown(Motion(once=True)) == ()
+    assert drift.forms_shown(Motion()) == drift.forms
+    assert ripple.forms_shown(Motion()) == ripple.forms
+
+
 def test_a_drift_is_said_to_go_with_what_it_goes_with() -> None:
     drift = effect("thermal_drift")
     said = {form: drift.title(form) for form in drift.forms}

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.wire.travelled import SPEED, Travelled
 from trunk_ros.parameter import Parameter
 
@@ -67,6 +67,13 @@ class ThermalDrift(Travelled):
         """It is not over at once: or it is an offset."""
         share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
         return bool(self.form != "exponential" or np.all(share > 0.03))
+
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """Not by the distance where each stroke is like the last in a wide loop: there it grows with the
+        angle, as a loop that is no parallelogram does.
+        """
+        return tuple(f for f in super().forms_shown(motion) if f != "travel" or not motion.wide_loop)
 
     @classmethod
     def title(cls, form: str | None = None) -> str:

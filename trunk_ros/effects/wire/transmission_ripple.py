@@ -100,8 +100,10 @@ class TransmissionRipple(Effect):
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
-        """None in a wide loop: a ripple is lost in its form, and can imitate it."""
-        return () if motion.wide_loop else super().forms_shown(motion)
+        """None in a wide loop, or in one that is gone through once: a ripple is lost in its form, and can
+        imitate it.
+        """
+        return () if motion.wide_loop or motion.once else super().forms_shown(motion)
 
     @classmethod
     def plain(cls, values: dict[str, float]) -> dict[str, float]:
