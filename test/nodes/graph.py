@@ -94,9 +94,9 @@ class Peer:
             assert time.monotonic() < end, f"waited in vain: {inspect.getsource(condition).strip()}"
             self.spin_once()
 
-    def answered(self, say: Callable[[], Any], answer: Callable[[], Any]) -> None:
+    def answered(self, say: Callable[[], Any], answer: Callable[[], Any], timeout: float = PATIENCE) -> None:
         """Say something, again each second, until it is answered: a message on /clock may be lost."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + timeout
         while not holds(answer):
             assert time.monotonic() < end, f"no answer: {inspect.getsource(answer).strip()}"
             say()
