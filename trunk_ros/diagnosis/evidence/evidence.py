@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, l
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH, SCATTER, SLIGHT
+from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH, SCATTER
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.work import Work
@@ -24,7 +24,7 @@ from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import BLIND, ROUNDED
 
 EQUIVALENTS = 5  # that are said
-SUREST = 1.0 - SLIGHT  # on cases made to build with, so many of the surest were right
+SUREST = 0.95  # on cases made to build with, so many of the surest were right
 UNNAMED = 0.7  # confidence in what no formula states, at most
 
 

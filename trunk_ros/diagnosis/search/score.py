@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
-from trunk_ros.diagnosis.levels import FAR_OFF, HALF, PART, SLIGHT, TOGETHER
+from trunk_ros.diagnosis.levels import FAR_OFF, HALF, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
@@ -23,7 +23,7 @@ SIGNIFICANT = 60.0
 """Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""
 RELEVANT = 0.02
 """Share of the noise power that an effect must remove from a joint, however long the recording is."""
-OWN_STEPS = PART
+OWN_STEPS = 0.1
 """Times that of the joint's own encoder, which the other noise shakes loose."""
 SLICE = 0.15
 """The same for each value of what will be said, beside a rest as strong as the noise."""

@@ -9,13 +9,12 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.motion_content import MOVED
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SEVERAL, SLIGHT, SOME
+from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.size import different
 from trunk_ros.effects import Effect
 
-SHARES = (SLIGHT, MOVED, SOME)  # of the motion: half-widths of wide loops that a fit starts at
+SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 
 
 def whens(hypothesis: Hypothesis, kind: type[Effect], form: str, column: int) -> list[dict[str, float]]:
