@@ -48,6 +48,9 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         },
     },
     "upstream": {"load_elasticity": {"compliance": np.full(5, 0.05), "upstream": 1.0}},
+    "heavy upstream": {
+        "load_elasticity": {"compliance": np.full(5, 0.08), "damping": np.full(5, 0.1), "form": "held"}
+    },
     "hardens upstream": {
         "wire_stiffening": {
             "compliance": np.full(5, 0.05),

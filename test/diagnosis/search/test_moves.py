@@ -103,6 +103,13 @@ def test_add_knows_friction_that_takes_time_to_fade() -> None:
     assert best.hypothesis["stribeck_friction"].own[1]["memory"] == pytest.approx(0.15, rel=0.1)
 
 
+def test_shake_knows_links_that_stick_and_slip_on_soft_wires() -> None:
+    soft = Term("load_elasticity", shared={"upstream": 1.0}, own={c: {"compliance": 0.08} for c in range(5)})
+    found = improved("shake", "heavy upstream", soft).hypothesis["load_elasticity"]
+    assert found.form == "held"
+    assert found.own[0]["compliance"] == pytest.approx(0.08, rel=0.05)
+
+
 def test_form_finds_the_law_that_was_at_work() -> None:
     term = Term("stribeck_friction", "exponential", own={1: {"amplitude": 3e-3, "velocity": 0.04}})
     assert improved("form", "gaussian", term).hypothesis["stribeck_friction"].form == "gaussian"

@@ -12,6 +12,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 
 TURN = 0.25  # rad that a swing may go on in a step, within which it is found when it stops
 MOST = 64  # steps between two samples
+UNSEEN = np.pi  # rad that a swing goes on between samples, from which on they do not show it
 SLOWEST = 1e-9  # rad/s: below, the link is rigid
 
 
@@ -33,7 +34,7 @@ class HeldLink:
             return out, np.vstack([u[-1], place, 0.0 * place])
         memory = np.vstack([u[0], u[0], 0.0 * u[0]]) if state is None else state.copy()
         out = np.empty_like(u)
-        held(u, self.dt, np.maximum(width, 0.0), self.omega, self.zeta, memory, out)
+        held(u, self.dt, np.maximum(width, 0.0), self.omega[None], self.zeta[None], memory, out)
         return out, memory
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
@@ -50,29 +51,35 @@ class HeldLink:
 
 @compiled
 def held(u: Array, dt: Array, width: Array, omega: Array, zeta: Array, memory: Array, out: Array) -> None:
-    """Pass ``u`` (n, columns) through; ``width`` (1 or n, columns), ``memory`` (3, columns) changes in place.
+    """Pass ``u`` (n, columns) through; ``width``, ``omega`` and ``zeta`` (1 or n, columns), ``memory`` (3,
+    columns) changes in place.
 
-    Between samples the input runs straight; sliding one way the link is linear and its step exact.
+    Between samples the input runs straight; sliding one way the link is linear and its step exact. One that
+    swings faster than samples show is where its wire lets it be.
     """
-    stride = 1 if width.shape[0] > 1 else 0
+    stride, faster_or_slower = (1 if width.shape[0] > 1 else 0), (1 if omega.shape[0] > 1 else 0)
     swing, rest = np.zeros(5), np.zeros(5)
     for j in range(u.shape[1]):
         old, y, speed = memory[0, j], memory[1, j], memory[2, j]
-        known = -1.0
+        known, last = -1.0, -1.0
         for k in range(len(u)):
             w, new = width[k * stride, j], u[k, j]
-            if omega[j] <= 0.0:
-                y = min(max(y, new - w), new + w)
-            if omega[j] <= 0.0 or dt[k] <= 0.0:
+            own, damping = omega[k * faster_or_slower, j], zeta[k * faster_or_slower, j]
+            if own <= 0.0 or own * dt[k] > UNSEEN:
+                before, y = y, min(max(y, new - w), new + w)
+                speed = (y - before) / dt[k] if dt[k] > 0.0 else 0.0
                 old, out[k, j] = new, y
                 continue
-            steps = min(max(int(np.ceil(omega[j] * dt[k] / TURN)), 1), MOST)
+            if dt[k] <= 0.0:
+                old, out[k, j] = new, y
+                continue
+            steps = min(max(int(np.ceil(own * dt[k] / TURN)), 1), MOST)
             h = dt[k] / steps
-            if h != known:
-                swing_step(h, omega[j], zeta[j], swing)
-                known = h
+            if h != known or own != last:
+                swing_step(h, own, damping, swing)
+                known, last = h, own
             ramp = (new - old) / dt[k]
-            lead = 2.0 * zeta[j] / omega[j] * ramp  # of the damper, which the wire's motion pulls along
+            lead = 2.0 * damping / own * ramp  # of the damper, which the wire's motion pulls along
             for i in range(steps):
                 begin, left, first = old + ramp * h * i, h, True
                 while left > 0.0:
@@ -85,7 +92,7 @@ def held(u: Array, dt: Array, width: Array, omega: Array, zeta: Array, memory: A
                         side = 1.0 if speed > 0.0 else -1.0
                     part = swing
                     if not first:
-                        swing_step(left, omega[j], zeta[j], rest)
+                        swing_step(left, own, damping, rest)
                         part = rest
                     goal = begin - side * w
                     off, faster = y - goal, speed - ramp

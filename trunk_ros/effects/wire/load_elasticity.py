@@ -5,7 +5,10 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Motion, Now
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Motion, Now
+from trunk_ros.effects.wire.elements import beside
+from trunk_ros.effects.wire.held_links import HeldLinks
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
@@ -35,7 +38,7 @@ SLOPE = Parameter(
 class LoadElasticity(OnBothSides):
     """weight: theta += compliance tau; lever: theta += compliance exp(slope r phi) tau; links: the masses
     beyond the joint swing on the same spring, compliance (M(q) theta'' + d (theta' - p')) + theta - p =
-    compliance tau.
+    compliance tau; held: all of it before the friction, by which the links stick and slip.
     """
 
     id = "load_elasticity"
@@ -46,12 +49,13 @@ class LoadElasticity(OnBothSides):
     source = (
         "Hooke: compliance = l_i/(E A_s R_c^2); Ciofu & Stan, sect. 4: "
         "deformation from the resistance moment. lever: R_c changes with the angle where the wire pulls at a "
-        "lever and not at a wheel. links: Spong (1987), J. Dyn. Syst. 109(4), eq. (5)."
+        "lever and not at a wheel. links: Spong (1987), J. Dyn. Syst. 109(4), eq. (5). held: Moreau (1988), "
+        "in Nonsmooth Mechanics and Applications, for dry friction in several joints at once."
     )
     parameters = (COMPLIANCE, PAYLOAD, UPSTREAM, DAMPING, SLOPE)
-    forms = ("weight", "lever", "links")
-    refined = ("lever", "links")
-    shaking = ("links",)
+    forms = ("weight", "lever", "links", "held")
+    refined = ("lever", "links", "held")
+    shaking = ("links", "held")
     needs = ("load",)
     everywhere = True
     confused_with = (
@@ -62,20 +66,31 @@ class LoadElasticity(OnBothSides):
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
         """A compliance that changes with the angle looks like a mass that is not known well."""
-        return ("weight", "links") if motion.masses else ("weight", "lever")
+        return ("weight", "links", "held") if motion.masses else ("weight", "lever")
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        own = {"links": (DAMPING,), "lever": (SLOPE,)}.get(form, (UPSTREAM,))
+        own = {"links": (DAMPING,), "held": (DAMPING,), "lever": (SLOPE,)}.get(form, (UPSTREAM,))
         return (COMPLIANCE, PAYLOAD, *own)
+
+    def upstream(self) -> Effect | None:
+        return self if self.form == "held" else super().upstream()
+
+    def downstream(self) -> Effect | None:
+        return None if self.form == "held" else super().downstream()
+
+    def adjust(self, core: Core, now: Now) -> None:
+        links = self._links(now) if self.form == "held" else None
+        if links is not None:
+            core.rounding = beside(core.rounding, HeldLinks(links, now), links.omega > 0.0)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         sagged = x + self._sag(now)
-        links = self._links(now)
+        links = None if self.form == "held" else self._links(now)
         return (sagged, None) if links is None else links.run(sagged, now, state)
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        links = self._links(now)
+        links = None if self.form == "held" else self._links(now)
         still, state = (y, None) if links is None else links.invert(y, now, state)
         return still - self._sag(now), state
 

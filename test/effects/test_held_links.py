@@ -1,0 +1,68 @@
+"""Links with weight and mass on soft wires in joints that rub, against their law in small steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from test.effects.example import arm_of, motion, stamps
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.effects.wire.held_links import slide
+from trunk_ros.model import Model
+
+WIDTH, ZETA, PARTS = 2e-3, 0.15, 20
+ARM = arm_of(3, dead_band=WIDTH)
+STAMP = stamps(6, 100)
+THETA = motion(STAMP, 3)
+OMEGA = 2 * np.pi * np.array([5.0, 6.0, 7.0])
+
+
+def stepped(soft: Array) -> Array:
+    """M(q) y'' + d (y' - u') + k (y - u) = -k w sign(y') for wires at u that the weight has stretched, by
+    Moreau's rule and Gauss and Seidel's.
+    """
+    hold = 1.0 / soft
+    damp = 2 * ZETA * OMEGA * hold / OMEGA**2
+    y, speed = THETA[0] + soft * ARM.load(THETA[:1])[0], np.zeros(3)
+    out, sagged = [y.copy()], soft * ARM.load(THETA[:1])[0]
+    for before, after, dt in zip(THETA[:-1], THETA[1:], np.diff(STAMP), strict=True):
+        h, ramp = dt / PARTS, (after - before) / dt
+        soon = (y + speed * dt)[None]
+        mass, sag = ARM.mass_matrix(soon)[0], soft * ARM.load(soon)[0]
+        ramp, before, sagged = ramp + (sag - sagged) / dt, before + sagged, sag
+        full = mass + np.diag(h * damp + h * h * hold)
+        for part in range(PARTS):
+            at = before + ramp * h * (part + 1)
+            push = mass @ speed + h * (hold * (at - y) + damp * ramp)
+            for _ in range(60):
+                for j in range(3):
+                    rest = push[j] - full[j] @ speed + full[j, j] * speed[j]
+                    speed[j] = np.sign(rest) * max(abs(rest) - h * hold[j] * WIDTH, 0.0) / full[j, j]
+            y = y + h * speed
+        out.append(y.copy())
+    return np.array(out)
+
+
+def test_links_stick_slip_and_shake_each_other_as_their_law_says() -> None:
+    soft = 1.0 / (ARM.straight_inertia * OMEGA**2)
+    values = {"compliance": soft, "damping": np.full(3, ZETA), "form": "held"}
+    got, _ = Chain(Model(ARM, {"load_elasticity": values}), "wire").run(THETA / 0.625, STAMP)
+    stiff = {"compliance": soft, "upstream": 1.0}
+    light, _ = Chain(Model(ARM, {"load_elasticity": stiff}), "wire").run(THETA / 0.625, STAMP)
+    wanted, settled = stepped(soft), STAMP > 1.5
+    off, beside = (got - wanted)[settled], (light - wanted)[settled]
+    assert np.std(off) < 0.15 * np.std(beside)
+
+
+def test_each_of_several_joints_slides_or_stands_as_friction_lets_it() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(200):
+        root = rng.normal(size=(4, 4))
+        full, least = root @ root.T + 0.1 * np.eye(4), rng.uniform(0.0, 2.0, 4)
+        pull, speed = rng.normal(size=4) * 3.0, np.empty(4)
+        slide(full, pull, least, np.sign(rng.normal(size=4)), np.empty((4, 4)), speed)
+        rest = pull - full @ speed
+        stands = speed == 0.0
+        assert np.all(np.abs(rest[stands]) <= least[stands] * (1 + 1e-6))
+        assert rest[~stands] == pytest.approx(np.sign(speed[~stands]) * least[~stands], abs=1e-9)
