@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from test.export.arms import SDF, model_of, pair
 from trunk_ros.bodies.found import Bodies, Value
@@ -104,6 +105,27 @@ def test_the_rotor_lies_before_the_spring(tmp_path: Path) -> None:
     assert model.dof_armature == pytest.approx([0.0, 0.02])
     assert model.dof_frictionloss == pytest.approx([0.0, 0.1])
     assert any(remark.startswith("shoulder: armature 0.02 kg m^2: not written") for remark in sheet.remarks)
+
+
+def test_a_link_that_friction_holds_sticks_and_slips_as_the_model_says(tmp_path: Path) -> None:
+    more = {"backlash": {"half_width": pair(4e-3)}}
+    held = {"load_elasticity": {**SWINGS["load_elasticity"], "form": "held"}}
+    sheet = exported(tmp_path, {**more, **held})
+    assert not any("would hold it" in remark for remark in sheet.remarks)
+    stamp = np.arange(0.0, 6.0, STEP)
+    wire = 0.05 * np.sin(2.0 * np.pi * 0.4 * stamp)[:, None] * [1.0, 0.0]
+    model = mujoco.MjModel.from_xml_string(sheet.text)
+    data, shown = mujoco.MjData(model), np.empty(len(stamp))
+    for k in range(len(stamp)):
+        data.ctrl[0] = wire[k, 0]
+        mujoco.mj_step(model, data)
+        shown[k] = data.qpos[0]
+    lag = STEP * KP / KV
+    late = lfilter([lag], [1.0, lag - 1.0], wire, axis=0)
+    meant, light = (
+        Chain(arm_with({**more, **effects}), "wire").run(late, stamp)[0][:, 0] for effects in (held, {})
+    )
+    assert np.std(shown - meant) < 0.3 * np.std(shown - light)
 
 
 def test_what_would_hold_the_link_or_is_too_quick_is_said(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.effect_values import Values
-from trunk_ros.effects.wire.load_elasticity import DAMPING
+from trunk_ros.effects.wire.load_elasticity import DAMPING, LoadElasticity
 from trunk_ros.export.mjcf_actuator import Drive, tag_of
 from trunk_ros.export.mjcf_file import STIFF, MjcfFile
 from trunk_ros.export.mjcf_play import add_play
@@ -65,7 +65,8 @@ class MjcfWriter(MjcfFile):
         """
         if values.get("payload") or values.get("form") == "lever":
             return self._carried(values)
-        swings = values.get("form", "weight") == "links" and self.model.arm.has_load
+        form = values.get("form", LoadElasticity.forms[0])
+        swings, rubs = form in LoadElasticity.shaking and self.model.arm.has_load, form == "held"
         ratios = np.broadcast_to(values.get("damping", DAMPING.null), (len(self.joints),))
 
         def write(joint: str, compliance: float) -> bool:
@@ -78,7 +79,7 @@ class MjcfWriter(MjcfFile):
                 less = self.half_widths[joint] * (firm - drive.stiffness)
                 self._rub(joint, float(self.spec.joint(joint).frictionloss) - less)
             if swings:
-                self._swing(joint, drive, float(ratios[self.joints.index(joint)]), late)
+                self._swing(joint, drive, float(ratios[self.joints.index(joint)]), late, rubs)
             return self._told(drive, f"load_elasticity {compliance:.4g} rad/(N m): kp, kv")
 
         return self.each(values, "compliance", write)
@@ -219,9 +220,9 @@ class MjcfWriter(MjcfFile):
         self.note("joint", joint, text)
         return True
 
-    def _swing(self, joint: str, drive: Drive, damping: float, late: float) -> None:
+    def _swing(self, joint: str, drive: Drive, damping: float, late: float, rubs: bool) -> None:
         inertia = float(self.model.arm.straight_inertia[self.joints.index(joint)])
-        done = write_swing(self.mujoco, self.spec, joint, drive, damping, late, inertia)
+        done = write_swing(self.mujoco, self.spec, joint, drive, damping, late, inertia, rubs)
         self.remarks += done.remarks
         if done.hertz:
             self.taken |= {(joint, name): "load_elasticity" for name in TERMS}

@@ -28,16 +28,18 @@ class Swing:
 
 
 def write_swing(
-    mujoco: Any, spec: Any, joint: str, drive: Drive, damping: float, late: float, model_inertia: float
-) -> Swing:
+    mujoco: Any, spec: Any, joint: str, drive: Drive, damping: float, late: float, model_inertia: float,
+    rubs: bool = False,
+) -> Swing:  # fmt: skip
     """Let a joint swing on the stiffness of its drive with the damping ratio ``damping`` of the straight arm.
 
     The rotor lies before the spring and does not swing with the link: no armature. The loop's own lag on a
     ramp, ``late`` s, stays: what the swing is not late itself is a filter of the command.
-    ``model_inertia``: kg m^2 that the model has at the joint.
+    ``model_inertia``: kg m^2 that the model has at the joint. ``rubs``: friction holds the link in the model
+    as well.
     """
     own, stiffness = spec.joint(joint), drive.stiffness
-    if own.frictionloss > 0.0:
+    if own.frictionloss > 0.0 and not rubs:
         return Swing(0.0, [HELD.format(joint, "friction")])
     inertia = straight_inertia(mujoco, spec, joint)
     omega = float(np.sqrt(stiffness / inertia))

@@ -10,7 +10,6 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect
-from trunk_ros.errors import ModelError
 from trunk_ros.export.reality.scene import Scene, View
 
 SETTINGS = ("width", "middle", "nominal_width", "pull", "dead_zone")
@@ -20,7 +19,7 @@ class Block:
     """One effect on (environments, joints)."""
 
     def __init__(self, effect: Effect, arm: Arm, environments: int):
-        """``effect``: over the arm's joints. Raises ModelError for one that only acts on one environment."""
+        """``effect``: over the arm's joints."""
         self.effect = effect
         self.memory: Any = None
         self.layout = layout_of(effect, arm) if environments > 1 else "single"
@@ -69,13 +68,16 @@ def layout_of(effect: Effect, arm: Arm) -> str:
         if memory is None:
             return "rows"
         return "single" if view.asked else "flat"
-    core = core_of(x)
+    effect.adjust(core_of(x), view)
+    return "rows" if view.asked else "flat"
+
+
+def holds_together(effect: Effect, arm: Arm) -> bool:
+    """Whether friction holds a joint by what the others do: it sees one environment at a time."""
+    x = np.full((1, len(arm.joints)), 0.1)
+    core, view = core_of(x), View(Scene(arm, 1.0, 0.01, x, x, x), "single")
     effect.adjust(core, view)
-    if not view.asked:
-        return "flat"
-    if core.rounding is not None:
-        raise ModelError(f"{effect.id} acts on one environment at a time: make a layer for each")
-    return "rows"
+    return core.rounding is not None and bool(view.asked)
 
 
 def core_of(like: Array) -> Core:

@@ -12,7 +12,7 @@ from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.export.reality.servo import Servo
-from trunk_ros.export.reality.wire import Wire
+from trunk_ros.export.reality.wire import wire_of
 from trunk_ros.model import Model, load_model
 
 
@@ -40,8 +40,7 @@ class RealityLayer:
         far the simulator's own position loop is behind a steady command (damping over stiffness of a PD
         loop).
 
-        Raises ModelError where the model names no joints, or has an effect that cannot act on many
-        environments.
+        Raises ModelError where the model names no joints.
         """
         arm, theirs = _model(model), None if simulation is None else _model(simulation)
         if arm.any_joints:
@@ -70,7 +69,7 @@ class RealityLayer:
 
     def _begin(self) -> None:
         environments = self._shape[0]
-        self._servo, self._wire = Servo(self.model, environments), Wire(self.model, environments)
+        self._servo, self._wire = Servo(self.model, environments), wire_of(self.model, environments)
         self._arm, self._time = self.model.loaded_arm(), 0.0
         self._gearbox: Array | None = None
         self._theta: Array = np.empty(0)

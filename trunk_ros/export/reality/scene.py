@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,12 @@ class Scene:
         self.arm, self.stamp, self.dt = arm, stamp, dt
         self.gearbox, self.angles, self.speed = gearbox, angles, speed
         self._load: Array | None = None
+
+    def each(self) -> Iterator[Scene]:
+        """Each environment alone."""
+        for k in range(len(self.gearbox)):
+            one = slice(k, k + 1)
+            yield Scene(self.arm, self.stamp, self.dt, self.gearbox[one], self.angles[one], self.speed[one])
 
     @property
     def load(self) -> Array:

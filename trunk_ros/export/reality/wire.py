@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 
 from trunk_ros.arm_model import ArmModel
@@ -9,7 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.wire.play import SharpPlay
-from trunk_ros.export.reality.blocks import Block, core_of, mixed
+from trunk_ros.export.reality.blocks import Block, core_of, holds_together, mixed
 from trunk_ros.export.reality.past import Past
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.stage import Memory, Order
@@ -86,6 +89,33 @@ class Wire:
             fresh, memory = element.run(flat, width, None)
             out, self.stuck = np.where(columns, fresh, out), mixed(self.stuck, memory, columns)
         return np.asarray(out.reshape(u.shape))
+
+
+class Wires:
+    """Wires of many environments, each on its own."""
+
+    def __init__(self, model: ArmModel, environments: int):
+        self.wires = [Wire(model, 1) for _ in range(environments)]
+
+    def drive(self, scene: Scene, clock: Scene, anew: np.ndarray | None) -> Array:
+        """As Wire.drive."""
+        each = zip(self.wires, scene.each(), clock.each(), self._apart(anew), strict=True)
+        return np.concatenate([wire.drive(one, time, fresh) for wire, one, time, fresh in each])
+
+    def show(self, state: Array, scene: Scene, clock: Scene, anew: np.ndarray | None) -> Array:
+        """As Wire.show."""
+        states = self._apart(state)
+        each = zip(self.wires, states, scene.each(), clock.each(), self._apart(anew), strict=True)
+        return np.concatenate([wire.show(at, one, time, fresh) for wire, at, one, time, fresh in each])
+
+    def _apart(self, values: Array | None) -> Iterable[Any]:
+        return [None] * len(self.wires) if values is None else np.split(values, len(self.wires))
+
+
+def wire_of(model: ArmModel, environments: int) -> Wire | Wires:
+    """The wires of many environments: together where their effects let them."""
+    alone = any(holds_together(e, model.arm) for e in model.bound("wire"))
+    return Wires(model, environments) if alone and environments > 1 else Wire(model, environments)
 
 
 def block_of(effect: Effect, model: ArmModel, environments: int) -> Block | Late:
