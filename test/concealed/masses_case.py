@@ -154,9 +154,10 @@ def _try(rng: Rng, seed: int, plan: Plan) -> Case:
     done = [run_masses(arms, asked) for asked in work.asked]
     told = [_told(one, (on, off), work.asked[0], noise) for one, on, off in hidden]
     runs = _recorded(rng, work, done, how, awkward)
+    faint = [one.effect for (one, _, _), entry in zip(hidden, told, strict=True) if entry is None]
     about = {**asdict(how), "noise": noise, "plant": "masses",
              "awkward": asdict(awkward) if awkward else None,
-             "allowed": list(ALLOWED.get(plan.awkward or "", ()))}  # fmt: skip
+             "allowed": [*ALLOWED.get(plan.awkward or "", ()), *faint]}  # fmt: skip
     return Case(seed, [one for one in told if one is not None], about, *runs)
 
 

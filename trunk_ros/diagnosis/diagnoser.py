@@ -18,7 +18,6 @@ from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
@@ -35,7 +34,8 @@ from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
 from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION, changes
-from trunk_ros.diagnosis.verdict.findings import findings, left_over, without_a_name
+from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
+from trunk_ros.diagnosis.verdict.included import all_findings
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.whole_arm import on_the_arm
 from trunk_ros.diagnosis.wire import WireStage
@@ -227,7 +227,7 @@ class Diagnoser:
             "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
-        every = findings(context, state.hypothesis, found, std, determined(state))
+        every = all_findings(state, found, std)
         who = MODEL if self.against is None else SIMULATION
         new = changes(context, state.hypothesis, every, std, who)
         rests = left_over(context, state.hypothesis)

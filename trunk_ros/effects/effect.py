@@ -48,6 +48,8 @@ class Effect(ABC):
     """The form in which each joint has values of its own of what all share in the others."""
     shaking: ClassVar[tuple[str, ...]] = ()
     """Forms by which joints move each other, so that all are computed together."""
+    includes: ClassVar[Mapping[str, str]] = {}
+    """Another effect that is part of some of its forms, by form, and is told besides."""
     beyond: ClassVar[str] = ""
     """In a wide loop: another effect that is its flat part, and has to be there first."""
     named: ClassVar[bool] = True
@@ -151,6 +153,10 @@ class Effect(ABC):
     def downstream(self) -> Effect | None:
         """The part of an effect behind the stage's core that does lie behind it, if any."""
         return self
+
+    def included(self, now: Now) -> Mapping[str, Array]:
+        """Values (columns,) of the effect that its form includes."""
+        return {}
 
     def check(self, joints: tuple[str, ...]) -> None:
         """Raise ModelError where the words do not fit the arm's joints."""

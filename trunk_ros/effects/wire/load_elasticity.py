@@ -1,5 +1,7 @@
 """The wire stretches under the joint's resistance moment."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_links import HeldLinks
+from trunk_ros.effects.wire.link_resonance import LinkResonance
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
@@ -56,6 +59,7 @@ class LoadElasticity(OnBothSides):
     forms = ("weight", "lever", "links", "held")
     refined = ("lever", "links", "held")
     shaking = ("links", "held")
+    includes = MappingProxyType(dict.fromkeys(shaking, LinkResonance.id))
     needs = ("load",)
     everywhere = True
     confused_with = (
@@ -72,6 +76,10 @@ class LoadElasticity(OnBothSides):
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         own = {"links": (DAMPING,), "held": (DAMPING,), "lever": (SLOPE,)}.get(form, (UPSTREAM,))
         return (COMPLIANCE, PAYLOAD, *own)
+
+    def included(self, now: Now) -> Mapping[str, Array]:
+        links = self._links(now)
+        return {} if links is None else {"frequency": links.omega / (2.0 * np.pi), "damping": links.damping}
 
     def upstream(self) -> Effect | None:
         return self if self.form == "held" else super().upstream()

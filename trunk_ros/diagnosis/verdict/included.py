@@ -1,0 +1,98 @@
+"""Effects that are part of another one's form, such as the swing of links on wires that stretch: one law says
+both, and both are told.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.diagnosis.evidence.determined import determined
+from trunk_ros.diagnosis.evidence.evidence import Evidence, doubt, likely, needed
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
+from trunk_ros.diagnosis.search.credible import hidden
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.score import need, score
+from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.verdict.findings import Spreads, findings
+from trunk_ros.effects import effect
+
+
+def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads) -> list[Finding]:
+    """One finding per effect of a hypothesis, and per effect that is part of one."""
+    parts, proof, spread = included(state, std)
+    whole = Hypothesis({**state.hypothesis, **parts})
+    return findings(state.context, whole, found | proof, std | spread, determined(state))
+
+
+def included(state: Fit, std: Spreads) -> tuple[Hypothesis, dict[str, Evidence], Spreads]:
+    """What the forms of a hypothesis' effects include, on the joints where it shows and where the recordings
+    ask for it: the same effect without it is refitted. With its evidence and standard deviations.
+    """
+    terms, found, spreads = Hypothesis(), dict[str, Evidence](), Spreads()
+    for name, term in state.hypothesis.items():
+        part = effect(name).includes.get(term.form)
+        if part is None or part in state.hypothesis or name in state.context.known:
+            continue
+        without = min((refit(state.context, h) for h in _without(state, name)), key=score)
+        gain = {c: without.cost[c] - cost for c, cost in state.cost.items() if c in term.columns}
+        told = _told(state, term, part)
+        dropped = hidden(state.context, told)
+        gain = {
+            c: g for c, g in gain.items() if g > need(state.context, c, state.rest(c)) and c not in dropped
+        }
+        if not gain:
+            continue
+        terms[part] = Term(part, told.form, own={c: told.own[c] for c in gain})
+        sure = likely(doubt(state, gain), sum(gain.values()), [])
+        found[part] = Evidence(
+            gain, needed(state, gain), _strength(state, without, list(gain)), confidence=sure
+        )
+        spreads |= {key: s for key, s in _spread(state, term, part, std).items() if key[2] in gain}
+    return terms, found, spreads
+
+
+def _without(state: Fit, name: str) -> list[Hypothesis]:
+    """The effect in its first form, in each way in which that is looked for."""
+    kind, out = effect(name), []
+    for option in kind.options(kind.forms[0]):
+        plain = state.hypothesis.copy()
+        plain[name].reform(kind.forms[0])
+        plain[name].shared |= option
+        out.append(plain)
+    return out
+
+
+def _told(state: Fit, term: Term, part: str) -> Term:
+    """The effect that a term includes, with its values on each joint."""
+    form = term.form if term.form in effect(part).forms else ""
+    columns = [c for c in term.columns if c in state.context.columns]
+    return Term(part, form, own={c: _values(state, term, c) for c in columns})
+
+
+def _values(state: Fit, term: Term, column: int) -> dict[str, float]:
+    now = state.context.now(0, column)
+    return {name: float(v[0]) for name, v in bind_column(term, column).included(now).items()}
+
+
+def _spread(state: Fit, term: Term, part: str, std: Spreads) -> Spreads:
+    """Standard deviations, from those of the term's own values."""
+    out: Spreads = {}
+    for c in (c for c in term.columns if c in state.context.columns):
+        best, squares = _values(state, term, c), dict.fromkeys(_values(state, term, c), 0.0)
+        for name in term.own[c]:
+            moved = term.copy()
+            moved.own[c][name] += std.get((term.effect, name, c), 0.0)  # or given
+            for said, value in _values(state, moved, c).items():
+                squares[said] += (value - best[said]) ** 2
+        out |= {(part, said, c): float(np.sqrt(square)) for said, square in squares.items()}
+    return out
+
+
+def _strength(state: Fit, without: Fit, columns: list[int]) -> float:
+    """Root mean square of what it does on some joints, over the noise."""
+    power = []
+    for c in columns:
+        pair = (fit.context.predictions(fit.hypothesis, c) for fit in (state, without))
+        both = np.concatenate([a - b for a, b in zip(*pair, strict=True)])
+        power.append(np.mean(both**2) / state.context.noise[c].std ** 2)
+    return float(np.sqrt(np.mean(power)))
