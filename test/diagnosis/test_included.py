@@ -1,0 +1,56 @@
+"""What is part of an effect's form is told besides, where the recording shows it."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.search.looks import fitted
+from trunk_ros.diagnosis.evidence.evidence import evidence, spreads
+from trunk_ros.diagnosis.hypothesis import Term
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.verdict.included import all_findings, included
+from trunk_ros.effects import effect, registry
+from trunk_ros.model import load_model
+
+
+def held(arm: str, compliance: float) -> Fit:
+    """Links that swing, under friction, on the wires of an arm."""
+    own = {c: {"compliance": compliance, "damping": 0.1} for c in range(5)}
+    return fitted(arm, Term("load_elasticity", "held", own=own))
+
+
+def test_links_that_swing_on_soft_wires_are_told_besides() -> None:
+    state = held("heavy upstream", 0.08)
+    told = {f.effect: f for f in all_findings(state, evidence(state), spreads(state))}
+    assert set(told) == {"load_elasticity", "link_resonance"}
+    found, arm = told["link_resonance"], load_model("trunk").arm
+    assert "joint_1" in found.joints
+    assert found.confidence > 0.8
+    for joint, values in found.parameters.items():
+        straight = arm.straight_inertia[arm.joints.index(joint)]
+        assert values["frequency"]["value"] == pytest.approx(0.5 / np.pi / np.sqrt(0.08 * straight), rel=0.05)
+        assert values["damping"]["value"] == pytest.approx(0.1, abs=0.05)
+
+
+def test_where_nothing_swings_nothing_is_told() -> None:
+    state = held("upstream", 0.05)
+    assert not included(state, spreads(state))[0]
+
+
+def test_what_the_model_has_already_is_not_told_again() -> None:
+    state = held("heavy upstream", 0.08)
+    stage = copy(state.context.stage)
+    stage.known = state.hypothesis
+    known = replace(state, context=replace(state.context, stage=stage))
+    assert not included(known, spreads(state))[0]
+
+
+def test_effects_include_effects_that_there_are() -> None:
+    for kind in registry().values():
+        assert set(kind.includes) <= set(kind.forms)
+        for part in kind.includes.values():
+            assert effect(part).stage == kind.stage
