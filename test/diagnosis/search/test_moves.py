@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.search.looks import best_of, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.search.descent import Desk, Move
+from trunk_ros.diagnosis.search.descent import COARSE, Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
@@ -108,6 +108,17 @@ def test_shake_knows_links_that_stick_and_slip_on_soft_wires() -> None:
     found = improved("shake", "heavy upstream", soft).hypothesis["load_elasticity"]
     assert found.form == "held"
     assert found.own[0]["compliance"] == pytest.approx(0.08, rel=0.05)
+
+
+def test_shake_comes_early_where_its_law_mends_much_with_the_values_that_there_are() -> None:
+    """On wires that carry nothing it waits, as it takes the most time."""
+    early = Desk(share=COARSE[0])
+    soft = Term("load_elasticity", shared={"upstream": 1.0}, own={c: {"compliance": 0.08} for c in range(5)})
+    heavy = list(MOVE["shake"].groups(fitted("heavy upstream", soft), early))
+    assert [group.what for group in heavy] == ["load_elasticity"]
+    light = fitted("upstream", sag(range(5), upstream=1.0))
+    assert not list(MOVE["shake"].groups(light, early))
+    assert list(MOVE["shake"].groups(light, Desk()))
 
 
 def test_form_finds_the_law_that_was_at_work() -> None:

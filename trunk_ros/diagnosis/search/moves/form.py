@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
-from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.descent import COARSE, Desk, Group, Move, descend_with
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
@@ -24,9 +25,33 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def shaking_groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Those by which joints move each other: as they take by far the most time, what else mends comes
-    before.
+    before. While large things are missing, only forms that mend much with the values that there are.
     """
-    return _groups(best, desk, shaking=True)
+    for group in _groups(best, desk, shaking=True):
+        if desk.share < COARSE[0]:
+            yield group
+            continue
+        name = str(group.what)
+        gains = {form: _shaken(best, name, form) for form in _shaking(best, name)}
+        forms = [form for form, gain in gains.items() if desk.pays(gain, best)]
+        if forms:
+            yield replace(group, trials=partial(reforms, best, desk, name, forms))
+
+
+def _shaking(best: Fit, name: str) -> list[str]:
+    kind, term = effect(name), best.hypothesis[name]
+    shown = shown_forms(kind, best.context, term.columns)
+    return [form for form in kind.shaking if form in shown and form != term.form]
+
+
+def _shaken(best: Fit, name: str, form: str) -> float:
+    """What an effect gains in such a form, with the values that it has."""
+    trial, own = best.hypothesis.copy(), effect(name).own_parameters(form)
+    trial[name].reform(form)
+    typical = {p.name: p.typical for p in own if not (p.shared or p.optional)}
+    for column, values in trial[name].own.items():
+        trial[name].have(column, typical | values)
+    return score(best) - score(costed(best.context, trial))
 
 
 def _groups(best: Fit, desk: Desk, shaking: bool) -> Iterator[Group]:
@@ -121,4 +146,4 @@ def refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypoth
 
 
 FORM = Move("form", groups, descends=True, settles=True)
-SHAKE = Move("shake", shaking_groups, descends=True)
+SHAKE = Move("shake", shaking_groups, descends=True, cheap=True)
