@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.search.looks import best_of, drawn_beside_a_ratio, fitted
-from trunk_ros.diagnosis.hypothesis import Term
+from test.diagnosis.search.looks import best_of, context, drawn_beside_a_ratio, fitted
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.descent import COARSE, Desk, Move
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.option import put_down
@@ -110,11 +110,12 @@ def test_shake_knows_links_that_stick_and_slip_on_soft_wires() -> None:
     assert found.own[0]["compliance"] == pytest.approx(0.08, rel=0.05)
 
 
-def test_shake_comes_early_where_its_law_mends_much_with_the_values_that_there_are() -> None:
+def test_shake_comes_early_where_its_law_mends_much_before_it_is_fitted() -> None:
     """On wires that carry nothing it waits, as it takes the most time."""
     early = Desk(share=COARSE[0])
     soft = Term("load_elasticity", shared={"upstream": 1.0}, own={c: {"compliance": 0.08} for c in range(5)})
-    heavy = list(MOVE["shake"].groups(fitted("heavy upstream", soft), early))
+    there = costed(context("heavy upstream"), Hypothesis({"load_elasticity": soft}))
+    heavy = list(MOVE["shake"].groups(there, early))
     assert [group.what for group in heavy] == ["load_elasticity"]
     light = fitted("upstream", sag(range(5), upstream=1.0))
     assert not list(MOVE["shake"].groups(light, early))

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
@@ -25,7 +27,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def shaking_groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Those by which joints move each other: as they take by far the most time, what else mends comes
-    before. While large things are missing, only forms that mend much with the values that there are.
+    before. While large things are missing, only forms that mend much before they are fitted.
     """
     for group in _groups(best, desk, shaking=True):
         if desk.share < COARSE[0]:
@@ -45,13 +47,10 @@ def _shaking(best: Fit, name: str) -> list[str]:
 
 
 def _shaken(best: Fit, name: str, form: str) -> float:
-    """What an effect gains in such a form, with the values that it has."""
-    trial, own = best.hypothesis.copy(), effect(name).own_parameters(form)
-    trial[name].reform(form)
-    typical = {p.name: p.typical for p in own if not (p.shared or p.optional)}
-    for column, values in trial[name].own.items():
-        trial[name].have(column, typical | values)
-    return score(best) - score(costed(best.context, trial))
+    """What an effect gains in such a form before it is fitted."""
+    starts = [_begun(best, name, form), *refinements(best.hypothesis, name, form)]
+    there = [score(costed(best.context, start)) for start in starts if start is not None]
+    return score(best) - min(there, default=np.inf)
 
 
 def _groups(best: Fit, desk: Desk, shaking: bool) -> Iterator[Group]:
