@@ -152,8 +152,8 @@ def test_processes_do_not_outlive_a_bringup_that_is_killed(tmp_path, domain):
             time.sleep(0.05)
 
 
-def test_an_existing_output_is_refused_before_anything_starts(tmp_path):
-    done = trunk("bringup", "--output", tmp_path, "--seconds", 5)
+def test_an_existing_output_is_refused_before_anything_starts(command, tmp_path):
+    done = command("bringup", "--output", tmp_path, "--seconds", 5)
     assert done.returncode == 2
     assert done.stderr.splitlines() == [f"trunk_ros: {tmp_path} exists: give another output, or --overwrite"]
 
