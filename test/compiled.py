@@ -1,5 +1,5 @@
-"""``python -m test.compiled``: numba compiles what a diagnosis takes once, for all processes that come: each of
-those that begin together would do it.
+"""``python -m test.compiled``: numba compiles what a diagnosis takes, once for all processes that come: each
+of those that begin together would do it.
 """
 
 import numpy as np
