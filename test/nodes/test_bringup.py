@@ -22,7 +22,7 @@ PER_STEP = (
     "/clock", "/joint_states", "/trunk/gearbox_states", "/trunk/reference",
     "/trunk/setpoints", "/trunk/tip_pose", "/trunk/wire_states",
 )  # fmt: skip
-SECONDS, RATE = 5, 100
+SECONDS, RATE = 3, 100
 
 
 def simulated(path, *arguments, seconds=SECONDS):
@@ -169,7 +169,7 @@ def test_knowing_the_plant_takes_the_error_away(tmp_path):
     save_model(replace(model, effects=effects), plant)
     for believed in ("trunk", plant):
         models = ("--model", believed, "--plant-model", plant, "--trajectory", "sweeps")
-        simulated(tmp_path / f"with_{str(believed)[-4:]}", *models, seconds=8)
+        simulated(tmp_path / f"with_{str(believed)[-4:]}", *models, seconds=5)
     nominal, known = (true_error(tmp_path / name) for name in ("with_runk", "with_yaml"))
     assert nominal > 2e-3
     assert known < 3e-4
