@@ -26,11 +26,11 @@ def error(bag):
 )
 def test_with_the_found_model_the_true_error_is_near_the_encoders_resolution(tmp_path, seed, effects):
     arm = Arm(seed, effects)
-    drive(arm, tmp_path / "run", 12, 1)
+    drive(arm, tmp_path / "run", 15, 1)
     diagnose([tmp_path / "run"]).save(tmp_path / "found")
-    other_motion(tmp_path / "motion.yaml", 5, 6)
+    other_motion(tmp_path / "motion.yaml", 5, 8)
     motion = ("--trajectory", tmp_path / "motion.yaml")
-    drive(arm, tmp_path / "before", 6, 2, *motion)
-    drive(arm, tmp_path / "after", 6, 3, *motion, "--model", tmp_path / "found" / "model.yaml")
+    drive(arm, tmp_path / "before", 8, 2, *motion)
+    drive(arm, tmp_path / "after", 8, 3, *motion, "--model", tmp_path / "found" / "model.yaml")
     assert error(tmp_path / "before") > 10 * COUNT
     assert error(tmp_path / "after") < 3 * COUNT
