@@ -62,7 +62,7 @@ def test_effects_that_hide_each_other_are_both_named(
 
 def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
     truth = {"backlash": {"half_width": on(1, 1e-3)}, "zero_offset": {"offset": on(3, 2e-3)}}
-    real = of_the_wires(recorded(truth, seconds=12.0))
+    real = of_the_wires(recorded(truth, seconds=20.0))
     theirs = simulate(real, replace(load_model("trunk"), effects={"zero_offset": {"offset": on(3, 2e-3)}}))
     result = diagnose([real], against=theirs)
     assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_1"])]
