@@ -3,6 +3,7 @@
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
+COMPILED := $(VENV)/compiled
 FULL ?=
 SIMULATOR ?=
 RELEASE ?=
@@ -44,14 +45,19 @@ lint: setup
 
 PYTEST := -m pytest -q --timeout 300 --dist loadfile --no-loadscope-reorder
 GRAPH := test/nodes test/concealed/test_demo.py test/packaging/test_colcon.py
-graph rest: export OMP_NUM_THREADS := 1
-graph rest: export OPENBLAS_NUM_THREADS := 1
+graph rest $(COMPILED): export OMP_NUM_THREADS := 1
+graph rest $(COMPILED): export OPENBLAS_NUM_THREADS := 1
+
+# Beside lint, before many processes would each compile the same.
+$(COMPILED): $(STAMP) $(shell find trunk_ros -name '*.py')
+	$(PYTHON) -m test.compiled
+	@touch $@
 
 # They start many processes, so only two of them run at a time.
-graph: setup
+graph: $(COMPILED)
 	$(PYTHON) $(PYTEST) -n 2 $(GRAPH)
 
-rest: setup
+rest: $(COMPILED)
 	$(YIELDING) $(PYTHON) $(PYTEST) -n auto --maxprocesses 4 $(GRAPH:%=--ignore %)
 
 # Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.

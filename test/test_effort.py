@@ -25,6 +25,7 @@ from trunk_ros.simulate import simulate
 
 NOMINAL = load_model("trunk")
 FRICTION = np.array([0.01, 0.008, 0.012, 0.005, 0.015])  # N m at the shaft
+SECONDS = 20.0
 SAG = {"load_elasticity": {"compliance": np.full(5, 0.04)}}
 
 
@@ -49,7 +50,7 @@ def with_torque(recording: Recording, load: Array, noise: float = 2e-4) -> Recor
 
 @pytest.fixture(scope="module")
 def plain() -> Recording:
-    return recorded(SAG)
+    return recorded(SAG, 40.0)
 
 
 def test_friction_comes_off_and_the_weight_is_left(plain: Recording) -> None:
@@ -113,7 +114,7 @@ def test_an_arm_of_one_joint_and_a_urdf_has_its_weight_from_its_torque() -> None
 
 def heavier(payload: float = 0.05) -> Recording:
     """A run of an arm with a payload that the nominal model knows nothing of."""
-    made = recorded({"load_elasticity": {**SAG["load_elasticity"], "payload": payload}})
+    made = recorded({"load_elasticity": {**SAG["load_elasticity"], "payload": payload}}, SECONDS)
     return with_torque(made, weight(made, replace(NOMINAL.arm, payload=payload)))
 
 
@@ -215,7 +216,7 @@ def test_with_effort_the_stretch_is_named_on_an_arm_whose_masses_nobody_knows() 
 @pytest.mark.timeout(240)
 def test_with_effort_a_compliance_that_changes_with_the_angle_is_told() -> None:
     made = recorded(
-        {"load_elasticity": {**SAG["load_elasticity"], "form": "lever", "slope": np.full(5, 0.8)}}
+        {"load_elasticity": {**SAG["load_elasticity"], "form": "lever", "slope": np.full(5, 0.8)}}, SECONDS
     )
     (found,) = diagnose([of_the_wires(with_torque(made, weight(made)))], taken_from("effort")).findings
     assert (found.effect, found.evidence["form"]) == ("load_elasticity", "lever")
@@ -225,7 +226,7 @@ def test_with_effort_a_compliance_that_changes_with_the_angle_is_told() -> None:
 
 def swung_arm() -> Recording:
     """A run of an arm that stretches under weight and inertia."""
-    made = recorded()
+    made = recorded(seconds=SECONDS)
     shown = simulate(made, taken_from("weight_and_inertia", SAG)).series["joint_states"]
     noise = 1e-4 * np.random.default_rng(2).normal(size=shown.position.shape)
     return reshaped(made, "joint_states", position=shown.position + noise)
@@ -233,7 +234,7 @@ def swung_arm() -> Recording:
 
 def test_a_payload_that_the_model_has_already_is_counted_once() -> None:
     known = Model(NOMINAL.arm, {"load_elasticity": {**SAG["load_elasticity"], "payload": 0.1}})
-    result = diagnose([of_the_wires(recorded(dict(known.effects)))], known)
+    result = diagnose([of_the_wires(recorded(dict(known.effects), SECONDS))], known)
     assert result.verdict == "no_mismatch"
     assert result.model.payload == pytest.approx(0.1, abs=2e-3)
 

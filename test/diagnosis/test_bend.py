@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded, reshaped
+from test.diagnosis.arms import diagnose, of_the_wires, on, recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Finding
 from trunk_ros.model import load_model
@@ -19,7 +19,7 @@ RATIO = {"ratio_error": {"relative": on(4, 0.01)}}
 
 def _along(curve: Callable[[Array], Array], effects: dict[str, dict[str, Any]]) -> Recording:
     """An arm whose fourth joint follows the third along a curve [rad]."""
-    made = recorded(effects, 60.0, size=1.6)
+    made = recorded(effects, 40.0, size=1.6)
     third = made.series["gearbox_states"].position[:, 2] * load_model("trunk").arm.ratio[2]
     position = made.series["joint_states"].position.copy()
     position[:, 3] += curve(third)
@@ -27,7 +27,7 @@ def _along(curve: Callable[[Array], Array], effects: dict[str, dict[str, Any]]) 
 
 
 def _found(recording: Recording) -> dict[str, Finding]:
-    return {finding.effect: finding for finding in diagnose(recording).findings}
+    return {finding.effect: finding for finding in diagnose(of_the_wires(recording)).findings}
 
 
 @pytest.mark.parametrize(

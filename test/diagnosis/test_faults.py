@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.data.sensor_faults import all_that_sticks, sticks, stra
 
 def faulty(position: Array) -> Diagnosis:
     """Of an arm with a dead band that is too narrow in the model, by other joint readings."""
-    return diagnose([reshaped(recorded(LOOSE), "joint_states", position=position)])
+    return diagnose([reshaped(recorded(LOOSE, 40.0), "joint_states", position=position)])
 
 
 LOOSE = {"backlash": {"half_width": on(2, 8e-4)}}
@@ -21,7 +21,7 @@ LOOSE = {"backlash": {"half_width": on(2, 8e-4)}}
 
 @pytest.fixture
 def position() -> Array:
-    return recorded(LOOSE).series["joint_states"].position.copy()
+    return recorded(LOOSE, 40.0).series["joint_states"].position.copy()
 
 
 def test_a_sensor_that_sticks_is_said_and_hides_no_physics(position: Array) -> None:
@@ -106,7 +106,7 @@ def test_a_joint_that_stands_or_is_read_coarsely_has_no_faults(position: Array, 
 
 
 def test_a_good_recording_stays_the_same_object() -> None:
-    good = recorded()
+    good = recorded(seconds=40.0)
     assert without_faults(good) is good
 
 

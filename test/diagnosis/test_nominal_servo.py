@@ -49,12 +49,16 @@ def _asked(t: Array, seed: int) -> Array:
 
 
 def recorded_servos(
-    servo: dict[str, tuple[float, float, float]], seed: int = 1, pulled: float = 0.0, after: float = 0.004
+    servo: dict[str, tuple[float, float, float]],
+    seed: int = 1,
+    pulled: float = 0.0,
+    after: float = 0.004,
+    seconds: float = 15.0,
 ) -> Recording:
     """``pulled``: rad per rad that a spring at the shoulder's motor pulls it off its setpoint; ``after``: s
     between a setpoint and the next reading.
     """
-    t = np.arange(0.0, 30.0, PERIOD)
+    t = np.arange(0.0, seconds, PERIOD)
     asked, rng = _asked(t, seed), np.random.default_rng(seed)
     shown = t + after
     went = np.empty_like(asked)
@@ -70,7 +74,7 @@ def recorded_servos(
 def stiff() -> Recording:
     """One joint whose servo is nearly where it is asked to be at each moment."""
     gains = {"kp": (200.0,) * 3, "tau_v": (2e-3,) * 3}
-    return of_one_joint(recorded_servos(PLAIN | gains, after=0.0), JOINTS[0])
+    return of_one_joint(recorded_servos(PLAIN | gains, after=0.0, seconds=10.0), JOINTS[0])
 
 
 def of_one_joint(recording: Recording, joint: str) -> Recording:
@@ -140,7 +144,7 @@ def test_a_drive_that_is_fed_the_speed_of_its_profile_is_found_so_and_predicted_
     """A table of a profile that moves on between its rows, and of a shaft that is ahead of it."""
 
     def table(seed: int) -> Recording:
-        t = np.arange(0.0, 30.0, STEP)
+        t = np.arange(0.0, 15.0, STEP)
         kp, share, slow = 40.0, 1.2, 0.3 + 0.1 * seed
         asked = 0.5 * (1.0 - np.cos(slow * t) * np.cos(6.0 * t))[:, None]
         fed = asked[:, 0] + share / kp * np.gradient(asked[:, 0], STEP)
@@ -228,13 +232,13 @@ def _scaled(series: JointSeries, size: Array) -> JointSeries:
 
 
 def test_a_long_recording_tells_its_servos_by_the_stretches_in_which_they_move() -> None:
-    """Half a minute of motion after ten of rest."""
+    """Half a minute of motion after two of rest."""
     elbow = JOINTS.index("elbow")
-    whole = of_one_joint(recorded_servos(OWN), "elbow")
-    rest = np.arange(0.0, 600.0, PERIOD)
+    whole = of_one_joint(recorded_servos(OWN, seconds=30.0), "elbow")
+    rest = np.arange(0.0, 120.0, PERIOD)
 
     def after_rest(series: JointSeries) -> JointSeries:
-        stamp = np.concatenate([rest, series.stamp + 600.0])
+        stamp = np.concatenate([rest, series.stamp + 120.0])
         first = np.repeat(series.position[:1], len(rest), axis=0)
         noise = NOISE * np.random.default_rng(9).standard_normal(first.shape)
         quiet = first if series is whole.series["setpoints"] else first + noise
@@ -242,7 +246,7 @@ def test_a_long_recording_tells_its_servos_by_the_stretches_in_which_they_move()
 
     series = {name: after_rest(each) for name, each in whole.series.items()}
     found = with_its_servo(
-        load_model("direct").for_joints(("elbow",)), [replace(whole, duration=630.0, series=series)]
+        load_model("direct").for_joints(("elbow",)), [replace(whole, duration=150.0, series=series)]
     ).arm
     np.testing.assert_allclose(found.kp, OWN["kp"][elbow], rtol=0.02)
     np.testing.assert_allclose(found.delay, OWN["delay"][elbow], atol=3e-4)

@@ -32,7 +32,7 @@ def model() -> Model:
 @pytest.fixture(scope="module", params=[{}, WORN], ids=["clean", "worn"])
 def arm(request: pytest.FixtureRequest) -> Recording:
     """A recording whose joints are read between the gearbox's readings."""
-    made = recorded(request.param)
+    made = recorded(request.param, 40.0)
     return reshaped(made, "gearbox_states", stamp=made.series["gearbox_states"].stamp + 1e-9)
 
 
@@ -81,7 +81,7 @@ def test_a_joint_that_physics_makes_late_does_not_hide_an_early_clock(model: Mod
 def test_what_physics_and_old_readings_do_is_no_clock_that_is_early_or_was_set(
     model: Model, effects: dict[str, dict[str, Any]]
 ) -> None:
-    recording = recorded(effects)
+    recording = recorded(effects, 40.0)
     assert _right(recording, model)[1] == []
     assert _right(_off(recording, "joint_states", 4e-3), model)[1] == []
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, of_the_wires, on, recorded
+from test.diagnosis.arms import diagnose, of_the_servos, of_the_wires, on, recorded
 from trunk_ros.model import load_model
+from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
 
 
@@ -29,7 +31,7 @@ def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() ->
 def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
     """The droop of a servo under load is as large as it is, not as large as the payload makes it look."""
     effects = {"load_elasticity": {"compliance": load_model("trunk").arm.compliance, "payload": 0.06}}
-    recording = recorded(effects | {"load_droop": {"gain": 0.05}}, seconds=20.0)
+    recording = recorded(effects | {"load_droop": {"gain": 0.05}}, seconds=12.0)
     result = diagnose([recording])
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"load_droop", "load_elasticity"}
@@ -37,25 +39,30 @@ def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
 
 
 @pytest.mark.parametrize(
-    "effects",
+    ("effects", "seen"),
     [
-        {"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}},
-        {"tension_error": {"factor": 1.7}, "backlash": {"half_width": on(1, 4e-4) + on(4, 6e-4)}},
-        {"sensor_delay": {"delay": 0.004}, "backlash": {"half_width": np.full(5, 4e-4)}},
+        ({"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}}, of_the_servos),
+        (
+            {"tension_error": {"factor": 1.7}, "backlash": {"half_width": on(1, 4e-4) + on(4, 6e-4)}},
+            of_the_wires,
+        ),
+        ({"sensor_delay": {"delay": 0.004}, "backlash": {"half_width": np.full(5, 4e-4)}}, of_the_wires),
     ],
-    ids=lambda effects: "+".join(effects),
+    ids=["servo_delay+servo_bandwidth", "tension_error+backlash", "sensor_delay+backlash"],
 )
-def test_effects_that_hide_each_other_are_both_named(effects: dict[str, dict[str, Any]]) -> None:
+def test_effects_that_hide_each_other_are_both_named(
+    effects: dict[str, dict[str, Any]], seen: Callable[[Recording], Recording]
+) -> None:
     """A later and a faster servo all but cancel; a tension and dead bands widen the same loops; a dead band
     that is narrower in fast motion takes a part of a delay."""
-    result = diagnose([recorded(effects)])
+    result = diagnose([seen(recorded(effects, 25.0))])
     assert {f.effect for f in result.findings} == set(effects)
     assert result.verdict == "explained"
 
 
 def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
     truth = {"backlash": {"half_width": on(1, 1e-3)}, "zero_offset": {"offset": on(3, 2e-3)}}
-    real = recorded(truth, seconds=20.0)
+    real = of_the_wires(recorded(truth, seconds=20.0))
     theirs = simulate(real, replace(load_model("trunk"), effects={"zero_offset": {"offset": on(3, 2e-3)}}))
     result = diagnose([real], against=theirs)
     assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_1"])]
@@ -64,7 +71,7 @@ def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
 def test_several_recordings_are_one_arm() -> None:
     effects = {"ratio_error": {"relative": on(2, 0.004)}}
     result = diagnose(
-        [of_the_wires(run) for run in (recorded(effects, 20.0), recorded(effects, 25.0, seed=3))]
+        [of_the_wires(run) for run in (recorded(effects, 12.0), recorded(effects, 15.0, seed=3))]
     )
     assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_2"])]
 
@@ -74,7 +81,7 @@ def test_what_only_one_of_several_recordings_shows_is_found_in_any_order(order: 
     """The joint meets its stop in the wide motion alone."""
     upper = np.where(on(2, 1.0) > 0, 0.11, np.inf)
     stop = {"hard_stop": {"upper": upper}}
-    bags = [recorded(stop, seconds=25.0, seed=2 + k, size=s) for k, s in enumerate((0.3, 1.0))]
+    bags = [recorded(stop, seconds=15.0, seed=2 + k, size=s) for k, s in enumerate((0.3, 1.0))]
     result = diagnose([of_the_wires(bag) for bag in bags[::order]])
     assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
     assert result.findings[0].parameters["joint_2"]["upper"]["value"] == pytest.approx(0.11, abs=1e-3)
@@ -83,7 +90,7 @@ def test_what_only_one_of_several_recordings_shows_is_found_in_any_order(order: 
 def test_what_the_model_has_already_is_no_finding_and_stays_in_it() -> None:
     believed = {"backlash": {"half_width": on(2, 8e-4)}}
     model = replace(load_model("trunk"), effects=believed)
-    result = diagnose([of_the_wires(recorded(believed))], model=model)
+    result = diagnose([of_the_wires(recorded(believed, 20.0))], model=model)
     assert (result.verdict, result.findings) == ("no_mismatch", [])
     assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(8e-4, rel=0.03)
 
@@ -91,7 +98,7 @@ def test_what_the_model_has_already_is_no_finding_and_stays_in_it() -> None:
 def test_what_the_model_has_not_is_found_beside_what_it_has() -> None:
     model = replace(load_model("trunk"), effects={"backlash": {"half_width": on(2, 8e-4)}})
     truth = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}}
-    result = diagnose([of_the_wires(recorded(truth))], model=model)
+    result = diagnose([of_the_wires(recorded(truth, 20.0))], model=model)
     assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_4"])]
     assert set(result.model.effects) == {"backlash", "ratio_error"}
 
@@ -100,9 +107,9 @@ def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
     """Creep over minutes explains more of it than either alone."""
     hidden = {
         "zero_offset": {"offset": on(1, -4.5e-4)},
-        "wire_slip": {"step": on(1, 2.4e-4), "onset": np.full(5, 28.0)},
+        "wire_slip": {"step": on(1, 2.4e-4), "onset": np.full(5, 14.0)},
     }
-    result = diagnose([of_the_wires(recorded(hidden))])
+    result = diagnose([of_the_wires(recorded(hidden, 20.0))])
     assert {(f.effect, *f.joints) for f in result.findings} == {
         ("zero_offset", "joint_1"),
         ("wire_slip", "joint_1"),
@@ -111,5 +118,5 @@ def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
 
 def test_a_top_speed_that_one_joint_meets_is_the_servos_of_all() -> None:
     hidden = {"velocity_saturation": {"v_max": 0.45}, "servo_delay": {"delay": 0.004}}
-    result = diagnose([recorded(hidden, size=0.9)])
+    result = diagnose([of_the_servos(recorded(hidden, 40.0, size=0.9))])
     assert {f.effect: len(f.joints) for f in result.findings} == dict.fromkeys(hidden, 5)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, RATE, diagnose, on
+from test.diagnosis.arms import NOISE, RATE, diagnose, of_the_wires, on
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
@@ -62,7 +62,7 @@ def test_readings_are_taken_as_they_are_whatever_the_setpoints_say() -> None:
 def test_what_differs_from_one_station_to_the_next_is_not_taken_for_noise(
     effect: str, values: dict[str, Any]
 ) -> None:
-    result = diagnose([visited({effect: values})])
+    result = diagnose([of_the_wires(visited({effect: values}))])
     assert effect in {f.effect for f in result.findings} | {e for f in result.findings for e in f.equivalents}
     assert result.verdict in ("explained", "partly_explained")
 
@@ -73,12 +73,12 @@ def test_stations_of_a_nominal_arm_show_nothing() -> None:
 
 def test_drives_that_settle_from_beyond_are_no_narrower_dead_band() -> None:
     """The nominal dead bands are 0.4 to 0.8 mrad, and these drives come back by a quarter of that."""
-    result = diagnose([visited(beyond=1.5e-3)])
+    result = diagnose([of_the_wires(visited(beyond=1.5e-3))])
     assert result.verdict == "no_mismatch", result.summary()
 
 
 def test_what_such_drives_hide_of_a_dead_band_is_given_back() -> None:
-    result = diagnose([visited({"backlash": {"half_width": on(2, 2e-3)}}, beyond=5e-3)])
+    result = diagnose([of_the_wires(visited({"backlash": {"half_width": on(2, 2e-3)}}, beyond=5e-3))])
     assert [f.effect for f in result.findings] == ["backlash"]
     assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(2e-3, rel=0.03)
 
@@ -112,4 +112,4 @@ def test_topics_of_a_stop_belong_together_whichever_was_read_first() -> None:
     gearbox = recording.series["gearbox_states"]
     to_and_fro = gearbox.stamp + 0.02 * (-1.0) ** np.arange(COUNT)
     recording.series["gearbox_states"] = replace(gearbox, stamp=to_and_fro)
-    assert diagnose([recording]).verdict == "no_mismatch"
+    assert diagnose([of_the_wires(recording)]).verdict == "no_mismatch"

@@ -116,7 +116,7 @@ def test_what_the_motion_hides_on_all_joints_is_no_rival(monkeypatch: pytest.Mon
 def test_a_rival_has_to_tell_recordings_that_it_was_not_fitted_to(other: str) -> None:
     """What one of two recordings shows and the other does not is ahead on both together."""
     model = load_model("trunk")
-    spans = [wire_span(recorded(ARMS[arm], seed=k), model) for k, arm in enumerate(("backlash", other))]
+    spans = [wire_span(recorded(ARMS[arm], 40.0, seed=k), model) for k, arm in enumerate(("backlash", other))]
     two = context("backlash").over(spans)
     nothing, rival = (refit(two, Hypothesis({t.effect: t for t in terms})) for terms in ((), (BACKLASH,)))
     assert beats(rival, nothing)

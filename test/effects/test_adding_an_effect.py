@@ -203,19 +203,18 @@ def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
 def test_a_diagnosis_names_it_and_its_model_predicts_another_run(folder: Path) -> None:
     works(
         folder,
-        "from test.diagnosis.arms import on, recorded\n"
-        "from trunk_ros.diagnosis import diagnose\n"
+        "from test.diagnosis.arms import diagnose, of_the_wires, on, recorded\n"
         "from trunk_ros.diagnosis.report import render\n"
         "from trunk_ros.simulate import simulate\n"
         "hidden = {'winding_growth': {'growth': on(3, 0.03)}}\n"
-        "result = diagnose([recorded(hidden, seconds=30.0)])\n"
+        "result = diagnose([of_the_wires(recorded(hidden, seconds=15.0))])\n"
         "found, = result.findings\n"
         "assert (found.effect, found.joints) == ('winding_growth', ['joint_3']), result.findings\n"
         "assert abs(found.parameters['joint_3']['growth']['value'] - 0.03) < 0.003\n"
         "page = render(result)\n"
         "assert '<h3>winding growth: joint_3</h3>' in page\n"
         "assert 'bends like a parabola' in page\n"
-        "other = recorded(hidden, seconds=30.0, seed=5, noise=0.0)\n"
+        "other = recorded(hidden, seconds=15.0, seed=5, noise=0.0)\n"
         "shown = simulate(other, result.model).series['joint_states'].position\n"
         "assert np.abs(shown - other.series['joint_states'].position)[300:].max() < 3e-4",
     )

@@ -110,7 +110,7 @@ def test_rest_stays_at_rest(name: str, form: str) -> None:
 
 
 @every_effect
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(data=st.data())
 def test_it_is_finite_over_its_bounds(name: str, form: str, data: Any) -> None:
     kind = registry()[name]
@@ -144,7 +144,7 @@ def in_blocks(chain: Chain, backward: bool, signal: Any, stamp: Any, cuts: list[
 
 
 @every_effect
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=2, deadline=None)
 @given(cuts=st.sets(st.integers(1, 799), min_size=1, max_size=12), jitter=st.integers(0, 2**31))
 def test_block_by_block_equals_all_at_once(name: str, form: str, cuts: set[int], jitter: int) -> None:
     stage, model = registry()[name].stage, model_of(name, form)

@@ -27,7 +27,7 @@ COLUMNS = ["recording", "model", "stage", "joint", "unit", "rms_before", "rms_af
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An arm's bag, its model, and the bags of two simulators: one that is nominal, one that is right."""
     out = tmp_path_factory.mktemp("evaluate")
-    arm, truth = recorded(TRUTH), Model(load_model("trunk").arm, TRUTH)
+    arm, truth = recorded(TRUTH, 40.0), Model(load_model("trunk").arm, TRUTH)
     write_recording(out / "run", arm)
     save_model(truth, out / "model.yaml")
     for name, model in (("nominal", load_model("trunk")), ("right", truth)):
@@ -63,9 +63,9 @@ def test_readings_of_a_sensor_that_sticks_do_not_count(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As ``diagnose`` leaves them out."""
-    position = recorded(TRUTH).series["joint_states"].position.copy()
+    position = recorded(TRUTH, 40.0).series["joint_states"].position.copy()
     position[2500:2700, 3] = position[2500, 3]
-    write_recording(tmp_path / "run", reshaped(recorded(TRUTH), "joint_states", position=position))
+    write_recording(tmp_path / "run", reshaped(recorded(TRUTH, 40.0), "joint_states", position=position))
     assert main(["evaluate", str(tmp_path / "run"), "--model", str(folder / "model.yaml"), "--json"]) == 0
     out, said = capsys.readouterr()
     assert "run: joint_4: its sensor sticks, first at 25.01 s; 199 readings left out" in said
@@ -144,7 +144,7 @@ def test_what_cannot_be_scored_is_refused_in_one_line(
 
 def test_what_a_simulator_did_not_record_does_not_count() -> None:
     """A simulation that ends early is judged on what it has; one of other joints is refused."""
-    arm = recorded(TRUTH)
+    arm = recorded(TRUTH, 40.0)
     said = simulate(arm, Model(load_model("trunk").arm, TRUTH))
     half = Recording(said.name, said.start_ns, said.duration, said.part(0.0, 20.0).series)
     rows = score("run", [of_simulator(arm, "half", half, half)])

@@ -22,7 +22,7 @@ PER_STEP = (
     "/clock", "/joint_states", "/trunk/gearbox_states", "/trunk/reference",
     "/trunk/setpoints", "/trunk/tip_pose", "/trunk/wire_states",
 )  # fmt: skip
-SECONDS, RATE = 5, 100
+SECONDS, RATE = 3, 100
 
 
 def simulated(path, *arguments, seconds=SECONDS):
@@ -152,8 +152,8 @@ def test_processes_do_not_outlive_a_bringup_that_is_killed(tmp_path, domain):
             time.sleep(0.05)
 
 
-def test_an_existing_output_is_refused_before_anything_starts(tmp_path):
-    done = trunk("bringup", "--output", tmp_path, "--seconds", 5)
+def test_an_existing_output_is_refused_before_anything_starts(command, tmp_path):
+    done = command("bringup", "--output", tmp_path, "--seconds", 5)
     assert done.returncode == 2
     assert done.stderr.splitlines() == [f"trunk_ros: {tmp_path} exists: give another output, or --overwrite"]
 
@@ -169,7 +169,7 @@ def test_knowing_the_plant_takes_the_error_away(tmp_path):
     save_model(replace(model, effects=effects), plant)
     for believed in ("trunk", plant):
         models = ("--model", believed, "--plant-model", plant, "--trajectory", "sweeps")
-        simulated(tmp_path / f"with_{str(believed)[-4:]}", *models, seconds=8)
+        simulated(tmp_path / f"with_{str(believed)[-4:]}", *models, seconds=5)
     nominal, known = (true_error(tmp_path / name) for name in ("with_runk", "with_yaml"))
     assert nominal > 2e-3
     assert known < 3e-4

@@ -13,7 +13,6 @@ from test.nodes.graph import (
     rests,
     running,
     seconds,
-    trunk,
     values,
     words,
 )
@@ -198,8 +197,8 @@ def test_a_params_file_is_the_complete_model(domain, peer, graph, tmp_path):
         (["--ros-args", "-p", "rate:=0.0"], "rate"),
     ],
 )
-def test_bad_arguments_are_refused_in_one_line(arguments, told):
-    done = trunk("compensator", *arguments)
+def test_bad_arguments_are_refused_in_one_line(command, arguments, told):
+    done = command("compensator", *arguments)
     assert done.returncode == 2
     assert told in done.stderr
     assert len(done.stderr.splitlines()) == 1, done.stderr

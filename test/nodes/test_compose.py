@@ -5,7 +5,7 @@ import signal
 import numpy as np
 import pytest
 
-from test.nodes.graph import JOINTS, ended, hears, needs_ros, running, trunk
+from test.nodes.graph import JOINTS, ended, hears, needs_ros, running
 
 pytestmark = needs_ros
 ARM = ("servo_driver", "wire_elasticity", "compensator")
@@ -37,8 +37,8 @@ def test_nodes_in_one_process_move_the_arm_record_it_and_end_together(domain, pe
     assert np.ptp(series["joint_states"].position, axis=0).min() > 0.05
 
 
-def test_where_one_cannot_start_none_stays_and_its_reason_is_said():
-    done = trunk("compose", *ARM, "--ros-args", "-p", "wire_elasticity:model:=direct")
+def test_where_one_cannot_start_none_stays_and_its_reason_is_said(command):
+    done = command("compose", *ARM, "--ros-args", "-p", "wire_elasticity:model:=direct")
     assert done.returncode == 2
     assert "a live node has to know its joints" in done.stderr
     assert "Traceback" not in done.stderr

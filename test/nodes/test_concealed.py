@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from test.concealed.demo_runs import Arm, drive, followed, other_motion, trunk
+from test.concealed.demo_runs import Arm, drive, followed, other_motion
 from test.concealed.nominal import COUNTS_PER_REV
+from test.diagnosis.arms import diagnose
 from test.nodes.graph import needs_ros
 
 COUNT = 2 * np.pi / COUNTS_PER_REV  # rad
@@ -26,7 +27,7 @@ def error(bag):
 def test_with_the_found_model_the_true_error_is_near_the_encoders_resolution(tmp_path, seed, effects):
     arm = Arm(seed, effects)
     drive(arm, tmp_path / "run", 15, 1)
-    trunk("diagnose", tmp_path / "run", "--output", tmp_path / "found")
+    diagnose([tmp_path / "run"]).save(tmp_path / "found")
     other_motion(tmp_path / "motion.yaml", 5, 8)
     motion = ("--trajectory", tmp_path / "motion.yaml")
     drive(arm, tmp_path / "before", 8, 2, *motion)

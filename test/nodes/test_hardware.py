@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import pytest
 
-from test.nodes.graph import JOINTS, ROOT, ended, needs_ros, running, trunk, words
+from test.nodes.graph import JOINTS, ROOT, ended, needs_ros, running, words
 
 pytestmark = needs_ros
 
@@ -77,8 +77,8 @@ def test_the_bus_of_the_page_drives_motors_survives_their_silence_and_leaves_the
 
 
 @pytest.mark.parametrize("name", ["nowhere:Bus", "trunk_ros.nodes.bus:Nothing", "motors"])
-def test_a_bus_that_there_is_not_is_refused_in_one_line(name):
-    done = trunk("servo_driver", "--ros-args", "-p", f"bus:={name}")
+def test_a_bus_that_there_is_not_is_refused_in_one_line(command, name):
+    done = command("servo_driver", "--ros-args", "-p", f"bus:={name}")
     assert done.returncode == 2
     assert "neither simulated nor MODULE:CLASS" in done.stderr
     assert len(done.stderr.splitlines()) == 1, done.stderr

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from test.nodes.graph import ROOT, needs_ros, trunk
+from test.nodes.graph import ROOT, needs_ros
 from trunk_ros.__main__ import main
 from trunk_ros.nodes.parameters import PARAMETERS
 from trunk_ros.nodes.usage import usage
@@ -33,8 +33,8 @@ def extra(name, folder):
 
 @needs_ros
 @pytest.mark.parametrize("name", [*NODES, "replay", "bringup"])
-def test_help_says_what_it_does_and_takes(name):
-    done = trunk(name, "--help")
+def test_help_says_what_it_does_and_takes(command, name):
+    done = command(name, "--help")
     assert done.returncode == 0
     assert name in done.stdout
     if name in NODES:
@@ -70,7 +70,7 @@ def test_help_lists_what_the_node_has_and_is_the_same_once_ros_is_there(name, pe
 
 
 @needs_ros
-def test_a_parameter_that_a_node_does_not_have_is_said_with_the_nearest_name():
-    done = trunk("recorder", "--ros-args", "-p", "outptu:=bag", "-p", "wire.ratio:=[0.5]")
+def test_a_parameter_that_a_node_does_not_have_is_said_with_the_nearest_name(command):
+    done = command("recorder", "--ros-args", "-p", "outptu:=bag", "-p", "wire.ratio:=[0.5]")
     assert "unknown parameter 'outptu': did you mean 'output'?" in done.stderr
     assert "wire.ratio" not in done.stderr

@@ -7,7 +7,7 @@ import signal
 
 import pytest
 
-from test.nodes.graph import Received, bag_messages, ended, needs_ros, running, trunk, values
+from test.nodes.graph import Received, bag_messages, ended, needs_ros, running, values
 from test.recording.kill import kill_once
 from trunk_ros import __version__
 from trunk_ros.recording.bag.metadata import read_metadata
@@ -188,20 +188,20 @@ def test_while_the_clock_has_not_begun_messages_wait_in_the_room_there_is(domain
     assert (loss["received"], loss["lost"], loss["dropped"]) == (count, 0, count - room)
 
 
-def test_a_second_recorder_on_the_same_folder_is_refused(recorder):
+def test_a_second_recorder_on_the_same_folder_is_refused(command, recorder):
     process, path, peer, received = recorder
     peer.until(lambda: received("/diagnostics"))
-    second = trunk("recorder", "--ros-args", "-p", f"output:={path}")
+    second = command("recorder", "--ros-args", "-p", f"output:={path}")
     assert second.returncode == 2
     assert "is being recorded" in second.stderr
     assert ended(process, signal.SIGINT)[0] == 0
     assert "/diagnostics" in bag_messages(path)
-    third = trunk("recorder", "--ros-args", "-p", f"output:={path}")
+    third = command("recorder", "--ros-args", "-p", f"output:={path}")
     assert third.returncode == 2
     assert third.stderr.strip().endswith("exists: give another output")
 
 
-def test_what_a_killed_recorder_left_is_repaired_by_the_next(recorder):
+def test_what_a_killed_recorder_left_is_repaired_by_the_next(command, recorder):
     process, path, peer, received = recorder
     peer.until(lambda: received("/diagnostics"))
     (file,) = path.glob("*.mcap")
@@ -209,7 +209,7 @@ def test_what_a_killed_recorder_left_is_repaired_by_the_next(recorder):
     peer.until(lambda: file.stat().st_size > size)
     process.kill()
     process.wait()
-    following = trunk("recorder", "--ros-args", "-p", f"output:={path}")
+    following = command("recorder", "--ros-args", "-p", f"output:={path}")
     assert following.returncode == 2
     assert "repaired, " in following.stderr
     assert json.loads(read_metadata(path).custom["trunk_ros.manifest"])["version"] == __version__
@@ -224,7 +224,7 @@ def test_killed_at_any_moment_it_has_lost_at_most_the_last_second(domain, monkey
 
 
 @pytest.mark.parametrize("arguments", [[], ["-p", "output:=/proc/nowhere/bag"], ["-p", "output:=."]])
-def test_an_output_that_cannot_be_is_refused(arguments):
-    done = trunk("recorder", "--ros-args", *arguments)
+def test_an_output_that_cannot_be_is_refused(command, arguments):
+    done = command("recorder", "--ros-args", *arguments)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1, done.stderr

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from test.nodes.graph import PATIENCE, Peer, bag_messages, ended, needs_ros, running, trunk
+from test.nodes.graph import PATIENCE, Peer, bag_messages, ended, needs_ros, running
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 
@@ -159,8 +159,8 @@ def test_steps_asked_for_from_two_sides_at_once_all_count(monkeypatch):
         (["{bag}", "--remap", "x"], "OLD:=NEW"),
     ],
 )
-def test_what_cannot_be_played_is_refused_in_one_line(bag, arguments, told):
-    done = trunk("replay", *(argument.format(bag=bag) for argument in arguments))
+def test_what_cannot_be_played_is_refused_in_one_line(command, bag, arguments, told):
+    done = command("replay", *(argument.format(bag=bag) for argument in arguments))
     assert done.returncode == 2
     assert told in done.stderr
     assert len(done.stderr.splitlines()) == 1, done.stderr

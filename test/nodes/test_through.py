@@ -41,8 +41,8 @@ def plant() -> str:
     )
 
 
-def test_the_node_says_again_what_was_recorded(run):
-    done = trunk("replay", run, "--through", "wire_elasticity", "--tolerance", "1e-12")
+def test_the_node_says_again_what_was_recorded(command, run):
+    done = command("replay", run, "--through", "wire_elasticity", "--tolerance", "1e-12")
     assert done.returncode == 0, done.stderr
     assert "with the parameters that it had" in done.stdout
     rows = [line.split() for line in done.stdout.splitlines()]
@@ -51,19 +51,19 @@ def test_the_node_says_again_what_was_recorded(run):
     assert rows[-1][:3] == ["the", "same,", "within"]
 
 
-def test_another_model_says_something_else(run):
-    done = trunk("replay", run, "--through", "wire_elasticity", "--model", "trunk")
+def test_another_model_says_something_else(command, run):
+    done = command("replay", run, "--through", "wire_elasticity", "--model", "trunk")
     assert done.returncode == 0
     assert "differs by more than 1e-09: joint_states position" in done.stdout
-    strict = trunk("replay", run, "--through", "wire_elasticity", "--model", "trunk", "--tolerance", "1e-4")
+    strict = command("replay", run, "--through", "wire_elasticity", "--model", "trunk", "--tolerance", "1e-4")
     assert strict.returncode == 1
 
 
-def test_a_bag_without_what_the_node_needs_is_refused(tmp_path):
+def test_a_bag_without_what_the_node_needs_is_refused(command, tmp_path):
     from test.recording.bags import motion, write_bag
 
     bag = write_bag(tmp_path / "bag", motion())
-    done = trunk("replay", bag, "--through", "wire_elasticity")
+    done = command("replay", bag, "--through", "wire_elasticity")
     assert done.returncode == 2
     assert "no topic trunk/gearbox_states" in done.stderr
     assert len(done.stderr.splitlines()) == 1

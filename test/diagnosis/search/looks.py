@@ -135,7 +135,7 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
 def context(arm: str) -> Context:
     """The wires of an arm, weighed by what the nominal model leaves."""
     model = load_model("trunk")
-    return begun(first_look(WireStage([wire_span(recorded(ARMS[arm]), model)], model))).context
+    return begun(first_look(WireStage([wire_span(recorded(ARMS[arm], 40.0), model)], model))).context
 
 
 def fitted(arm: str, *terms: Term) -> Fit:
