@@ -230,9 +230,8 @@ class Context:
 
     def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) measured less predicted, 0 where nothing counts."""
-        seen = self.views[index].columns[column]
         predicted = thrown(self.views[index], hypothesis, column, self.predict(index, hypothesis, column))
-        return np.where(seen.valid, seen.target - predicted, 0.0)
+        return self.views[index].columns[column].off(predicted)
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
@@ -242,9 +241,8 @@ class Context:
         """The same of several hypotheses, each of one joint."""
         out = []
         for (hypothesis, column), each in zip(pairs, self.predictions_each(pairs), strict=True):
-            seen = [view.columns[column] for view in self.views]
-            each = [thrown(v, hypothesis, column, p) for v, p in zip(self.views, each, strict=True)]
-            rests = [np.where(s.valid, s.target - p, 0.0) for s, p in zip(seen, each, strict=True)]
+            pairs_of = zip(self.views, each, strict=True)
+            rests = [v.columns[column].off(thrown(v, hypothesis, column, p)) for v, p in pairs_of]
             out.append(self.whiten(rests, column))
         return out
 
