@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -144,8 +145,14 @@ def at_end(name: str, values: Values, duration: float, joints: tuple[str, ...]) 
 
 def payload_in(name: str, values: Mapping[str, Any]) -> Payload:
     """What an effect's values make the arm carry; ``name``: of the mass."""
-    said = ((m.name, values.get(f"{name}_{m.name}", m.null)) for m in LASTING)
+    said = ((m, values[key]) for key, m in _moments_of(name) if key in values)
     return Payload(values.get(name) or 0.0, tuple((m, at) for m, at in said if at != NULLS[m]))
+
+
+@cache
+def _moments_of(name: str) -> tuple[tuple[str, str], ...]:
+    """What the moments of a mass are called among an effect's values, and the moments."""
+    return tuple((f"{name}_{m.name}", m.name) for m in LASTING)
 
 
 def lateness(effects: Mapping[str, Values]) -> float:

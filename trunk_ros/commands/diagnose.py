@@ -123,8 +123,10 @@ def refuse_tables(paths: Sequence[str]) -> None:
 
 def write_report(result: Diagnosis, folder: Path) -> None:
     """The page."""
+    from trunk_ros.diagnosis.heap import give_back
     from trunk_ros.diagnosis.report import write
 
+    give_back()
     write(result, folder / "report.html")
 
 

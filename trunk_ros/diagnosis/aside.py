@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from typing import IO
 
-from trunk_ros.diagnosis.heap import RETURNED
+from trunk_ros.diagnosis.heap import RETURNED, give_back
 from trunk_ros.recording.recording import Recording
 
 
@@ -25,10 +25,12 @@ def aside(*lists: list[Recording]) -> Iterator[None]:
         return
     for some in lists:
         some.clear()
+    give_back()
     with file:
         try:
             yield
         finally:
+            give_back()
             file.seek(0)
             for some, back in zip(lists, pickle.load(file), strict=True):
                 some.extend(back)

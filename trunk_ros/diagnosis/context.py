@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY
-from trunk_ros.diagnosis.machine import CELLS, KEPT
+from trunk_ros.diagnosis.machine import CELLS, make_room
 from trunk_ros.diagnosis.side_by_side import Seen
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.thrown import thrown
@@ -117,8 +117,7 @@ class Context:
         judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
         colour = float(np.quantile(judged, PLAIN)) if judged else 0.0
         found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
-        noises = enumerate(self.stage.noises(found))
-        told = tuple(self.wanders.get(c, noise) for c, noise in noises)
+        told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(self.stage.noises(found)))
         return replace(self, noise=told, shown_before={})
 
     def doubting(self) -> Context:
@@ -199,14 +198,18 @@ class Context:
         """The surroundings of a column in a span, or at some ``rows`` of its grid, kept between calls."""
         key = (index, column, payload, rows)
         if key not in self._cache:
-            if rows is None:
-                made = now_of(self.views[index], self.arm, column, payload)
-            else:
-                made = at(self.now(index, column, payload), np.array(rows))
-            if len(self._cache) > KEPT * len(self.joints) * len(self.views):
-                self._cache.clear()
+            view, whole = self.views[index], None if rows is None else self.now(index, column, payload)
+            made = now_of(view, self.arm, column, payload) if whole is None else at(whole, np.array(rows))
+            alike = [k for k in self._cache if k[:2] == key[:2] and (k[3] is None) == (rows is None)]
+            make_room(self._cache, len(view.span.grid), alike)
             self._cache[key] = made
         return self._cache[key]
+
+    def forget(self) -> None:
+        """Let go of what is known of the arm at all angles: it is made anew when it is asked for."""
+        self._cache.clear()
+        for view in self.views:
+            view.large.clear()
 
     def predict(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
@@ -230,9 +233,11 @@ class Context:
 
     def residual(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) measured less predicted, 0 where nothing counts."""
-        seen = self.views[index].columns[column]
-        predicted = thrown(self.views[index], hypothesis, column, self.predict(index, hypothesis, column))
-        return np.where(seen.valid, seen.target - predicted, 0.0)
+        return self._off(index, hypothesis, column, self.predict(index, hypothesis, column))
+
+    def _off(self, index: int, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
+        view = self.views[index]
+        return view.columns[column].off(thrown(view, hypothesis, column, predicted))
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""
@@ -240,13 +245,10 @@ class Context:
 
     def whitened_each(self, pairs: Sequence[Seen]) -> list[Array]:
         """The same of several hypotheses, each of one joint."""
-        out = []
-        for (hypothesis, column), each in zip(pairs, self.predictions_each(pairs), strict=True):
-            seen = [view.columns[column] for view in self.views]
-            each = [thrown(v, hypothesis, column, p) for v, p in zip(self.views, each, strict=True)]
-            rests = [np.where(s.valid, s.target - p, 0.0) for s, p in zip(seen, each, strict=True)]
-            out.append(self.whiten(rests, column))
-        return out
+        return [
+            self.whiten([self._off(i, hypothesis, column, p) for i, p in enumerate(each)], column)
+            for (hypothesis, column), each in zip(pairs, self.predictions_each(pairs), strict=True)
+        ]
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""
@@ -294,7 +296,5 @@ class Context:
 
     def shows(self, tells: Callable[[Now], bool], column: int) -> bool:
         """Whether the motion of a column in one of the spans tells something."""
-        return any(
-            tells(self.now(index, column)) and tells(self.shown(column, index))
-            for index in range(len(self.views))
-        )
+        spans = range(len(self.views))
+        return any(tells(self.now(index, column)) and tells(self.shown(column, index)) for index in spans)

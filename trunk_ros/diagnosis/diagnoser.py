@@ -158,7 +158,8 @@ class Diagnoser:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         found = replace(self.model, effects={**self.model.effects, **self.effects})
         del recorded
-        self._stage(ServoStage(spans, found, self.units))
+        with aside(self.recordings, self.wires):
+            self._stage(ServoStage(spans, found, self.units))
 
     def found_servos(self) -> Servos:
         """Those of joints of which the model says nothing and the recordings tell."""
@@ -184,11 +185,12 @@ class Diagnoser:
             self.result.stages["wire"] = {"compared": False, "joints": {}}
             return
         self.say("wire")
-        wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
-        self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
-        stage, self.spans = WireStage(self.spans, self.path, self.units), []
-        del wires
-        state = self._stage(stage)
+        with aside(self.recordings, self.wires):
+            wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
+            self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
+            del wires
+            stage, self.spans = WireStage(self.spans, self.path, self.units), []
+            state = self._stage(stage)
         if state is not None:
             for some in (self.recordings, self.wires):
                 some[:] = put_right_beside(some, state)
@@ -201,10 +203,10 @@ class Diagnoser:
         if not context.columns:
             self.result.stages[stage.name] = {"compared": False, "joints": {}, "silent": [*stage.joints]}
             return None
-        with aside(self.recordings, self.wires):
-            done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
-        give_back()
+        done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
         state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
+        context.forget()
+        give_back()
         effects = state.hypothesis.model_effects(len(stage.joints))
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints)
@@ -228,8 +230,7 @@ class Diagnoser:
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
         every = all_findings(state, found, std)
-        who = MODEL if self.against is None else SIMULATION
-        new = changes(context, state.hypothesis, every, std, who)
+        new = changes(context, state.hypothesis, every, std, MODEL if self.against is None else SIMULATION)
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > STRONG}

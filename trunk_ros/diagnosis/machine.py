@@ -15,8 +15,6 @@ CELLS = 2**17
 """Samples that are computed together, and at which what is known of the whole arm is kept: of long recordings
 more would not fit into memory.
 """
-KEPT = 8
-"""Surroundings of each joint and span that are kept."""
 FACTORS = 8
 """Sizes of which one logarithm is taken: a product of more might be no number."""
 BOUND = 64

@@ -8,7 +8,6 @@ import numpy as np
 
 from trunk_ros.chain import Chain, run_servo
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.seen import joined
 from trunk_ros.diagnosis.data.span import Span
@@ -55,4 +54,4 @@ class ServoStage(Stage):
         for block in blocks:
             if block.acts_at > block.CORE:
                 out, _ = block.run(out, now, None)
-        return columns_of(span.measured(out))
+        return [span.measured(each) for each in out.T]

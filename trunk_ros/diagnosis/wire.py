@@ -11,7 +11,6 @@ from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.abreast import columns_of
 from trunk_ros.diagnosis.data.align import STANDS
 from trunk_ros.diagnosis.data.seen import beside
 from trunk_ros.diagnosis.data.span import Span
@@ -54,7 +53,7 @@ class WireStage(Stage):
         if not blocks or any(b.transients(sight.now(index, column, payload)) is not None for b in blocks):
             return super()._predict_alike(sight, index, pairs)
         shown, _ = self._passed(sight, index, column, payload, blocks, len(pairs))
-        return columns_of(sight.views[index].span.measured(shown))
+        return [sight.views[index].span.measured(each) for each in shown.T]
 
     def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(m,) the joint's own angle that a hypothesis predicts, at all steps of a span."""
@@ -85,7 +84,8 @@ class WireStage(Stage):
             chosen = seen[np.linspace(0, len(seen) - 1, min(len(seen), STOOD)).astype(int)]
             rows = np.unique(np.concatenate([[0], span.rows[chosen]]))
             until = np.maximum(np.searchsorted(span.rows[seen], rows, "right"), 1)
-            levels = np.array([np.median(span.target[seen[:count], column]) for count in until])
+            told = span.target[seen, column, None]
+            levels = np.concatenate([middle(told[:count]) for count in until])
             known = span.target, tuple(rows.tolist()), levels
             self._stands[span.name, column] = known
         return known[1:]

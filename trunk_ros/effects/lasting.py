@@ -96,7 +96,7 @@ def _share(stamp: Array, begin: Array, until: Array, times: Array, grown: Array,
 
 def lasts(e: Effect) -> bool:
     """Whether an effect acts all the time."""
-    return e.values.keys().isdisjoint(NULLS)
+    return NULLS.keys().isdisjoint(e.values)
 
 
 def acting(e: Effect, now: Now) -> Array:

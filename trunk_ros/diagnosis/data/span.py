@@ -66,7 +66,8 @@ class Span:
 
     def measured(self, signal: Array) -> Array:
         """(n,) of a signal (m,) on the grid, at the measured rows."""
-        return signal[self._rows]
+        rows = self._rows
+        return signal[rows] if isinstance(rows, slice) else signal.take(rows, axis=0)
 
     @cached_property
     def _rows(self) -> np.ndarray | slice:

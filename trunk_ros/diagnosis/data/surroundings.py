@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
 from trunk_ros.diagnosis.machine import CELLS, make_room
@@ -29,6 +29,12 @@ class Column(NamedTuple):
     """The rows (k,) that count: mostly they are one piece."""
     follows: np.ndarray
     speed: Array
+
+    def off(self, predicted: Array) -> Array:
+        """(n,) measured less ``predicted`` (n,), 0 where nothing counts."""
+        out = np.empty_like(self.target)
+        _off(self.target, predicted, self.valid, out)
+        return out
 
     def those(self, values: Array) -> Array:
         """(k,) of values (n,), where they count; a copy."""
@@ -188,6 +194,12 @@ class View:
                 np.ascontiguousarray(self.speeds[:, one]),
             )
         return self.cuts[column]
+
+
+@compiled
+def _off(target: Array, predicted: Array, valid: np.ndarray, out: Array) -> None:
+    for k in range(len(out)):
+        out[k] = target[k] - predicted[k] if valid[k] else 0.0
 
 
 def _by_pieces(of: Callable[[Array], Array], angles: Array) -> Array:

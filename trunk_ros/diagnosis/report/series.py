@@ -33,7 +33,7 @@ def series(result: Answer) -> dict[str, Any]:
 
 def _signal(result: Answer, signal: Signal, is_open: bool) -> dict[str, Any]:
     rows = thinned(signal)
-    angle = np.where(np.isfinite(signal.measured), signal.measured, np.nan)
+    angle = np.where(np.isfinite(signal.measured), signal.measured, np.nan).astype(float)
     errors = [signal.error_before, *([signal.error_after] if signal.changed else [])]
     size = max(float(np.nanmax(np.abs(e), initial=0.0)) for e in errors)
     factor, unit = multiple(float(np.nanmax(np.abs(angle), initial=0.0)), signal.unit)

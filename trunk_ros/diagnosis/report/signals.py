@@ -22,30 +22,50 @@ CELLS = 300  # of time that a picture has: in each the extremes of every curve a
 @dataclass(frozen=True)
 class Signal(Measured):
     """With what was predicted before and after: arrays (n,), in ``unit``; gearbox and its velocity in rad,
-    rad/s.
+    rad/s. They are made of what the plots hold when they are asked for: of a long recording that is much.
     """
 
-    before: Array
-    after: Array
     valid: np.ndarray
-    gearbox: Array | None
-    velocity: Array | None
     noise: float
+    held: dict[str, Any]
+
+    @property
+    def before(self) -> Array:
+        """(n,) the nominal prediction."""
+        return np.asarray(self.measured - self._all("error_before"))
+
+    @property
+    def after(self) -> Array:
+        """(n,) the prediction with all that was found."""
+        return np.asarray(self.measured - self._all("error_after"))
+
+    @property
+    def gearbox(self) -> Array | None:
+        """(n,) rad; None at the tip."""
+        return None if self.held.get("gearbox") is None else self._all("gearbox")
+
+    @property
+    def velocity(self) -> Array | None:
+        """(n,) rad/s of the gearbox; None at the tip."""
+        return None if self.held.get("velocity") is None else self._all("velocity")
 
     @property
     def changed(self) -> bool:
         """Whether anything that was found acts on the signal."""
-        return bool(np.any(self.after != self.before))
+        return bool(np.any(self.held["error_after"] != self.held["error_before"]))
 
     @property
     def error_before(self) -> Array:
         """(n,) measured less the nominal prediction, NaN where it does not count."""
-        return np.where(self.valid, self.measured - self.before, np.nan)
+        return np.where(self.valid, self._all("error_before"), np.nan)
 
     @property
     def error_after(self) -> Array:
         """(n,) measured less the prediction with all that was found, NaN where it does not count."""
-        return np.where(self.valid, self.measured - self.after, np.nan)
+        return np.where(self.valid, self._all("error_after"), np.nan)
+
+    def _all(self, key: str) -> Array:
+        return np.asarray(self.held[key], dtype=float)
 
 
 def signals(result: Answer) -> list[Signal]:
@@ -54,16 +74,9 @@ def signals(result: Answer) -> list[Signal]:
     out = []
     for (stage, name), held in sorted(plots.items(), key=lambda item: STAGES.index(item[0][0])):
         said = entries(result, stage).get(name, {})
-        arrays = {k: np.asarray(held[k], dtype=float) for k in ("stamp", "measured")}
-        said_by = {when: arrays["measured"] - held[f"error_{when}"] for when in ("before", "after")}
-        valid = np.asarray(held["valid"], dtype=bool) & np.isfinite(arrays["measured"])
-        unit = str(said.get("unit", "rad"))
-        seen: dict[str, Any] = {
-            key: None if held.get(key) is None else np.asarray(held[key], dtype=float)
-            for key in ("gearbox", "velocity")
-        }
-        noise = float(held["noise"])
-        out.append(Signal(stage, name, unit, **arrays, **said_by, **seen, valid=valid, noise=noise))
+        valid = np.asarray(held["valid"], dtype=bool) & np.isfinite(held["measured"])
+        about = stage, name, str(said.get("unit", "rad"))
+        out.append(Signal(*about, held["stamp"], held["measured"], valid, float(held["noise"]), held))
     return out
 
 

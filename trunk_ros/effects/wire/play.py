@@ -21,13 +21,19 @@ def play(x: Array, scale: Array, width: Array, theta: Array, out: Array) -> None
     the state.
     """
     steps, columns = x.shape
-    stride = 1 if width.shape[0] > 1 else 0
-    for k in range(steps):
-        for j in range(columns):
-            w = max(width[k * stride, j], 0.0)
+    varying = width.shape[0] > 1
+    for j in range(columns):
+        at, w = theta[j], max(width[0, j], 0.0)
+        for k in range(steps):
+            if varying:
+                w = max(width[k, j], 0.0)
             u = x[k, j] * scale[j]
-            theta[j] = min(max(theta[j], u - w), u + w)
-            out[k, j] = theta[j]
+            if at < u - w:  # mostly it stays: a guess at that costs less than to wait for each step
+                at = u - w
+            elif at > u + w:
+                at = u + w
+            out[k, j] = at
+        theta[j] = at
 
 
 @compiled

@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, wit
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import sliding, waited
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -36,6 +37,7 @@ def clocks_put_right(recording: Recording, model: Model) -> Recording:
         how_coarse,
     ):
         recording = look(recording, model)
+        give_back()
     return recording
 
 
