@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects.lasting import LASTING, shown_between
 from trunk_ros.guards import ROUNDED
@@ -42,24 +42,12 @@ class Sums:
     @staticmethod
     def of(edges: Array, stamp: Array, rest: Array, d: Array, q: Array) -> Sums:
         """``rest``, ``d`` (n,) at ``stamp`` (n,) s; ``q`` (n, basis): what the fitted values can follow."""
-        rows = np.searchsorted(stamp, edges)
-        starts = np.minimum(rows, len(stamp) - 1)
-        empty, beyond = starts[1:] == starts[:-1], rows == len(stamp)
-
-        def until(values: Array) -> Array:
-            pieces = np.add.reduceat(values, starts)[:-1]
-            pieces[empty] = 0.0
-            sums = np.concatenate([np.sum(values[: starts[0]], axis=0)[None], pieces]).cumsum(axis=0)
-            sums[beyond] += values[-1]
-            return sums
-
-        along, own, fitted = rest * d, d * d, q * d[:, None]
-        return Sums(
-            np.clip(edges, stamp[0], stamp[-1]),
-            np.array([until(along), until(along * stamp)]),
-            np.array([until(own), until(own * stamp), until(own * stamp**2)]),
-            np.array([until(fitted), until(fitted * stamp[:, None])]),
-        )
+        basis = q.shape[1]
+        sums = np.zeros((5 + 2 * basis, len(edges)))
+        _between(np.searchsorted(stamp, edges), stamp, rest, d, q, sums)
+        sums = sums.cumsum(axis=1)
+        qd = np.ascontiguousarray(sums[5:].reshape(2, basis, len(edges)).transpose(0, 2, 1))
+        return Sums(np.clip(edges, stamp[0], stamp[-1]), sums[:2], sums[2:5], qd)
 
     def between(self) -> tuple[Array, Array]:
         """(k, k) rest . d and d . d from one edge to another, less what the fitted values can follow."""
@@ -84,6 +72,25 @@ class Sums:
         rd = np.stack([self.rd[0], self.rd[0, -1] - self.rd[0]], axis=1)
         dd = np.stack([self.dd[0], self.dd[0, -1] - self.dd[0]], axis=1)
         return rd, dd[:, :, None] * np.eye(2) - parts @ parts.transpose(0, 2, 1)
+
+
+@compiled
+def _between(rows: np.ndarray, stamp: Array, rest: Array, d: Array, q: Array, out: Array) -> None:
+    """Sums (5 + 2 basis, k) over the rows (k,) before each edge that are not before the one before it."""
+    first, basis = 0, q.shape[1]
+    for k in range(len(rows)):
+        for i in range(first, rows[k]):
+            t, along, own = stamp[i], rest[i] * d[i], d[i] * d[i]
+            out[0, k] += along
+            out[1, k] += along * t
+            out[2, k] += own
+            out[3, k] += own * t
+            out[4, k] += own * t * t
+            for j in range(basis):
+                fitted = q[i, j] * d[i]
+                out[5 + j, k] += fitted
+                out[5 + basis + j, k] += fitted * t
+        first = rows[k]
 
 
 def _inside(sums: Array) -> Array:
