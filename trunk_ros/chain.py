@@ -66,7 +66,7 @@ class Chain:
         self.effects = model.bound(stage)
         self.order = Order.of(self.effects)
         self.duration = model.duration if hold_time else None
-        bears = any(e.bears for e in self.effects)
+        bears = any(e.bears(e.form) for e in self.effects)
         hung = Chain(model, "wire", hold_time) if stage == "servo" and bears else None
         self.wires = hung if hung is not None and hung.effects else None
         """What hangs on servos that bear its load, where it is not just where they are."""

@@ -141,10 +141,10 @@ class Effect(ABC):
         """Its place, in this form."""
         return self.place
 
-    @property
-    def bears(self) -> bool:
-        """Whether it goes by the load, in this form."""
-        return "load" in self.needs
+    @classmethod
+    def bears(cls, form: str) -> bool:
+        """Whether it goes by the load, in a form."""
+        return not {"load", "weight"}.isdisjoint(cls.needs)
 
     def upstream(self) -> Effect | None:
         """The part of an effect behind the stage's core that lies before it, if any."""

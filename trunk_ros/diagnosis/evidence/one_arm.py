@@ -93,8 +93,8 @@ def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
 
 def _lasting(hypothesis: Hypothesis) -> Hypothesis:
     """Without effects of time and load: each recording begins anew, and may have a payload of its own."""
-    for name in list(hypothesis):
-        if effect(name).regime == "time" or {"load", "weight"} & set(effect(name).needs):
+    for name, term in list(hypothesis.items()):
+        if effect(name).regime == "time" or effect(name).bears(term.form):
             hypothesis = hypothesis.without(name)
     return hypothesis
 

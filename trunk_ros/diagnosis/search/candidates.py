@@ -124,7 +124,7 @@ def extended(context: Context, hypothesis: Hypothesis, candidate: Candidate) -> 
     out = hypothesis.copy()
     kind = effect(candidate.effect)
     columns = (candidate.columns or context.columns) if candidate.column is None else [candidate.column]
-    if "load" in kind.needs:
+    if kind.bears(candidate.form):
         columns = [c for c in columns if context.stage.bears(c) and kind.forms_shown(context.motion(c))]
     for rival in replaced(kind, out):
         del out[rival]

@@ -58,7 +58,7 @@ def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda
         return True
     followed = {word for words in block.words.values() for word in words if word in now.joints}
     signals = [now.gearbox[:, 0], *(now.angles[:, now.joints.index(joint)] for joint in followed)]
-    signals += [now.load[:, 0]] if block.bears else []
+    signals += [now.load[:, 0]] if block.bears(block.form) else []
     rows = np.split(np.arange(len(now.stamp)), np.searchsorted(now.stamp, times))
     seen = _ways if block.regime in BY_THE_WAY else _moves
     goes = np.array([[seen(signal, part) for part in rows] for signal in signals])

@@ -143,7 +143,7 @@ def refit(context: Context, hypothesis: Hypothesis, goal: float = np.inf, spared
     left of the worst joints, so many of which may be ``spared`` since something else will explain it.
     """
     done = _refit(context, hypothesis, goal, spared)
-    if any(effect(name).everywhere and "load" in effect(name).needs for name in hypothesis):
+    if any(effect(n).everywhere and effect(n).bears(term.form) for n, term in hypothesis.items()):
         seen = context.seen_with(done.hypothesis)
         done = done if seen is context else _refit(seen, done.hypothesis, goal, spared)
     for _ in range(TURNS if hypothesis.shakes else 0):

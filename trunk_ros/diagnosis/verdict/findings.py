@@ -124,7 +124,7 @@ def believable(kind: type[Effect], term: Term, joints: Sequence[str], told: Dete
 
 def _varies_with(kind: type[Effect], term: Term) -> list[str]:
     sources = sorted({w for words in term.words.values() for w in words.values() if w})
-    load = ["load"] if "load" in kind.needs else []
+    load = ["load"] if kind.bears(term.form) else []
     return sources or load or list(VARIES_WITH[kind.regime])
 
 

@@ -81,9 +81,9 @@ class ViscoelasticCreep(OnBothSides):
         ("viscous_lag", "hold still after a move: a lag is over in a fraction of a second"),
     )
 
-    @property
-    def bears(self) -> bool:
-        return self.form == "load"
+    @classmethod
+    def bears(cls, form: str) -> bool:
+        return form == "load"
 
     @property
     def acts_at(self) -> int:
@@ -104,7 +104,7 @@ class ViscoelasticCreep(OnBothSides):
         core.middle = core.middle - out
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        if self.bears:
+        if self.bears(self.form):
             given, state = self._given(x.shape, now, state)
             return x + given, state
         gains, constants = self._modes()
@@ -114,7 +114,7 @@ class ViscoelasticCreep(OnBothSides):
         return out, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        if self.bears:
+        if self.bears(self.form):
             given, state = self._given(y.shape, now, state)
             return y - given, state
         gains, constants = self._modes()
@@ -136,7 +136,7 @@ class ViscoelasticCreep(OnBothSides):
 
     def _modes(self) -> tuple[Array, Array]:
         """Gains and time constants, (modes, columns) each."""
-        if self.bears:
+        if self.bears(self.form):
             return self["compliance"][None], self["time_constant"][None]
         if self.form == "spectrum":
             constants = np.geomspace(self["time_constant"], self["time_constant_2"], MODES)
