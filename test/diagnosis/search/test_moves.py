@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.search.descent import COARSE, Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
+from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_what_it_stood_for
 from trunk_ros.diagnosis.search.score import beats, score
@@ -40,6 +41,14 @@ def improved(name: str, arm: str, *terms: Term) -> Fit:
 def test_onset_finds_a_moment_that_a_fit_does_not_see() -> None:
     best = improved("onset", "slip", SLIP)
     assert best.hypothesis["wire_slip"].own[1]["onset"] == pytest.approx(17.0, abs=0.02)
+
+
+def test_a_moment_that_is_best_at_the_end_of_what_was_looked_at_is_looked_for_further_on() -> None:
+    off = Term("wire_slip", own={1: {"step": 2e-3, "onset": 12.6}})
+    there = costed(context("slip"), Hypothesis({"wire_slip": off}))
+    assert dated(there, "wire_slip", 1).hypothesis["wire_slip"].own[1]["onset"] == pytest.approx(
+        17.0, abs=0.05
+    )
 
 
 def test_drop_leaves_out_what_is_not_missed() -> None:

@@ -11,7 +11,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit, refit_column
-from trunk_ros.diagnosis.search.score import need
+from trunk_ros.diagnosis.search.score import BETTER, need
 from trunk_ros.effects import effect
 
 REACH = 1.0  # s
@@ -62,19 +62,23 @@ def _at_once(best: Fit, name: str, columns: list[int], moment: str) -> Iterator[
 
 def dated(now: Fit, name: str, on: int | None = None) -> Fit:
     """With the moments of one effect where each fits best nearby, on one joint or on all; then all that may
-    follow them is fitted.
+    follow them is fitted. One that is best at the end of what was looked at is looked for further on.
     """
-    there, columns = Fit(now.hypothesis.copy(), now.cost, now.context), set[int | None]()
+    there, columns, far = Fit(now.hypothesis.copy(), now.cost, now.context), set[int | None](), False
     for one, column, moment in moments(now):
         if one == name and on in (None, column):
-            _home(there.hypothesis, name, column)[moment] = _nearest(there, name, column, moment)
+            home = _home(there.hypothesis, name, column)
+            before, home[moment] = home[moment], _nearest(there, name, column, moment)
+            far = far or abs(home[moment] - before) >= REACH
             columns.add(column)
     if None in columns:
         there = refit(now.context, there.hypothesis)
     else:
         for column in (c for c in columns if c is not None):
             there = refit_column(there, there.hypothesis, column)
-    return min(now, there, key=lambda fit: fit.total)
+    if there.total > now.total - BETTER:
+        return min(now, there, key=lambda fit: fit.total)
+    return dated(there, name, on) if far else there
 
 
 def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
