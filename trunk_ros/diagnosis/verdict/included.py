@@ -29,9 +29,10 @@ def included(state: Fit, std: Spreads) -> tuple[Hypothesis, dict[str, Evidence],
     ask for it: the same effect without it is refitted. With its evidence and standard deviations.
     """
     terms, found, spreads = Hypothesis(), dict[str, Evidence](), Spreads()
+    before = {name: effect(name).includes.get(term.form) for name, term in state.context.known.items()}
     for name, term in state.hypothesis.items():
         part = effect(name).includes.get(term.form)
-        if part is None or part in state.hypothesis or name in state.context.known:
+        if part is None or part in (*state.hypothesis, before.get(name)):
             continue
         without = min((refit(state.context, h) for h in _without(state, name)), key=score)
         gain = {c: without.cost[c] - cost for c, cost in state.cost.items() if c in term.columns}
