@@ -11,8 +11,8 @@ import pytest
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.evidence.evidence import evidence, spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.verdict.included import all_findings, included
+from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.verdict.included import _told, all_findings, included
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.wire.link_resonance import RIGID
 from trunk_ros.model import load_model
@@ -57,6 +57,15 @@ def test_a_joint_that_does_not_give_way_does_not_swing() -> None:
     values = {"compliance": np.array([0.0]), "damping": np.array([0.1])}
     now = context("upstream").now(0, 0)
     assert effect("load_elasticity")(values, form="held").included(now)["frequency"] == RIGID
+
+
+def test_links_swing_with_the_payload_that_was_found() -> None:
+    own = {c: {"compliance": 0.08, "damping": 0.1} for c in range(5)}
+    swing = Term("load_elasticity", "held", {"payload": 0.1}, own)
+    state = costed(context("heavy upstream"), Hypothesis({"load_elasticity": swing}))
+    loaded = replace(load_model("trunk").arm, payload=0.1).straight_inertia
+    for column, values in _told(state, swing, "link_resonance").own.items():
+        assert values["frequency"] == pytest.approx(0.5 / np.pi / np.sqrt(0.08 * loaded[column]))
 
 
 def test_effects_include_effects_that_there_are() -> None:

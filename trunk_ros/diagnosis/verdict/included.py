@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence, doubt, likely, needed
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import need, score
@@ -71,7 +71,7 @@ def _told(state: Fit, term: Term, part: str) -> Term:
 
 
 def _values(state: Fit, term: Term, column: int) -> dict[str, float]:
-    now = state.context.now(0, column)
+    now = state.context.now(0, column, payload_of(state.hypothesis))
     return {name: float(v[0]) for name, v in bind_column(term, column).included(now).items()}
 
 
