@@ -53,6 +53,16 @@ def test_what_the_model_has_already_is_not_told_again() -> None:
     assert included(known, spreads(state))[0], "the model's wires carry nothing that swings"
 
 
+def test_a_swing_that_the_model_has_by_itself_is_not_said_to_be_gone() -> None:
+    state = held("heavy upstream", 0.08)
+    swing = included(state, spreads(state))[0]["link_resonance"]
+    stage = copy(state.context.stage)
+    stage.known = Hypothesis({"link_resonance": Term("link_resonance", "links", own=swing.own)})
+    known = replace(state, context=replace(state.context, stage=stage))
+    told = all_findings(known, evidence(state), spreads(state))
+    assert [f.effect for f in told] == ["load_elasticity"]
+
+
 def test_a_joint_that_does_not_give_way_does_not_swing() -> None:
     values = {"compliance": np.array([0.0]), "damping": np.array([0.1])}
     now = context("upstream").now(0, 0)

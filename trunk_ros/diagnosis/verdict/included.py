@@ -12,16 +12,20 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payloa
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import need, score
+from trunk_ros.diagnosis.verdict.changes import MODEL, changes
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.findings import Spreads, findings
 from trunk_ros.effects import effect
 
 
-def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads) -> list[Finding]:
-    """One finding per effect of a hypothesis, and per effect that is part of one."""
+def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads, who: str = MODEL) -> list[Finding]:
+    """One finding per effect of a hypothesis, and per effect that is part of one, but for what ``who`` has
+    already.
+    """
     parts, proof, spread = included(state, std)
-    whole = Hypothesis({**state.hypothesis, **parts})
-    return findings(state.context, whole, found | proof, std | spread, determined(state))
+    whole, std = Hypothesis({**state.hypothesis, **parts}), std | spread
+    every = findings(state.context, whole, found | proof, std, determined(state))
+    return changes(state.context, whole, every, std, who)
 
 
 def included(state: Fit, std: Spreads) -> tuple[Hypothesis, dict[str, Evidence], Spreads]:
@@ -79,7 +83,8 @@ def _spread(state: Fit, term: Term, part: str, std: Spreads) -> Spreads:
     """Standard deviations, from those of the term's own values."""
     out: Spreads = {}
     for c in (c for c in term.columns if c in state.context.columns):
-        best, squares = _values(state, term, c), dict.fromkeys(_values(state, term, c), 0.0)
+        best = _values(state, term, c)
+        squares = dict.fromkeys(best, 0.0)
         for name in term.own[c]:
             moved = term.copy()
             moved.own[c][name] += std.get((term.effect, name, c), 0.0)  # or given
