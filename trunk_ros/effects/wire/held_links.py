@@ -17,6 +17,7 @@ from trunk_ros.effects.wire.swinging_links import Links, factor, pushed_back, so
 
 TURN = 0.25  # rad that the fastest joint's swing may go on in a step of the integration
 MOST = 16  # steps between two samples
+SWEEPS = 200  # over the joints, where the search for who slides comes to no end
 OVER = 1e-9  # of the friction: by so much less than it holds, a joint that pulls at it still stands
 
 
@@ -191,6 +192,10 @@ def slide(full: Array, pull: Array, least: Array, side: Array, matrix: Array, sp
         if worst < 0:
             return
         side[worst] = towards
-    for a in range(m):  # it went round in a circle: who turned stands
-        if side[a] == 0.0:
-            speed[a] = 0.0
+    for _ in range(SWEEPS):  # it went round in a circle: one by one, which never gets worse
+        for a in range(m):
+            rest = pull[a] + full[a, a] * speed[a]
+            for b in range(m):
+                rest -= full[a, b] * speed[b]
+            speed[a] = np.sign(rest) * max(abs(rest) - least[a], 0.0) / full[a, a]
+            side[a] = np.sign(speed[a])
