@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.search.looks import fitted
+from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.evidence.evidence import evidence, spreads
-from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.verdict.included import all_findings, included
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.verdict.included import _told, all_findings, included
 from trunk_ros.effects import effect, registry
+from trunk_ros.effects.wire.link_resonance import RIGID
 from trunk_ros.model import load_model
 
 
@@ -48,6 +49,33 @@ def test_what_the_model_has_already_is_not_told_again() -> None:
     stage.known = state.hypothesis
     known = replace(state, context=replace(state.context, stage=stage))
     assert not included(known, spreads(state))[0]
+    stage.known = Hypothesis({"load_elasticity": Term("load_elasticity", own={0: {"compliance": 0.05}})})
+    assert included(known, spreads(state))[0], "the model's wires carry nothing that swings"
+
+
+def test_a_swing_that_the_model_has_by_itself_is_not_said_to_be_gone() -> None:
+    state = held("heavy upstream", 0.08)
+    swing = included(state, spreads(state))[0]["link_resonance"]
+    stage = copy(state.context.stage)
+    stage.known = Hypothesis({"link_resonance": Term("link_resonance", "links", own=swing.own)})
+    known = replace(state, context=replace(state.context, stage=stage))
+    told = all_findings(known, evidence(state), spreads(state))
+    assert [f.effect for f in told] == ["load_elasticity"]
+
+
+def test_a_joint_that_does_not_give_way_does_not_swing() -> None:
+    values = {"compliance": np.array([0.0]), "damping": np.array([0.1])}
+    now = context("upstream").now(0, 0)
+    assert effect("load_elasticity")(values, form="held").included(now)["frequency"] == RIGID
+
+
+def test_links_swing_with_the_payload_that_was_found() -> None:
+    own = {c: {"compliance": 0.08, "damping": 0.1} for c in range(5)}
+    swing = Term("load_elasticity", "held", {"payload": 0.1}, own)
+    state = costed(context("heavy upstream"), Hypothesis({"load_elasticity": swing}))
+    loaded = replace(load_model("trunk").arm, payload=0.1).straight_inertia
+    for column, values in _told(state, swing, "link_resonance").own.items():
+        assert values["frequency"] == pytest.approx(0.5 / np.pi / np.sqrt(0.08 * loaded[column]))
 
 
 def test_effects_include_effects_that_there_are() -> None:

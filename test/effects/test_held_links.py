@@ -66,3 +66,22 @@ def test_each_of_several_joints_slides_or_stands_as_friction_lets_it() -> None:
         stands = speed == 0.0
         assert np.all(np.abs(rest[stands]) <= least[stands] * (1 + 1e-6))
         assert rest[~stands] == pytest.approx(np.sign(speed[~stands]) * least[~stands], abs=1e-9)
+
+
+def test_links_that_swing_from_some_moment_on_are_rigid_before_it() -> None:
+    values = {
+        "compliance": 1.0 / (ARM.straight_inertia * OMEGA**2),
+        "damping": np.full(3, ZETA),
+        "form": "held",
+    }
+    always, late, rigid = (
+        Chain(Model(ARM, effects), "wire").run(THETA / 0.625, STAMP)[0]
+        for effects in (
+            {"load_elasticity": values},
+            {"load_elasticity": {**values, "from": np.full(3, 3.0)}},
+            {},
+        )
+    )
+    before, after = STAMP < 2.9, STAMP > 3.5
+    assert late[before] == pytest.approx(rigid[before], abs=1e-12)
+    assert np.std((late - rigid)[after]) > 0.5 * np.std((always - rigid)[after])

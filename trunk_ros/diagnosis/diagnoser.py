@@ -33,7 +33,7 @@ from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
-from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION, changes
+from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION
 from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
 from trunk_ros.diagnosis.verdict.included import all_findings
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -229,8 +229,7 @@ class Diagnoser:
             "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
-        every = all_findings(state, found, std)
-        new = changes(context, state.hypothesis, every, std, MODEL if self.against is None else SIMULATION)
+        new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION)
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > STRONG}

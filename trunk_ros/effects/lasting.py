@@ -15,6 +15,8 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.wire.elements import Elements
+from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.parameter import FROM, GROWN, LATER, NEVER, SPELL_NAMES, UNTIL
 
 RISE = 0.02  # s, so that a fit can move a moment
@@ -120,10 +122,12 @@ def invert(e: Effect, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
 
 
 def adjust(e: Effect, core: Core, now: Now) -> None:
-    """``Effect.adjust`` while it acts: of a friction element its width and middle may change in mid-run."""
-    width, middle = core.width, core.middle
+    """``Effect.adjust`` while it acts: the friction element, width and middle may change in mid-run."""
+    width, middle, rounding = core.width, core.middle, core.rounding
     e.adjust(core, now)
     if not lasts(e):
         acts = acting(e, now)
         core.width = width + acts * (core.width - width)
         core.middle = middle + acts * (core.middle - middle)
+        if core.rounding is not rounding:
+            core.rounding = Elements(rounding or SharpPlay(), core.rounding, acts)

@@ -8,20 +8,24 @@ import numpy as np
 
 from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence, doubt, likely, needed
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import need, score
+from trunk_ros.diagnosis.verdict.changes import MODEL, changes
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.findings import Spreads, findings
 from trunk_ros.effects import effect
 
 
-def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads) -> list[Finding]:
-    """One finding per effect of a hypothesis, and per effect that is part of one."""
+def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads, who: str = MODEL) -> list[Finding]:
+    """One finding per effect of a hypothesis, and per effect that is part of one, but for what ``who`` has
+    already.
+    """
     parts, proof, spread = included(state, std)
-    whole = Hypothesis({**state.hypothesis, **parts})
-    return findings(state.context, whole, found | proof, std | spread, determined(state))
+    whole, std = Hypothesis({**state.hypothesis, **parts}), std | spread
+    every = findings(state.context, whole, found | proof, std, determined(state))
+    return changes(state.context, whole, every, std, who)
 
 
 def included(state: Fit, std: Spreads) -> tuple[Hypothesis, dict[str, Evidence], Spreads]:
@@ -29,9 +33,10 @@ def included(state: Fit, std: Spreads) -> tuple[Hypothesis, dict[str, Evidence],
     ask for it: the same effect without it is refitted. With its evidence and standard deviations.
     """
     terms, found, spreads = Hypothesis(), dict[str, Evidence](), Spreads()
+    before = {name: effect(name).includes.get(term.form) for name, term in state.context.known.items()}
     for name, term in state.hypothesis.items():
         part = effect(name).includes.get(term.form)
-        if part is None or part in state.hypothesis or name in state.context.known:
+        if part is None or part in (*state.hypothesis, before.get(name)):
             continue
         without = min((refit(state.context, h) for h in _without(state, name)), key=score)
         gain = {c: without.cost[c] - cost for c, cost in state.cost.items() if c in term.columns}
@@ -70,7 +75,7 @@ def _told(state: Fit, term: Term, part: str) -> Term:
 
 
 def _values(state: Fit, term: Term, column: int) -> dict[str, float]:
-    now = state.context.now(0, column)
+    now = state.context.now(0, column, payload_of(state.hypothesis))
     return {name: float(v[0]) for name, v in bind_column(term, column).included(now).items()}
 
 
@@ -78,7 +83,8 @@ def _spread(state: Fit, term: Term, part: str, std: Spreads) -> Spreads:
     """Standard deviations, from those of the term's own values."""
     out: Spreads = {}
     for c in (c for c in term.columns if c in state.context.columns):
-        best, squares = _values(state, term, c), dict.fromkeys(_values(state, term, c), 0.0)
+        best = _values(state, term, c)
+        squares = dict.fromkeys(best, 0.0)
         for name in term.own[c]:
             moved = term.copy()
             moved.own[c][name] += std.get((term.effect, name, c), 0.0)  # or given

@@ -1,4 +1,4 @@
-"""Friction elements of different kinds on the joints of one arm."""
+"""Friction elements of different kinds on the joints of one arm, or one after the other."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from trunk_ros.effects.wire.play import SharpPlay
 
 
 class Elements:
-    """One friction element on some columns, another one on the rest: each runs on all of them and keeps its
-    own memory, and its columns are taken from it.
+    """One friction element on some columns or for a time, another one else: each runs on all of them, all the
+    time, and keeps its own memory.
     """
 
     def __init__(self, first: Any, second: Any, of_second: np.ndarray):
-        """``of_second`` (columns,): where the second counts."""
+        """``of_second`` (columns,) or (n, columns): how much the second counts."""
         self.first, self.second, self.of_second = first, second, of_second
 
     def run(self, u: Array, width: Array, state: Any) -> tuple[Array, Any]:
@@ -24,14 +24,21 @@ class Elements:
         before = (None, None) if state is None else state
         one, memory = self.first.run(u, width, before[0])
         two, other = self.second.run(u, width, before[1])
-        return np.where(self.of_second, two, one), (memory, other)
+        return self._of_both(one, two), (memory, other)
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
         """As SharpPlay.invert."""
         before = (None, None) if state is None else state
         one, memory = self.first.invert(y, width, before[0])
         two, other = self.second.invert(y, width, before[1])
-        return np.where(self.of_second, two, one), (memory, other)
+        return self._of_both(one, two), (memory, other)
+
+    def _of_both(self, one: Array, two: Array) -> Array:
+        share = self.of_second
+        if share.ndim == 1:
+            return np.where(share, two, one)
+        share = share if len(share) == len(one) else share[:1]  # places alone, before the first step
+        return np.asarray(one + share * (two - one))
 
 
 def beside(there: Any, element: Any, columns: np.ndarray) -> Any:

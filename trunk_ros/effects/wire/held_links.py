@@ -17,6 +17,7 @@ from trunk_ros.effects.wire.swinging_links import Links, factor, pushed_back, so
 
 TURN = 0.25  # rad that the fastest joint's swing may go on in a step of the integration
 MOST = 16  # steps between two samples
+SWEEPS = 200  # over the joints, where the search for who slides comes to no end
 OVER = 1e-9  # of the friction: by so much less than it holds, a joint that pulls at it still stands
 
 
@@ -110,7 +111,8 @@ def hold_links(
 
     ``angles`` (n, joints): as those that do not swing move, they push; ``mass`` (n, swinging, joints): rows
     of M. ``before`` (3, swinging) and ``motion`` (3, joints) as above. The rule of the middle, in which
-    friction acts by the speed at the end of a step (Moreau 1988): stable whatever the masses.
+    friction acts by the speed at the end of a step (Moreau 1988): stable whatever the masses. Of what swings
+    faster than a step shows all acts by the end of it: by the middle it would never come to rest.
     """
     joints, m = angles.shape[1], len(places)
     stride = 1 if width.shape[0] > 1 else 0
@@ -118,7 +120,7 @@ def hold_links(
     fixed[places] = False
     slope, full, matrix = np.empty(joints), np.empty((m, m)), np.empty((m, m))
     push, ramp, least, pull, new = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)
-    side = np.zeros(m)
+    side, late = np.zeros(m), np.zeros(m)
     y, speed = before[1], before[2]
     for i in range(len(x)):
         if dt[i] > 0.0:
@@ -138,18 +140,19 @@ def hold_links(
                         push[a] -= mass[i, a, k] * (slope[k] - motion[1, k]) / steps
                 for b in range(m):
                     full[a, b] = mass[i, a, places[b]]
-                full[a, a] += h / 2 * damp[a] + h * h / 4 * hold[a]
+                late[a] = 0.5 if h * h * hold[a] <= mass[i, a, places[a]] else 1.0
+                full[a, a] += late[a] * h * damp[a] + late[a] * late[a] * h * h * hold[a]
                 side[a] = np.sign(speed[a])
             for s in range(steps):
                 for a in range(m):
-                    middle = before[0, a] + ramp[a] * h * (s + 0.5)
+                    middle = before[0, a] + ramp[a] * h * (s + late[a])
                     pull[a] = push[a] - h * hold[a] * (y[a] - middle)
-                    pull[a] -= (h * damp[a] + h * h / 2 * hold[a]) * speed[a]
+                    pull[a] -= h * damp[a] * speed[a] + late[a] * h * h * hold[a] * speed[a]
                     for b in range(m):
                         pull[a] += full[a, b] * speed[b]
                 slide(full, pull, least, side, matrix, new)
                 for a in range(m):
-                    y[a] += h / 2 * (speed[a] + new[a])
+                    y[a] += h * ((1.0 - late[a]) * speed[a] + late[a] * new[a])
                     speed[a] = new[a]
             for k in range(joints):
                 motion[1, k], motion[2, k] = slope[k], dt[i]
@@ -191,6 +194,10 @@ def slide(full: Array, pull: Array, least: Array, side: Array, matrix: Array, sp
         if worst < 0:
             return
         side[worst] = towards
-    for a in range(m):  # it went round in a circle: who turned stands
-        if side[a] == 0.0:
-            speed[a] = 0.0
+    for _ in range(SWEEPS):  # it went round in a circle: one by one, which never gets worse
+        for a in range(m):
+            rest = pull[a] + full[a, a] * speed[a]
+            for b in range(m):
+                rest -= full[a, b] * speed[b]
+            speed[a] = np.sign(rest) * max(abs(rest) - least[a], 0.0) / full[a, a]
+            side[a] = np.sign(speed[a])

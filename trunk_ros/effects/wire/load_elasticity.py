@@ -11,7 +11,7 @@ from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_links import HeldLinks
-from trunk_ros.effects.wire.link_resonance import LinkResonance
+from trunk_ros.effects.wire.link_resonance import RIGID, LinkResonance
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
@@ -79,7 +79,10 @@ class LoadElasticity(OnBothSides):
 
     def included(self, now: Now) -> Mapping[str, Array]:
         links = self._links(now)
-        return {} if links is None else {"frequency": links.omega / (2.0 * np.pi), "damping": links.damping}
+        if links is None:
+            return {}
+        frequency = np.where(links.omega > 0.0, links.omega / (2.0 * np.pi), RIGID)
+        return {"frequency": frequency, "damping": links.damping}
 
     def upstream(self) -> Effect | None:
         return self if self.form == "held" else super().upstream()
