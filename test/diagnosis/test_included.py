@@ -40,7 +40,7 @@ def test_links_that_swing_on_soft_wires_are_told_besides() -> None:
 
 def test_where_nothing_swings_nothing_is_told() -> None:
     state = held("upstream", 0.05)
-    assert not included(state, spreads(state))[0]
+    assert not included(state, evidence(state), spreads(state))[0]
 
 
 def test_what_the_model_has_already_is_not_told_again() -> None:
@@ -48,14 +48,14 @@ def test_what_the_model_has_already_is_not_told_again() -> None:
     stage = copy(state.context.stage)
     stage.known = state.hypothesis
     known = replace(state, context=replace(state.context, stage=stage))
-    assert not included(known, spreads(state))[0]
+    assert not included(known, evidence(state), spreads(state))[0]
     stage.known = Hypothesis({"load_elasticity": Term("load_elasticity", own={0: {"compliance": 0.05}})})
-    assert included(known, spreads(state))[0], "the model's wires carry nothing that swings"
+    assert included(known, evidence(state), spreads(state))[0], "the model's wires carry nothing that swings"
 
 
 def test_a_swing_that_the_model_has_by_itself_is_not_said_to_be_gone() -> None:
     state = held("heavy upstream", 0.08)
-    swing = included(state, spreads(state))[0]["link_resonance"]
+    swing = included(state, evidence(state), spreads(state))[0]["link_resonance"]
     stage = copy(state.context.stage)
     stage.known = Hypothesis({"link_resonance": Term("link_resonance", "links", own=swing.own)})
     known = replace(state, context=replace(state.context, stage=stage))

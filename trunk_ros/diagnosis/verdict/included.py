@@ -4,6 +4,8 @@ both, and both are told.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from trunk_ros.diagnosis.evidence.determined import determined
@@ -22,15 +24,18 @@ def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads, who: str 
     """One finding per effect of a hypothesis, and per effect that is part of one, but for what ``who`` has
     already.
     """
-    parts, proof, spread = included(state, std)
+    parts, proof, spread = included(state, found, std)
     whole, std = Hypothesis({**state.hypothesis, **parts}), std | spread
     every = findings(state.context, whole, found | proof, std, determined(state))
     return changes(state.context, whole, every, std, who)
 
 
-def included(state: Fit, std: Spreads) -> tuple[Hypothesis, dict[str, Evidence], Spreads]:
+def included(
+    state: Fit, by: Mapping[str, Evidence], std: Spreads
+) -> tuple[Hypothesis, dict[str, Evidence], Spreads]:
     """What the forms of a hypothesis' effects include, on the joints where it shows and where the recordings
-    ask for it: the same effect without it is refitted. With its evidence and standard deviations.
+    ask for it: the same effect without it is refitted. With its evidence, which is no surer than what speaks
+    for the effect that it is part of (``by``), and standard deviations.
     """
     terms, found, spreads = Hypothesis(), dict[str, Evidence](), Spreads()
     before = {name: effect(name).includes.get(term.form) for name, term in state.context.known.items()}
@@ -48,7 +53,7 @@ def included(state: Fit, std: Spreads) -> tuple[Hypothesis, dict[str, Evidence],
         if not gain:
             continue
         terms[part] = Term(part, told.form, own={c: told.own[c] for c in gain})
-        sure = likely(doubt(state, gain), sum(gain.values()), [])
+        sure = min(likely(doubt(state, gain), sum(gain.values()), []), by[name].confidence)
         found[part] = Evidence(
             gain, needed(state, gain), _strength(state, without, list(gain)), confidence=sure
         )

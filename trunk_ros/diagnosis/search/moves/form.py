@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -29,21 +28,13 @@ def shaking_groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Those by which joints move each other: as they take by far the most time, what else mends comes
     before. While large things are missing, only forms that mend much before they are fitted.
     """
-    for group in _groups(best, desk, shaking=True):
-        if desk.share < COARSE[0]:
-            yield group
-            continue
-        name = str(group.what)
-        gains = {form: _shaken(best, name, form) for form in _shaking(best, name)}
-        forms = [form for form, gain in gains.items() if desk.pays(gain, best)]
-        if forms:
-            yield replace(group, trials=partial(reforms, best, desk, name, forms))
+    return _groups(best, desk, shaking=True, early=desk.share >= COARSE[0])
 
 
-def _shaking(best: Fit, name: str) -> list[str]:
-    kind, term = effect(name), best.hypothesis[name]
-    shown = shown_forms(kind, best.context, term.columns)
-    return [form for form in kind.shaking if form in shown and form != term.form]
+def _mending(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator[Fit]:
+    shown = shown_forms(effect(name), best.context, best.hypothesis[name].columns)
+    some = [f for f in forms if f in shown and desk.pays(_shaken(best, name, f), best)]
+    return reforms(best, desk, name, some)
 
 
 def _shaken(best: Fit, name: str, form: str) -> float:
@@ -53,14 +44,15 @@ def _shaken(best: Fit, name: str, form: str) -> float:
     return score(best) - min(there, default=np.inf)
 
 
-def _groups(best: Fit, desk: Desk, shaking: bool) -> Iterator[Group]:
+def _groups(best: Fit, desk: Desk, shaking: bool, early: bool = False) -> Iterator[Group]:
+    make = _mending if early else reforms
     for name, term in best.hypothesis.items():
         kind = effect(name)
         forms = [f for f in kind.forms if f != term.form and (f in kind.shaking) == shaking]
         columns = [c for c in term.columns if c in best.context.columns]
         others = [form for form in forms if form != kind.apart]
         if others and columns:
-            yield Group(name, columns, partial(reforms, best, desk, name, others))
+            yield Group(name, columns, partial(make, best, desk, name, others))
         if kind.apart in forms and columns:
             trials, promise = partial(reforms, best, desk, name, [kind.apart]), partial(_promise, best, name)
             yield Group((name, kind.apart), columns, trials, promise)
