@@ -8,7 +8,10 @@ import pytest
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.effects.wire.held_links import slide
+from trunk_ros.effects.now import Now
+from trunk_ros.effects.wire.held_links import HeldLinks, slide
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.model import Model
 
 WIDTH, ZETA, PARTS = 2e-3, 0.15, 20
@@ -16,6 +19,15 @@ ARM = arm_of(3, dead_band=WIDTH)
 STAMP = stamps(6, 100)
 THETA = motion(STAMP, 3)
 OMEGA = 2 * np.pi * np.array([5.0, 6.0, 7.0])
+
+
+def look(angles: Array, columns: tuple[int, ...]) -> Now:
+    """What some joints see of an arm whose joints are at ``angles`` (n, joints)."""
+    own, ones = angles[:, columns], np.ones(len(columns))
+    dt = np.diff(STAMP, prepend=STAMP[0])
+    return Now(
+        STAMP, dt, own, 0.0 * own, 0.0 * own, angles, angles, ARM.joints, ones, columns=columns, arm=ARM
+    )
 
 
 def stepped(soft: Array) -> Array:
@@ -85,3 +97,16 @@ def test_links_that_swing_from_some_moment_on_are_rigid_before_it() -> None:
     before, after = STAMP < 2.9, STAMP > 3.5
     assert late[before] == pytest.approx(rigid[before], abs=1e-12)
     assert np.std((late - rigid)[after]) > 0.5 * np.std((always - rigid)[after])
+
+
+def test_a_joint_that_is_looked_at_alone_moves_as_it_does_among_the_others() -> None:
+    """What a fit sees of it: a tenth of what its mass does besides."""
+    links = Links(ARM, (0, 1, 2), OMEGA, np.full(3, ZETA))
+    width = np.full((1, 3), WIDTH)
+    together, _ = HeldLinks(links, look(THETA, (0, 1, 2))).run(THETA, width, None)
+    light, _ = SharpPlay().run(THETA, width, None)
+    for c in range(3):
+        one = Links(ARM, (c,), OMEGA[[c]], np.full(1, ZETA))
+        alone, _ = HeldLinks(one, look(together, (c,))).run(THETA[:, [c]], width[:, [c]], None)
+        off, beside = alone[:, 0] - together[:, c], light[:, c] - together[:, c]
+        assert np.std(off) < 0.1 * np.std(beside)

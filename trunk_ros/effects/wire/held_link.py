@@ -34,7 +34,8 @@ class HeldLink:
             return out, np.vstack([u[-1], place, 0.0 * place])
         memory = np.vstack([u[0], u[0], 0.0 * u[0]]) if state is None else state.copy()
         out = np.empty_like(u)
-        held(u, self.dt, np.maximum(width, 0.0), self.omega[None], self.zeta[None], memory, out)
+        nothing = np.zeros((1, u.shape[1]))
+        held(u, self.dt, np.maximum(width, 0.0), self.omega[None], self.zeta[None], nothing, memory, out)
         return out, memory
 
     def invert(self, y: Array, width: Array, state: Any) -> tuple[Array, Any]:
@@ -50,23 +51,27 @@ class HeldLink:
 
 
 @compiled
-def held(u: Array, dt: Array, width: Array, omega: Array, zeta: Array, memory: Array, out: Array) -> None:
-    """Pass ``u`` (n, columns) through; ``width``, ``omega`` and ``zeta`` (1 or n, columns), ``memory`` (3,
-    columns) changes in place.
+def held(
+    u: Array, dt: Array, width: Array, omega: Array, zeta: Array, push: Array, memory: Array, out: Array
+) -> None:
+    """Pass ``u`` (n, columns) through; ``width``, ``omega``, ``zeta`` and ``push``, rad by which a wire would
+    be ahead to push the link as something else does, (1 or n, columns); ``memory`` (3, columns) changes in
+    place.
 
     Between samples the input runs straight; sliding one way the link is linear and its step exact. One that
     swings faster than samples show is where its wire lets it be.
     """
     stride, faster_or_slower = (1 if width.shape[0] > 1 else 0), (1 if omega.shape[0] > 1 else 0)
+    pushed = 1 if push.shape[0] > 1 else 0
     swing, rest = np.zeros(5), np.zeros(5)
     for j in range(u.shape[1]):
         old, y, speed = memory[0, j], memory[1, j], memory[2, j]
         known, last = -1.0, -1.0
         for k in range(len(u)):
-            w, new = width[k * stride, j], u[k, j]
+            w, new, ahead = width[k * stride, j], u[k, j], push[k * pushed, j]
             own, damping = omega[k * faster_or_slower, j], zeta[k * faster_or_slower, j]
             if own <= 0.0 or own * dt[k] > UNSEEN:
-                before, y = y, min(max(y, new - w), new + w)
+                before, y = y, min(max(y, new + ahead - w), new + ahead + w)
                 speed = (y - before) / dt[k] if dt[k] > 0.0 else 0.0
                 old, out[k, j] = new, y
                 continue
@@ -81,7 +86,7 @@ def held(u: Array, dt: Array, width: Array, omega: Array, zeta: Array, memory: A
             ramp = (new - old) / dt[k]
             lead = 2.0 * damping / own * ramp  # of the damper, which the wire's motion pulls along
             for i in range(steps):
-                begin, left, first = old + ramp * h * i, h, True
+                begin, left, first = old + ahead + ramp * h * i, h, True
                 while left > 0.0:
                     if speed == 0.0:
                         pull = begin + ramp * left + lead - y

@@ -52,8 +52,10 @@ class HeldLinks:
             row = now.inertia(places[0])
             push, lighter = np.empty(len(u)), np.sqrt(straight / row[:, places[0]])[:, None]
             shake(angles, now.dt, places[0], row, motion, push)
-            ahead = moved + push[:, None] / (straight * omega**2)
-            held(ahead, now.dt, wide, omega * lighter, zeta * lighter, before, shown)
+            if len(now.columns) < len(now.joints):  # looked at alone: what the others did is all known
+                push[:-1] = (push[:-1] + push[1:]) / 2.0
+            ahead = push[:, None] / (straight * omega**2)
+            held(moved, now.dt, wide, omega * lighter, zeta * lighter, ahead, before, shown)
         elif len(places):
             mass = np.stack([now.inertia(place) for place in places], axis=1).astype(float)
             hold = straight * omega**2
