@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-LOWEST = 19  # niceness
+YIELDING = 10  # niceness, that of nice(1): at 19 it does not come to an end beside other work
 FOLDER = "diagnosis"
 
 
@@ -40,7 +40,7 @@ class SecondLook:
             command, env=os.environ | threads, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
         )
         with suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, self.process.pid, LOWEST)
+            os.setpriority(os.PRIO_PROCESS, self.process.pid, YIELDING)
 
     @property
     def running(self) -> bool:
