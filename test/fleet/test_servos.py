@@ -19,7 +19,7 @@ pytestmark = pytest.mark.timeout(600)
 
 def test_a_servo_that_gets_slower_is_followed_from_what_it_was(tmp_path):
     for k, gain in enumerate((12.0, 12.0, 12.0, 10.8, 9.6)):
-        recording = recorded_servos(OWN | {"kp": (gain, *OWN["kp"][1:])}, seed=k)
+        recording = recorded_servos(OWN | {"kp": (gain, *OWN["kp"][1:])}, seed=k, seconds=30.0)
         write_recording(
             tmp_path / "arm" / f"day_{k}", replace(recording, start_ns=int((k + 1) * DAY) * 10**9)
         )
