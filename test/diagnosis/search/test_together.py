@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context
-from trunk_ros.diagnosis.data.abreast import abreast, columns_of
+from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
@@ -104,7 +104,7 @@ def test_columns_side_by_side_and_apart_again_are_what_they_were(same: bool) -> 
     columns = [rng.normal(size=(5000, 1))] * 3 if same else [rng.normal(size=(5000, 1)) for _ in range(3)]
     whole = abreast(columns)
     np.testing.assert_array_equal(whole, np.concatenate(columns, axis=1))
-    for column, each in zip(columns, columns_of(whole), strict=True):
+    for column, each in zip(columns, whole.T, strict=True):
         np.testing.assert_array_equal(each, column[:, 0])
         assert each.flags.c_contiguous
 

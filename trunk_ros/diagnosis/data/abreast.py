@@ -1,5 +1,5 @@
-"""Columns side by side, and each by itself again; every one lies in memory by itself, as numpy goes through
-columns of a value each five times as fast.
+"""Columns side by side; every one lies in memory by itself, as numpy goes through columns of a value each
+five times as fast.
 """
 
 from __future__ import annotations
@@ -14,8 +14,3 @@ from trunk_ros.compiled import Array
 def abreast(columns: Sequence[Array]) -> Array:
     """(n, k) of columns (n, 1)."""
     return np.concatenate([column.T for column in columns]).T
-
-
-def columns_of(columns: Array) -> list[Array]:
-    """The columns (n,) of (n, k), each contiguous."""
-    return list(np.ascontiguousarray(columns.T))

@@ -224,14 +224,17 @@ def one_evidence(state: Fit, name: str) -> Evidence:
 
 def strength(state: Fit, name: str) -> float:
     """Root mean square of what an effect does on its joints, over the noise."""
-    context, power = state.context, []
-    less = state.hypothesis.without(name)
-    for c in state.hypothesis[name].columns:
-        with_it, without_it = context.predictions(state.hypothesis, c), context.predictions(less, c)
-        power.append(
-            np.mean(np.concatenate([a - b for a, b in zip(with_it, without_it, strict=True)]) ** 2)
-            / context.noise[c].std ** 2
-        )
+    less = replace(state, hypothesis=state.hypothesis.without(name))
+    return apart(state, less, state.hypothesis[name].columns)
+
+
+def apart(one: Fit, other: Fit, columns: Iterable[int]) -> float:
+    """Root mean square of what two fits say of some joints differently, over the noise of the first."""
+    power = []
+    for c in columns:
+        pair = (fit.context.predictions(fit.hypothesis, c) for fit in (one, other))
+        off = np.concatenate([a - b for a, b in zip(*pair, strict=True)])
+        power.append(np.mean(off**2) / one.context.noise[c].std ** 2)
     return float(np.sqrt(np.mean(power))) if power else 0.0
 
 

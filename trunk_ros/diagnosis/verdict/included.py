@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from trunk_ros.diagnosis.evidence.determined import determined
-from trunk_ros.diagnosis.evidence.evidence import Evidence, doubt, likely, needed
+from trunk_ros.diagnosis.evidence.evidence import Evidence, apart, doubt, likely, needed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -54,9 +54,7 @@ def included(
             continue
         terms[part] = Term(part, told.form, own={c: told.own[c] for c in gain})
         sure = min(likely(doubt(state, gain), sum(gain.values()), []), by[name].confidence)
-        found[part] = Evidence(
-            gain, needed(state, gain), _strength(state, without, list(gain)), confidence=sure
-        )
+        found[part] = Evidence(gain, needed(state, gain), apart(state, without, gain), confidence=sure)
         spreads |= {key: s for key, s in _spread(state, term, part, std).items() if key[2] in gain}
     return terms, found, spreads
 
@@ -97,13 +95,3 @@ def _spread(state: Fit, term: Term, part: str, std: Spreads) -> Spreads:
                 squares[said] += (value - best[said]) ** 2
         out |= {(part, said, c): float(np.sqrt(square)) for said, square in squares.items()}
     return out
-
-
-def _strength(state: Fit, without: Fit, columns: list[int]) -> float:
-    """Root mean square of what it does on some joints, over the noise."""
-    power = []
-    for c in columns:
-        pair = (fit.context.predictions(fit.hypothesis, c) for fit in (state, without))
-        both = np.concatenate([a - b for a, b in zip(*pair, strict=True)])
-        power.append(np.mean(both**2) / state.context.noise[c].std ** 2)
-    return float(np.sqrt(np.mean(power)))

@@ -64,6 +64,17 @@ def dated(now: Fit, name: str, on: int | None = None) -> Fit:
     """With the moments of one effect where each fits best nearby, on one joint or on all; then all that may
     follow them is fitted. One that is best at the end of what was looked at is looked for further on.
     """
+    far = True
+    while far:
+        there, far = _dated(now, name, on)
+        if there.total > now.total - BETTER:
+            return min(now, there, key=lambda fit: fit.total)
+        now = there
+    return now
+
+
+def _dated(now: Fit, name: str, on: int | None) -> tuple[Fit, bool]:
+    """The same once, and whether one of them is best at the end of what was looked at."""
     there, columns, far = Fit(now.hypothesis.copy(), now.cost, now.context), set[int | None](), False
     for one, column, moment in moments(now):
         if one == name and on in (None, column):
@@ -72,13 +83,10 @@ def dated(now: Fit, name: str, on: int | None = None) -> Fit:
             far = far or abs(home[moment] - before) >= REACH
             columns.add(column)
     if None in columns:
-        there = refit(now.context, there.hypothesis)
-    else:
-        for column in (c for c in columns if c is not None):
-            there = refit_column(there, there.hypothesis, column)
-    if there.total > now.total - BETTER:
-        return min(now, there, key=lambda fit: fit.total)
-    return dated(there, name, on) if far else there
+        return refit(now.context, there.hypothesis), far
+    for column in (c for c in columns if c is not None):
+        there = refit_column(there, there.hypothesis, column)
+    return there, far
 
 
 def _nearby(best: Fit, name: str, column: int | None, moment: str) -> list[Fit]:
