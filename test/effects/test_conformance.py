@@ -31,7 +31,7 @@ from trunk_ros.effects.effect import Effect
 from trunk_ros.model import Model
 
 NOISE_FLOOR = 1e-5  # rad
-KNOCKED = 1e-4  # rad: a wire that crosses its dead band at once pulls the link by its damping
+KNOCKED = 2e-4  # rad: a wire that crosses its dead band at once pulls the link by its damping
 AGREED = 1e-6  # rad: what each block may be off by, where joints see each other
 REGIMES = {"always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"}
 OF_TIME = {"thermal_drift", "wire_slip", "friction_wear", "unknown_jumps", "unknown_slips"}

@@ -28,8 +28,9 @@ class HeldLinks:
     no more than k w.
     """
 
-    def __init__(self, links: Links, now: Now):
-        self.links, self.now = links, now
+    def __init__(self, links: Links, now: Now, stiffness: Array | None = None):
+        """``stiffness`` (n, columns) N m/rad of wires that bend; otherwise the links'."""
+        self.links, self.now, self.stiffness = links, now, stiffness
 
     def run(self, u: Array, width: Array, state: Any) -> tuple[Array, Any]:
         """As SharpPlay.run; state: input, link and its speed (3, columns), and angles, slopes and the last
@@ -46,20 +47,28 @@ class HeldLinks:
         before, after = own[:, swings], np.vstack([u[-1], place, 0.0 * place])
         moved = np.ascontiguousarray(u[:, swings])
         wide = np.maximum(np.broadcast_to(width, (len(width), len(swings)))[:, swings], 0.0)
-        straight, omega, zeta = links.arm.straight_inertia[places], links.omega[swings], links.damping[swings]
+        straight = links.arm.straight_inertia[places]
+        hold, damp = self._hold(places, swings), 2.0 * links.damping[swings] * links.omega[swings] * straight
         shown = np.empty_like(moved)
         if len(places) == 1:
             row = now.inertia(places[0])
-            push, lighter = np.empty(len(u)), np.sqrt(straight / row[:, places[0]])[:, None]
+            push, own_mass = np.empty(len(u)), row[:, places]
             shake(angles, now.dt, places[0], row, motion, push)
             if len(now.columns) < len(now.joints):  # looked at alone: what the others did is all known
                 push[:-1] = (push[:-1] + push[1:]) / 2.0
-            ahead = push[:, None] / (straight * omega**2)
-            held(moved, now.dt, wide, omega * lighter, zeta * lighter, ahead, before, shown)
+            omega = np.sqrt(hold / own_mass)
+            held(
+                moved,
+                now.dt,
+                wide,
+                omega,
+                damp / (2.0 * own_mass * omega),
+                push[:, None] / hold,
+                before,
+                shown,
+            )
         elif len(places):
             mass = np.stack([now.inertia(place) for place in places], axis=1).astype(float)
-            hold = straight * omega**2
-            damp = 2.0 * zeta * omega * straight
             hold_links(moved, now.dt, angles, places, mass, hold, damp, wide, before, motion, shown)
         after[:, swings], out[:, swings] = before, shown
         return out, (after, motion)
@@ -74,11 +83,16 @@ class HeldLinks:
         first, second, play = state or (None, None, None)
         speed, first = rate(angles, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
-        stiffness = links.arm.straight_inertia[places] * links.omega[swings] ** 2
-        ahead = y.copy()
-        ahead[:, swings] += pushed_back(acceleration, places, links.arm.mass_matrix(angles), stiffness)
+        ahead, mass = y.copy(), links.arm.mass_matrix(angles)
+        ahead[:, swings] += pushed_back(acceleration, places, mass, self._hold(places, swings))
         u, play = SharpPlay().invert(ahead, width, play)
         return u, (first, second, play)
+
+    def _hold(self, places: np.ndarray, swings: np.ndarray) -> Array:
+        """(1 or n, swinging) N m/rad."""
+        if self.stiffness is not None:
+            return np.ascontiguousarray(self.stiffness[:, swings])
+        return np.asarray(self.links.arm.straight_inertia[places] * self.links.omega[swings] ** 2)[None]
 
 
 def _at_rest(angles: Array) -> Array:
@@ -108,8 +122,8 @@ def hold_links(
     x: Array, dt: Array, angles: Array, places: np.ndarray, mass: Array, hold: Array, damp: Array,
     width: Array, before: Array, motion: Array, out: Array,
 ) -> None:  # fmt: skip
-    """Joints behind wires at ``x`` (n, swinging); ``hold`` and ``damp`` (swinging,): their stiffness
-    [N m/rad] and damping; ``width`` (1 or n, swinging) rad that they need to slide.
+    """Joints behind wires at ``x`` (n, swinging); ``hold`` (1 or n, swinging) and ``damp`` (swinging,): their
+    stiffness [N m/rad] and damping; ``width`` (1 or n, swinging) rad that they need to slide.
 
     ``angles`` (n, joints): as those that do not swing move, they push; ``mass`` (n, swinging, joints): rows
     of M. ``before`` (3, swinging) and ``motion`` (3, joints) as above. The rule of the middle, in which
@@ -117,7 +131,7 @@ def hold_links(
     faster than a step shows all acts by the end of it: by the middle it would never come to rest.
     """
     joints, m = angles.shape[1], len(places)
-    stride = 1 if width.shape[0] > 1 else 0
+    stride, bends = (1 if width.shape[0] > 1 else 0), (1 if hold.shape[0] > 1 else 0)
     fixed = np.ones(joints, dtype=np.bool_)
     fixed[places] = False
     slope, full, matrix = np.empty(joints), np.empty((m, m)), np.empty((m, m))
@@ -126,30 +140,30 @@ def hold_links(
     y, speed = before[1], before[2]
     for i in range(len(x)):
         if dt[i] > 0.0:
-            fastest = 0.0
+            fastest, firm = 0.0, hold[i * bends]
             for a in range(m):
-                fastest = max(fastest, np.sqrt(hold[a] / mass[i, a, places[a]]))
+                fastest = max(fastest, np.sqrt(firm[a] / mass[i, a, places[a]]))
             steps = min(max(int(np.ceil(fastest * dt[i] / TURN)), 1), MOST)
             h = dt[i] / steps
             for k in range(joints):
                 slope[k] = (angles[i, k] - motion[0, k]) / dt[i]
             for a in range(m):
                 ramp[a] = (x[i, a] - before[0, a]) / dt[i]
-                least[a] = h * hold[a] * width[i * stride, a]
+                least[a] = h * firm[a] * width[i * stride, a]
                 push[a] = h * damp[a] * ramp[a]
                 for k in range(joints):
                     if fixed[k]:
                         push[a] -= mass[i, a, k] * (slope[k] - motion[1, k]) / steps
                 for b in range(m):
                     full[a, b] = mass[i, a, places[b]]
-                late[a] = 0.5 if h * h * hold[a] <= mass[i, a, places[a]] else 1.0
-                full[a, a] += late[a] * h * damp[a] + late[a] * late[a] * h * h * hold[a]
+                late[a] = 0.5 if h * h * firm[a] <= mass[i, a, places[a]] else 1.0
+                full[a, a] += late[a] * h * damp[a] + late[a] * late[a] * h * h * firm[a]
                 side[a] = np.sign(speed[a])
             for s in range(steps):
                 for a in range(m):
                     middle = before[0, a] + ramp[a] * h * (s + late[a])
-                    pull[a] = push[a] - h * hold[a] * (y[a] - middle)
-                    pull[a] -= h * damp[a] * speed[a] + late[a] * h * h * hold[a] * speed[a]
+                    pull[a] = push[a] - h * firm[a] * (y[a] - middle)
+                    pull[a] -= h * damp[a] * speed[a] + late[a] * h * h * firm[a] * speed[a]
                     for b in range(m):
                         pull[a] += full[a, b] * speed[b]
                 slide(full, pull, least, side, matrix, new)

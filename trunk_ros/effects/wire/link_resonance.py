@@ -16,11 +16,10 @@ from trunk_ros.effects.periods import periods
 from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_link import HeldLink
 from trunk_ros.effects.wire.swing import free_swings, stops
-from trunk_ros.effects.wire.swinging_links import Links
+from trunk_ros.effects.wire.swinging_links import RIGID, Links
 from trunk_ros.parameter import Parameter
 
 LEAST_SWINGS, FASTEST = 4.0, 25.0  # in a recording; Hz: of a beam
-RIGID = 1e6  # Hz: no swing that a recording could show
 
 
 class LinkResonance(Effect):

@@ -11,12 +11,11 @@ from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_links import HeldLinks
-from trunk_ros.effects.wire.link_resonance import RIGID, LinkResonance
+from trunk_ros.effects.wire.link_resonance import LinkResonance
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
-STIFFEST = 1e-9  # rad/(N m): nothing swings on less
 STEEPEST = 5.0  # of the compliance's logarithm
 SPANS = 0.1  # of load times angle: what no parabola of either follows
 
@@ -78,11 +77,8 @@ class LoadElasticity(OnBothSides):
         return (COMPLIANCE, PAYLOAD, *own)
 
     def included(self, now: Now) -> Mapping[str, Array]:
-        links = self._links(now)
-        if links is None:
-            return {}
-        frequency = np.where(links.omega > 0.0, links.omega / (2.0 * np.pi), RIGID)
-        return {"frequency": frequency, "damping": links.damping}
+        links = Links.on_wires(self, now)
+        return {} if links is None else links.shown()
 
     def upstream(self) -> Effect | None:
         return self if self.form == "held" else super().upstream()
@@ -91,17 +87,17 @@ class LoadElasticity(OnBothSides):
         return None if self.form == "held" else super().downstream()
 
     def adjust(self, core: Core, now: Now) -> None:
-        links = self._links(now) if self.form == "held" else None
+        links = Links.on_wires(self, now) if self.form == "held" else None
         if links is not None:
             core.rounding = beside(core.rounding, HeldLinks(links, now), links.omega > 0.0)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         sagged = x + self._sag(now)
-        links = None if self.form == "held" else self._links(now)
+        links = None if self.form == "held" else Links.on_wires(self, now)
         return (sagged, None) if links is None else links.run(sagged, now, state)
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        links = None if self.form == "held" else self._links(now)
+        links = None if self.form == "held" else Links.on_wires(self, now)
         still, state = (y, None) if links is None else links.invert(y, now, state)
         return still - self._sag(now), state
 
@@ -122,11 +118,3 @@ class LoadElasticity(OnBothSides):
             return np.asarray(self["compliance"] * now.load)
         grown = np.exp(np.clip(self["slope"] * now.ratio * now.gearbox, -STEEPEST, STEEPEST))
         return np.asarray(self["compliance"] * grown * now.load)
-
-    def _links(self, now: Now) -> Links | None:
-        arm = Links.arm_of(self, now)
-        if arm is None:
-            return None
-        soft = np.maximum(self["compliance"], STIFFEST) * arm.straight_inertia[list(now.columns)]
-        omega = np.where(self["compliance"] > STIFFEST, 1.0 / np.sqrt(soft), 0.0)
-        return Links(arm, now.columns, omega, self["damping"])

@@ -1,22 +1,33 @@
 """What the effects share by which a joint sags under its load other than in proportion."""
 
 from abc import abstractmethod
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Motion, Now
+from trunk_ros.effects.effect import Effect, Motion, Now
+from trunk_ros.effects.wire.elements import beside
+from trunk_ros.effects.wire.held_links import HeldLinks
+from trunk_ros.effects.wire.link_resonance import LinkResonance
 from trunk_ros.effects.wire.on_both_sides import OnBothSides
+from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
+HELD = "held"
+SMALL = 1e-3  # of the moment at which a wire bends, to either side of a load: where its stiffness is taken
 FIRM = 10.0  # times the moment at which a wire bends: more than that, friction is not held by it
 
 
 class Sagging(OnBothSides):
-    """theta += sag(tau), bent at a moment of load that is the first parameter; includes the stretch."""
+    """theta += sag(tau), bent at a moment of load that is the first parameter; includes the stretch.
+
+    held: all of it before the friction, and the masses beyond the joint swing on it (``HeldLinks``).
+    """
 
     stage, place, regime = "wire", 200, "posture"
     begins = grows = True
@@ -24,6 +35,8 @@ class Sagging(OnBothSides):
     needs = ("load",)
     everywhere = True
     replaces = ("load_elasticity",)
+    shaking = (HELD,)
+    includes = MappingProxyType({HELD: LinkResonance.id})
 
     levels: ClassVar[tuple[float, ...]]
     """Quantiles of the load that a fit starts the bend at."""
@@ -33,22 +46,41 @@ class Sagging(OnBothSides):
         """None of a joint that is only pushed: a measured load then follows the angle, and what bends over
         the one bends over the other.
         """
-        return () if motion.one_way and not motion.masses else super().forms_shown(motion)
+        if motion.masses:
+            return super().forms_shown(motion)
+        return () if motion.one_way else tuple(f for f in super().forms_shown(motion) if f != HELD)
 
     @abstractmethod
     def sag(self, load: Array) -> Array:
         """(n, columns) rad that a ``load`` (n, columns) N m adds."""
 
+    def upstream(self) -> Effect | None:
+        return self if self.form == HELD else super().upstream()
+
+    def downstream(self) -> Effect | None:
+        return None if self.form == HELD else super().downstream()
+
+    def included(self, now: Now) -> Mapping[str, Array]:
+        links = Links.on_wires(self, now)
+        return {} if links is None else links.shown()
+
     def adjust(self, core: Core, now: Now) -> None:
         """Of what lies before the friction: a joint that sticks holds back from none to all of the friction's
         moment F, width over compliance, so that the wire bears tau - F to tau + F. A dead band that would
-        take more than FIRM times the moment at which the wire bends is not the wire's.
+        take more than FIRM times the moment at which the wire bends is not the wire's. Links swing on it as
+        stiff as it is in the mean of all that.
         """
-        soft = self["compliance"]
-        friction = np.minimum(core.width / np.maximum(soft, TINY), FIRM * self[self.parameters[0].name])
+        soft, bends = self["compliance"], self[self.parameters[0].name]
+        friction = np.minimum(core.width / np.maximum(soft, TINY), FIRM * bends)
         most, least = self.sag(now.load + friction), self.sag(now.load - friction)
         core.width = core.width - soft * friction + (most - least) / 2.0
         core.middle = core.middle + (most + least) / 2.0 - self.sag(now.load)
+        links = Links.on_wires(self, now) if self.form == HELD else None
+        if links is not None:
+            within = np.maximum(friction, SMALL * bends)
+            gives = (self.sag(now.load + within) - self.sag(now.load - within)) / 2.0
+            held = HeldLinks(links, now, within / np.maximum(gives, TINY))
+            core.rounding = beside(core.rounding, held, links.omega > 0.0)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self.sag(now.load), None

@@ -15,6 +15,8 @@ from trunk_ros.effects.filters import lowpass, rate, swing_step
 
 TURN = 0.1  # rad that the fastest joint's swing may go on in a step of the integration
 MOST = 64  # steps of one posture
+STIFFEST = 1e-9  # rad/(N m): nothing swings on less
+RIGID = 1e6  # Hz: no swing that a recording could show
 STANDS = 0.02  # s for which a posture lasts
 
 
@@ -33,6 +35,21 @@ class Links:
     def arm_of(e: Effect, now: Now) -> Arm | None:
         """The arm whose links swing; None where the effect's form or the arm knows of no masses."""
         return now.arm if e.form in e.shaking and now.arm is not None and now.arm.has_load else None
+
+    @staticmethod
+    def on_wires(e: Effect, now: Now) -> Links | None:
+        """Those of an effect with a ``compliance`` and a ``damping``; None likewise."""
+        arm = Links.arm_of(e, now)
+        if arm is None:
+            return None
+        soft = e["compliance"]
+        own = np.maximum(soft, STIFFEST) * arm.straight_inertia[list(now.columns)]
+        return Links(arm, now.columns, np.where(soft > STIFFEST, 1.0 / np.sqrt(own), 0.0), e["damping"])
+
+    def shown(self) -> dict[str, Array]:
+        """The swing of each, as ``link_resonance`` has it."""
+        frequency = np.where(self.omega > 0.0, self.omega / (2.0 * np.pi), RIGID)
+        return {"frequency": frequency, "damping": self.damping}
 
     @property
     def _places(self) -> np.ndarray:

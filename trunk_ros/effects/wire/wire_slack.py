@@ -3,9 +3,9 @@
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, PAYLOAD
+from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, DAMPING, PAYLOAD
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM
-from trunk_ros.effects.wire.sagging import Sagging, bend
+from trunk_ros.effects.wire.sagging import HELD, Sagging, bend
 from trunk_ros.parameter import Parameter
 
 FAR = 40.0  # exp(-FAR) is rounding beside 1
@@ -20,7 +20,7 @@ class WireSlack(Sagging):
 
     sharp: excess = max(0, abs(tau) - threshold). smooth: the same bent within ``softness``, as softness
     log(1 + exp((abs(tau) - threshold)/softness)) less its value at no load: parts of a wire go slack one
-    after another.
+    after another. held: sharp, before the friction, and links with masses swing on the pair.
     """
 
     id = "wire_slack"
@@ -29,14 +29,15 @@ class WireSlack(Sagging):
         "Antagonistic pair with pretension: "
         "stiffness 2k with both wires taut, k with one slack (Kobayashi et al. 1998)."
     )
-    forms = ("sharp", "smooth")
-    refined = ("smooth",)
+    forms = ("sharp", "smooth", HELD)
+    refined = ("smooth", HELD)
     parameters = (
         bend("threshold", "moment at which one wire goes slack", 0.05),
         COMPLIANCE,
         SOFT,
         PAYLOAD,
         UPSTREAM,
+        DAMPING,
     )
     levels = (0.3, 0.55, 0.8)
     confused_with = (
@@ -55,7 +56,8 @@ class WireSlack(Sagging):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        return tuple(p for p in cls.parameters if form == "smooth" or p is not SOFT)
+        without = {"sharp": (SOFT, DAMPING), "smooth": (DAMPING,), HELD: (SOFT, UPSTREAM)}[form or "sharp"]
+        return tuple(p for p in cls.parameters if p not in without)
 
 
 @compiled

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.score import priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import begun_on
-from trunk_ros.effects import effect
+from trunk_ros.effects import Effect, effect
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -39,9 +39,7 @@ def _mending(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator
 
 def _shaken(best: Fit, name: str, form: str) -> float:
     """What an effect gains in such a form before it is fitted."""
-    starts = [_begun(best, name, form), *refinements(best.hypothesis, name, form)]
-    there = [score(costed(best.context, start)) for start in starts if start is not None]
-    return score(best) - min(there, default=np.inf)
+    return score(best) - min(map(score, _starts(best, name, form)), default=np.inf)
 
 
 def _groups(best: Fit, desk: Desk, shaking: bool, early: bool = False) -> Iterator[Group]:
@@ -95,19 +93,35 @@ def _reformed(now: Fit, name: str, form: str, goal: float) -> Fit | None:
     where its motion does not show more.
     """
     context, kind, old = now.context, effect(name), now.hypothesis[name]
-    begun = _begun(now, name, form)
-    if begun is None:
+    starts = _starts(now, name, form)
+    if not starts:
         return None
-    trial = refit(context, begun, goal)
-    if form not in kind.refined or old.form in kind.refined:
+    some = starts[:1] if form in kind.shaking else starts  # a fit of all joints together is dear
+    trial = min((refit(context, start.hypothesis, goal) for start in some), key=score)
+    if not _refines(kind, old.form, form):
         return trial
-    others = [refit(context, h, goal) for h in refinements(now.hypothesis, name, form)]
-    trial = min([trial, *others], key=score)
     for column in hidden(trial.context, trial.hypothesis[name]):
         kept = trial.hypothesis.copy()
         kept[name].have(column, old.own[column])
         trial = refit_column(trial, kept, column)
     return trial
+
+
+def _starts(now: Fit, name: str, form: str) -> list[Fit]:
+    """Where an effect in a form may begin, the best first: each joint at what a linear look finds best, and
+    in a refined one at the values that it has; none where a joint does not show it.
+    """
+    begun = _begun(now, name, form)
+    if begun is None:
+        return []
+    others = refinements(now.hypothesis, name, form)
+    refines = _refines(effect(name), now.hypothesis[name].form, form)
+    starts = [costed(now.context, start) for start in (begun, *(others if refines else ()))]
+    return sorted(starts, key=score)
+
+
+def _refines(kind: type[Effect], old: str, new: str) -> bool:
+    return new in kind.refined and old not in kind.refined
 
 
 def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
