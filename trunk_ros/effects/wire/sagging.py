@@ -1,6 +1,8 @@
 """What the effects share by which a joint sags under its load other than in proportion."""
 
 from abc import abstractmethod
+from collections import deque
+from collections.abc import Hashable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,6 +14,8 @@ from trunk_ros.effects.wire.on_both_sides import OnBothSides
 from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
+LAST: deque[tuple[Hashable, Array, Array]] = deque(maxlen=2)
+"""What loads draw, by what bends and the load: of a whole recording, and of how it began."""
 FIRM = 10.0  # times the moment at which a wire bends: more than that, friction is not held by it
 
 
@@ -25,6 +29,8 @@ class Sagging(OnBothSides):
     everywhere = True
     replaces = ("load_elasticity",)
 
+    bent: ClassVar[tuple[str, ...]]
+    """The parameters by which it bends."""
     levels: ClassVar[tuple[float, ...]]
     """Quantiles of the load that a fit starts the bend at."""
 
@@ -36,8 +42,19 @@ class Sagging(OnBothSides):
         return () if motion.one_way and not motion.masses else super().forms_shown(motion)
 
     @abstractmethod
+    def drawn(self, load: Array) -> Array:
+        """(n, columns) N m that would sag as a ``load`` (n, columns) N m does, in proportion."""
+
     def sag(self, load: Array) -> Array:
-        """(n, columns) rad that a ``load`` (n, columns) N m adds."""
+        """(n, columns) rad that a ``load`` (n, columns) N m adds. What it draws is kept: both sides of the
+        friction ask for it, and a fit again with another compliance.
+        """
+        key = (self.id, self.form, *(self[name].tobytes() for name in self.bent if name in self.values))
+        drawn = next((drawn for known, of, drawn in tuple(LAST) if of is load and known == key), None)
+        if drawn is None:
+            drawn = self.drawn(load)
+            LAST.append((key, load, drawn))
+        return np.asarray(self["compliance"] * drawn)
 
     def adjust(self, core: Core, now: Now) -> None:
         """Of what lies before the friction: a joint that sticks holds back from none to all of the friction's
@@ -46,7 +63,7 @@ class Sagging(OnBothSides):
         """
         soft = self["compliance"]
         friction = np.minimum(core.width / np.maximum(soft, TINY), FIRM * self[self.parameters[0].name])
-        most, least = self.sag(now.load + friction), self.sag(now.load - friction)
+        most, least = (soft * self.drawn(now.load + side * friction) for side in (1.0, -1.0))
         core.width = core.width - soft * friction + (most - least) / 2.0
         core.middle = core.middle + (most + least) / 2.0 - self.sag(now.load)
 
