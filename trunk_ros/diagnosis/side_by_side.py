@@ -14,18 +14,15 @@ Seen = tuple[Hypothesis, int]
 
 
 def alike(pairs: Sequence[Seen], joint_by_joint: bool) -> Iterator[list[int]]:
-    """Places of those that differ in values and words alone, and by which the arm carries the same; of one
-    that has to be computed with others, each by itself.
-    """
+    """Places of those that differ in values and words alone, and by which the arm carries the same."""
     if len(pairs) == 1:
         return iter([[0]])
     found: dict[Hashable, list[int]] = {}
     for k, (hypothesis, column) in enumerate(pairs):
         terms = hypothesis.on(column)
-        alone = k if any(t.form in effect(t.effect).shaking for t in terms) else -1
         which = column if joint_by_joint else -1
         kinds = tuple(_kind_on(term, column) for term in terms)
-        found.setdefault((payload_of(hypothesis), alone, which, kinds), []).append(k)
+        found.setdefault((payload_of(hypothesis), which, kinds), []).append(k)
     return iter(found.values())
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -155,9 +155,16 @@ class Curve(Effect):
             if variable:
                 ends.setdefault((low[column], high[column]), []).append(column)
         for (first, last), some in ends.items():
-            drawn = self.spline(np.linspace(first, last, KNOTS), values[:, some])
-            pieces[some] = np.moveaxis(drawn.c, 2, 0)
+            powers = ((KNOTS - 1) / (last - first)) ** np.arange(3, -1, -1)
+            drawn = np.tensordot(unit_pieces(type(self)), values[:, some], 1)
+            pieces[some] = np.moveaxis(drawn, 2, 0) * powers[:, None]
         return pieces
+
+
+@cache
+def unit_pieces(kind: type[Curve]) -> Array:
+    """(4, KNOTS - 1, KNOTS) cubics between knots one apart, highest power first, per value."""
+    return np.asarray(kind.spline(np.arange(KNOTS, dtype=float), np.eye(KNOTS)).c)
 
 
 @compiled

@@ -32,8 +32,7 @@ class Inertia(NamedTuple):
 
     def of(self, joint: int) -> Array:
         """(n, all joints) a joint's row of it."""
-        row = self.view.inertia(joint, self.payload)
-        return row if self.rows is None else row[self.rows]
+        return self.view.inertia(joint, self.payload, self.rows)
 
     def at(self, rows: np.ndarray) -> Inertia:
         """The same at some steps (k,)."""

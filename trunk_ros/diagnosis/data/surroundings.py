@@ -116,10 +116,14 @@ class View:
             return self._kept("masses", 0.0, partial(_by_pieces, self.arm.mass_matrix))
         return self._kept("loaded", payload, lambda _: self.masses(0.0) + payload * self._mass_lever)
 
-    def inertia(self, joint: int, payload: float) -> Array:
-        """(m, joints) a joint's row of that."""
-        row = np.ascontiguousarray(self.masses(0.0)[:, joint], dtype=float)
-        return row + payload * self._mass_lever[:, joint] if payload else row
+    def inertia(self, joint: int, payload: float, rows: np.ndarray | None = None) -> Array:
+        """(m, joints) a joint's row of that, or (k, joints) at some steps; not to be changed."""
+        row = self._kept("row", float(joint), lambda _: _row_of(self.masses(0.0), joint))
+        row = row if rows is None else row[rows]
+        if not payload:
+            return row
+        lever = self._kept("row lever", float(joint), lambda _: _row_of(self._mass_lever, joint))
+        return np.asarray(row + payload * (lever if rows is None else lever[rows]))
 
     def cached(self, what: Hashable, payload: float, make: Callable[[], Made]) -> Made:
         """What an effect makes of the joints' angles and the masses, made once for these."""
@@ -209,6 +213,11 @@ def _by_pieces(of: Callable[[Array], Array], angles: Array) -> Array:
     return np.concatenate(
         [of(angles[k : k + CELLS]).astype(np.float32) for k in range(0, len(angles), CELLS)]
     )
+
+
+def _row_of(masses: Array, joint: int) -> Array:
+    """(m, joints) of M (m, joints, joints)."""
+    return np.ascontiguousarray(masses[:, joint], dtype=float)
 
 
 def _apart(angles: Array, others: Array) -> float:

@@ -80,9 +80,6 @@ def held(
                 continue
             steps = min(max(int(np.ceil(own * dt[k] / TURN)), 1), MOST)
             h = dt[k] / steps
-            if h != known or own != last:
-                swing_step(h, own, damping, swing)
-                known, last = h, own
             ramp = (new - old) / dt[k]
             lead = 2.0 * damping / own * ramp  # of the damper, which the wire's motion pulls along
             for i in range(steps):
@@ -96,7 +93,10 @@ def held(
                     else:
                         side = 1.0 if speed > 0.0 else -1.0
                     part = swing
-                    if not first:
+                    if first and (h != known or own != last):
+                        swing_step(h, own, damping, swing)
+                        known, last = h, own
+                    elif not first:
                         swing_step(left, own, damping, rest)
                         part = rest
                     goal = begin - side * w

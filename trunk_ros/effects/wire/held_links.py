@@ -4,6 +4,7 @@ other.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ class HeldLinks:
             return out, (np.vstack([u[-1], place, 0.0 * place]), None if state is None else state[1])
         angles, places = np.ascontiguousarray(now.angles), np.array(links.columns)[swings]
         own, motion = (np.vstack([u[0], u[0], 0.0 * u[0]]), None) if state is None else state
-        motion = _at_rest(angles) if motion is None else motion.copy()
+        first, motion = motion is None, _at_rest(angles) if motion is None else motion.copy()
         out, place = SharpPlay().run(u, width, own[1])
         before, after = own[:, swings], np.vstack([u[-1], place, 0.0 * place])
         moved = np.ascontiguousarray(u[:, swings])
@@ -50,23 +51,12 @@ class HeldLinks:
         straight = links.arm.straight_inertia[places]
         hold, damp = self._hold(places, swings), 2.0 * links.damping[swings] * links.omega[swings] * straight
         shown = np.empty_like(moved)
-        if len(places) == 1:
-            row = now.inertia(places[0])
-            push, own_mass = np.empty(len(u)), row[:, places]
-            shake(angles, now.dt, places[0], row, motion, push)
-            if len(now.columns) < len(now.joints):  # looked at alone: what the others did is all known
-                push[:-1] = (push[:-1] + push[1:]) / 2.0
-            omega = np.sqrt(hold / own_mass)
-            held(
-                moved,
-                now.dt,
-                wide,
-                omega,
-                damp / (2.0 * own_mass * omega),
-                push[:, None] / hold,
-                before,
-                shown,
-            )
+        if len(set(places)) == 1:  # alone, or several times so
+            make = partial(shaken, now, int(places[0]), motion)
+            push, own_mass, motion = now.cached(("shaken", int(places[0])), make) if first else make()
+            omega = np.sqrt(hold / own_mass[:, None])
+            zeta = damp / (2.0 * own_mass[:, None] * omega)
+            held(moved, now.dt, wide, omega, zeta, push[:, None] / hold, before, shown)
         elif len(places):
             mass = np.stack([now.inertia(place) for place in places], axis=1).astype(float)
             hold_links(moved, now.dt, angles, places, mass, hold, damp, wide, before, motion, shown)
@@ -97,6 +87,17 @@ class HeldLinks:
 
 def _at_rest(angles: Array) -> Array:
     return np.vstack([angles[0], 0.0 * angles[0], 0.0 * angles[0]])
+
+
+def shaken(now: Now, place: int, before: Array) -> tuple[Array, Array, Array]:
+    """(n,) N m by which the other joints' acceleration moves one, (n,) its own M_jj, and the motion (3,
+    joints) of all after it; ``before``: that of the sample before.
+    """
+    row, motion, push = now.inertia(place), before.copy(), np.empty(len(now.dt))
+    shake(np.ascontiguousarray(now.angles), now.dt, place, row, motion, push)
+    if len(set(now.columns)) < len(now.joints):  # looked at alone: what the others did is all known
+        push[:-1] = (push[:-1] + push[1:]) / 2.0
+    return push, np.ascontiguousarray(row[:, place]), motion
 
 
 @compiled

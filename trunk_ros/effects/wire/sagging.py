@@ -1,7 +1,8 @@
 """What the effects share by which a joint sags under its load other than in proportion."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Hashable, Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -20,6 +21,8 @@ from trunk_ros.parameter import Parameter
 
 HELD = "held"
 SMALL = 1e-3  # of the moment at which a wire bends, to either side of a load: where its stiffness is taken
+LAST: deque[tuple[Hashable, Array, Array]] = deque(maxlen=2)
+"""What loads draw, by what bends and the load: of a whole recording, and of how it began."""
 FIRM = 10.0  # times the moment at which a wire bends: more than that, friction is not held by it
 
 
@@ -38,6 +41,8 @@ class Sagging(OnBothSides):
     shaking = (HELD,)
     includes = MappingProxyType({HELD: LinkResonance.id})
 
+    bent: ClassVar[tuple[str, ...]]
+    """The parameters by which it bends."""
     levels: ClassVar[tuple[float, ...]]
     """Quantiles of the load that a fit starts the bend at."""
 
@@ -51,8 +56,19 @@ class Sagging(OnBothSides):
         return () if motion.one_way else tuple(f for f in super().forms_shown(motion) if f != HELD)
 
     @abstractmethod
+    def drawn(self, load: Array) -> Array:
+        """(n, columns) N m that would sag as a ``load`` (n, columns) N m does, in proportion."""
+
     def sag(self, load: Array) -> Array:
-        """(n, columns) rad that a ``load`` (n, columns) N m adds."""
+        """(n, columns) rad that a ``load`` (n, columns) N m adds. What it draws is kept: both sides of the
+        friction ask for it, and a fit again with another compliance.
+        """
+        key = (self.id, self.form, *(self[name].tobytes() for name in self.bent if name in self.values))
+        drawn = next((drawn for known, of, drawn in tuple(LAST) if of is load and known == key), None)
+        if drawn is None:
+            drawn = self.drawn(load)
+            LAST.append((key, load, drawn))
+        return np.asarray(self["compliance"] * drawn)
 
     def upstream(self) -> Effect | None:
         return self if self.form == HELD else super().upstream()
@@ -72,13 +88,13 @@ class Sagging(OnBothSides):
         """
         soft, bends = self["compliance"], self[self.parameters[0].name]
         friction = np.minimum(core.width / np.maximum(soft, TINY), FIRM * bends)
-        most, least = self.sag(now.load + friction), self.sag(now.load - friction)
+        most, least = (soft * self.drawn(now.load + side * friction) for side in (1.0, -1.0))
         core.width = core.width - soft * friction + (most - least) / 2.0
         core.middle = core.middle + (most + least) / 2.0 - self.sag(now.load)
         links = Links.on_wires(self, now) if self.form == HELD else None
         if links is not None:
             within = np.maximum(friction, SMALL * bends)
-            gives = (self.sag(now.load + within) - self.sag(now.load - within)) / 2.0
+            gives = soft * (self.drawn(now.load + within) - self.drawn(now.load - within)) / 2.0
             held = HeldLinks(links, now, within / np.maximum(gives, TINY))
             core.rounding = beside(core.rounding, held, links.omega > 0.0)
 

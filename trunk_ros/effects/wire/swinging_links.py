@@ -63,12 +63,13 @@ class Links:
         before, moved = own[:, swings], np.ascontiguousarray(x[:, swings])
         shown = np.empty_like(moved)
         omega, zeta, straight = self.omega[swings], self.damping[swings], self.arm.straight_inertia[places]
-        if len(places) == 1:
+        if len(set(places)) == 1:  # alone, or several times so
             make = partial(pushed, now, places[0], motion)
             push, own_mass, motion = make() if state else now.cached(("pushed", places[0]), make)
             lighter = np.sqrt(straight[0] / own_mass)
-            one = np.ascontiguousarray(moved[:, 0])
-            swing_link(one, now.dt, push, omega[0] * lighter, zeta[0] * lighter, before[:, 0], shown[:, 0])
+            for k, (swing, damping) in enumerate(zip(omega, zeta, strict=True)):
+                one = np.ascontiguousarray(moved[:, k])
+                swing_link(one, now.dt, push, swing * lighter, damping * lighter, before[:, k], shown[:, k])
         elif len(places):
             angles = np.ascontiguousarray(angles)
             first = now.masses[:1] if state is None else self.arm.mass_matrix(motion[:1])

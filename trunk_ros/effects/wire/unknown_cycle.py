@@ -28,7 +28,8 @@ class UnknownCycle(Curve):
 
     @classmethod
     def onto(cls, x: Array, low: Array, high: Array) -> Array:
-        return np.asarray(low + np.mod(x - low, np.where(high > low, high - low, 1.0)))
+        period = np.where(high > low, high - low, 1.0)
+        return np.asarray(x - np.floor((x - low) / period) * period)
 
     @classmethod
     def spline(cls, knots: Array, values: Array) -> CubicSpline:

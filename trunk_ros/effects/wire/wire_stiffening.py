@@ -38,15 +38,16 @@ class WireStiffening(Sagging):
         UPSTREAM,
         DAMPING,
     )
+    bent = ("moment",)
     levels = (0.3, 0.6, 0.9)
     confused_with = (
         ("wire_slack", "load further: a slack wire softens, a stiffening one hardens"),
         ("load_elasticity", "load further: only this one bends over"),
     )
 
-    def sag(self, load: Array) -> Array:
+    def drawn(self, load: Array) -> Array:
         bent = BENT[self.form](np.abs(load) / self["moment"])
-        return np.asarray(self["compliance"] * self["moment"] * np.copysign(bent, load))
+        return np.asarray(self["moment"] * np.copysign(bent, load))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
