@@ -119,7 +119,7 @@ def facts(kind: type[Effect]) -> Iterator[str]:
         yield "- The diagnosis tries it last, on joints where the other effects leave much of the residual."
     elif not kind.tried:
         yield "- The diagnosis does not try it: it is switched on in a model by hand."
-    if kind.begins:
+    if kind.moments():
         once = ", ".join(f"`{m.name}`" for m in kind.moments() if not m.name[-1].isdigit())
         yield f"- In mid-run: {once} (s); again, or with another size: `from_2`, `until_2`, `times_2`."
     if kind.replaces:

@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import FEWEST, PART
 from trunk_ros.diagnosis.machine import make_room
+from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import RISE
 from trunk_ros.parameter import GROWN
@@ -98,6 +99,9 @@ def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:
             values = {**term.shared, **term.own[column]}
             size = float(values.get(_size(term.effect), 0.0))
             out |= {values[name]: size for name in _names(term.effect) if name in values}
+            course = Course.of(values)
+            for at, before, after in zip(course.moments, course.sizes, course.sizes[1:], strict=False):
+                out[at] = size * (after - before)
     return out
 
 

@@ -28,6 +28,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
     "unknown wheel": {"ratio_error": {"relative": on(3, -1.9)}, "zero_offset": {"offset": on(3, 1.2)}},
     "slip": {"wire_slip": {"step": on(2, 2e-3), "onset": np.full(5, 17.0)}},
+    "slips twice": {
+        "wire_slip": {
+            "step": on(2, 2e-3),
+            "onset": np.full(5, 12.0),
+            "from_2": np.full(5, 25.0),
+            "times_2": np.full(5, 1.6),
+        }
+    },
     "graded": {"load_elasticity": {"compliance": np.array([0.001, 0.004, 0.016, 0.064, 0.256])}},
     "sag": {"load_elasticity": {"compliance": np.full(5, 0.02)}},
     "rubbing": {
@@ -107,6 +115,7 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         "sensor_delay": {"delay": 0.02},
         "load_elasticity": {"compliance": np.full(5, 0.1)},
     },
+    "late and loose": {"sensor_delay": {"delay": 0.02}, "backlash": {"half_width": on(3, 1e-3)}},
     "tension": {"tension_error": {"factor": 3.0}},
     "loose, and worn on two": {
         "tension_error": {"factor": 0.5},

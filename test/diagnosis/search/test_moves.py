@@ -219,6 +219,12 @@ def test_spell_drops_a_moment_that_nothing_speaks_for() -> None:
     assert "from" not in improved("spell", "backlash", wrong).hypothesis["backlash"].own[2]
 
 
+def test_spell_lets_a_wire_slip_once_more() -> None:
+    once = Term("wire_slip", own={1: {"step": 2e-3, "onset": 12.0}})
+    found = improved("spell", "slips twice", once).hypothesis["wire_slip"].own[1]
+    assert found == pytest.approx({"step": 2e-3, "onset": 12.0, "from_2": 25.0, "times_2": 1.6}, rel=0.02)
+
+
 def test_event_takes_a_payload_up() -> None:
     best = improved("event", "picked up", sag(range(5)))
     found = best.hypothesis["load_elasticity"].shared

@@ -58,6 +58,12 @@ def test_what_the_model_has_already_costs_nothing() -> None:
     assert price(replace(now, context=replace(now.context, stage=known)), now.hypothesis["backlash"]) == 0.0
 
 
+def test_readings_that_are_late_have_no_formula_to_be_off_by() -> None:
+    late, loose = context("late and loose"), context("backlash")
+    assert sum(late.formed_misfit.values()) < 0.1 * sum(late.misfit.values())
+    assert loose.formed_misfit[2] > 0.5 * loose.misfit[2]
+
+
 def test_the_truth_beats_everything_less_and_everything_more() -> None:
     ratio = Term("ratio_error", own={2: {"relative": 0.01}})
     right = fitted("two", BACKLASH, ratio)

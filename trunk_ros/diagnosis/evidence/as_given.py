@@ -13,6 +13,7 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.moves.swap_all import alike
 from trunk_ros.diagnosis.search.score import FURTHER, naming, need
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
@@ -24,9 +25,21 @@ def as_given(state: Fit) -> Fit:
     much better explained as effects have to: the fewest that do.
     """
     for name in state.context.known:
-        if name in state.hypothesis:
-            state = _as_given(state, name)
+        state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
     return state
+
+
+def _there_again(state: Fit, name: str) -> Fit:
+    """With an effect that was left out, where the recording does not tell that it is gone: that is a claim as
+    well. What includes it says something else of it.
+    """
+    known, kind = state.context.known[name], effect(name)
+    others = [effect(other) for other in state.hypothesis]
+    if not kind.named or issubclass(kind, Bank) or any(alike(kind, other) for other in others):
+        return state
+    trial = _held(state, name, known, kind.used(known.form))
+    gone = naming(kind.stage) + sum(_need(state, c) for c in known.columns if c in state.context.columns)
+    return trial if trial.total < state.total + gone else state
 
 
 def _as_given(state: Fit, name: str) -> Fit:

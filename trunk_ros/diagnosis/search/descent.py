@@ -131,7 +131,7 @@ class Desk:
 
     def pays(self, gain: float, best: Fit) -> bool:
         """Whether a gain is worth a step: more than rounding, and large things first."""
-        whole = COARSE[0] * sum(best.context.misfit.values()) if self.share == LARGE else 0.0
+        whole = COARSE[0] * sum(best.context.formed_misfit.values()) if self.share == LARGE else 0.0
         return gain > max(BETTER, self.share * sum(map(best.rest, best.cost)), whole)
 
 
@@ -183,7 +183,7 @@ def _ordered(moves: Sequence[Move], best: Fit, share: float, newest: list[str]) 
     """What explains more before all but cheap mends and how the ``newest`` effects are what they are, while
     more is left than formulas are off by.
     """
-    much = sum(map(best.rest, best.cost)) > COARSE[1] * sum(best.context.misfit.values())
+    much = sum(map(best.rest, best.cost)) > COARSE[1] * sum(best.context.formed_misfit.values())
     if share < COARSE[0] or not much:
         return moves
     cheap = [move for move in moves if move.cheap]

@@ -8,9 +8,10 @@ from math import log
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
-from trunk_ros.diagnosis.levels import FAR_OFF, HALF, SLIGHT, TOGETHER
+from trunk_ros.diagnosis.levels import FAR_OFF, HALF, PART, SEVERAL, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
@@ -242,21 +243,50 @@ def measured(first: Fit) -> Context:
 def formed_misfits(fit: Fit) -> dict[int, float]:
     """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
     unit-noise residuals, with the right zero, as a constant has no formula; where the ratio is FAR_OFF, with
-    the right one of that as well.
+    the right one of that as well; and where one lag of all joints leaves hardly a PART, without that:
+    readings that are late have no formula either.
     """
-    return {c: min(fit.rest(c), _right_line(fit, c)) for c in fit.cost}
+    late = _without_common_lag(fit)
+    return {c: min(fit.rest(c), _right_line(fit, c), late.get(c, np.inf)) for c in fit.cost}
+
+
+def _without_common_lag(fit: Fit) -> dict[int, float]:
+    """What is left of each column with the lag that the middle joint has, if that is nearly all of it."""
+    context, columns = fit.context, list(fit.cost)
+    if context.stage.name != "wire" or len(columns) < SEVERAL:
+        return {}
+    rests, lines = (
+        {c: context.whitened(fit.hypothesis, c) for c in columns},
+        {c: _line(fit, c) for c in columns},
+    )
+    lag = float(np.median([np.linalg.lstsq(lines[c], rests[c], rcond=None)[0][2] for c in columns]))
+    left = {}
+    for c in columns:
+        now = rests[c] - lines[c][:, 2] * lag
+        zero = lines[c][:, 1:2]
+        now = now - zero @ np.linalg.lstsq(zero, now, rcond=None)[0]
+        left[c] = max(float(now @ now) - context.count(c), 0.0)
+    return left if sum(left.values()) < PART * sum(map(fit.rest, columns)) else {}
 
 
 def _right_line(fit: Fit, column: int) -> float:
     context = fit.context
     if context.stage.name != "wire":
         return np.inf
-    angles = [view.span.gearbox[view.span.rows, column] * context.arm.ratio[column] for view in context.views]
-    zeros = [np.ones_like(angle) for angle in angles]
-    line = np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros)])
+    line = _line(fit, column)[:, :2]
     rest = context.whitened(fit.hypothesis, column)
     found = np.linalg.lstsq(line, rest, rcond=None)[0]
     if abs(found[0]) <= FAR_OFF:
         line = line[:, 1:]
         found = np.linalg.lstsq(line, rest, rcond=None)[0]
     return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)
+
+
+def _line(fit: Fit, column: int) -> Array:
+    """What another ratio, zero and time of reading change (rows, 3), whitened: per 1, rad and s."""
+    context, ratio = fit.context, fit.context.arm.ratio[column]
+    spans = [view.span for view in context.views]
+    angles = [span.gearbox[span.rows, column] * ratio for span in spans]
+    zeros = [np.ones_like(angle) for angle in angles]
+    lags = [-span.velocity[span.rows, column] * ratio for span in spans]
+    return np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros, lags)])

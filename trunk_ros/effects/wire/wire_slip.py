@@ -1,5 +1,6 @@
 """The wire slips on its wheel: the zero jumps at one moment."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.lasting import RISE, shown_between
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import LATER, UNTIL, Parameter
 
 MOMENTS = 80  # parts of a recording, of each of which the steepest is looked at
 LIKELY = 6  # of them that a fit may start from
@@ -15,7 +16,7 @@ NEAR = 1.0  # s before and after a jump by which it shows where other things mov
 
 
 class WireSlip(Effect):
-    """u += step from the onset on."""
+    """u += step from the onset on; where it slips again, by the difference to its next size."""
 
     id = "wire_slip"
     stage, place, regime = "wire", 50, "time"
@@ -33,6 +34,12 @@ class WireSlip(Effect):
         ("zero_offset", "look at the start, while the joint moves: before a slip its zero was right"),
         ("unknown_jumps", "record longer: a slipped wire does not come back"),
     )
+
+    @classmethod
+    @cache
+    def moments(cls) -> tuple[Parameter, ...]:
+        """It has begun at its onset; it may go on."""
+        return (UNTIL, *LATER)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._jump(now), None

@@ -79,7 +79,7 @@ class Sized(NamedTuple):
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each effect that may begin, on each joint that it has a size of its own on, and each payload."""
+    """Each effect that may begin or go on, on each joint where it has a size of its own, and each payload."""
     for one in sized(best) if len(best.context.views) == 1 else ():
         seen = cache(partial(_seen, best, one))
         trials, promise = partial(_changed, best, one, seen), partial(_promise, best, seen)
@@ -90,7 +90,7 @@ def sized(now: Fit) -> Iterator[Sized]:
     """All that may change its size."""
     for name, term in now.hypothesis.items():
         kind = effect(name)
-        if not kind.begins or not kind.named:
+        if not kind.moments() or not kind.named:
             continue
         lead = kind.own_parameters(term.form)[0]
         for mass in kind.carried():
@@ -162,4 +162,4 @@ def _refitted(best: Fit, one: Sized, there: Hypothesis) -> Fit:
     return refit_to_win(best, there) if one.column is None else refit_column_to_win(best, there, one.column)
 
 
-SPELL = Move("spell", groups)
+SPELL = Move("spell", groups, settles=True)
