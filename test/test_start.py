@@ -103,10 +103,32 @@ def test_what_varies_while_it_is_looked_at_is_no_zero_but_a_model_that_is_wrong(
 
 
 def test_zeros_that_hardly_moved_stay_and_those_that_did_may_go_far() -> None:
-    zero, gain = moved_zero(np.array([0.0, 2.0, 5.0, -100.0]))
+    zero, gain = moved_zero(np.array([0.0, 2.0, 5.0, -100.0]), np.zeros(4))
     assert zero[:2].tolist() == gain[:2].tolist() == [0.0, 0.0]
     assert 4.0 < zero[2] < 5.0
     assert zero[3] == pytest.approx(-100.0, rel=0.001)
+
+
+def test_zeros_that_differed_between_the_recordings_of_the_fit_differ_again() -> None:
+    zero, gain = moved_zero(np.array([2.0, -2.0, -100.0]), np.array([3.0, 0.3, 3.0]))
+    assert zero[:2] == pytest.approx([2.0 * 0.9, -2.0 * 0.09 / 1.09])
+    assert gain[0] == pytest.approx(4.0 * 0.9)
+    assert zero[2] == pytest.approx(-100.0, rel=0.01)
+
+
+def test_a_model_knows_by_how_much_zeros_differ() -> None:
+    recording, true = recorded()
+    shown = recording.series["joint_states"]
+    moved = true + np.array([0.0, 0.005])  # no more than its error may be by chance
+    other = Recording(
+        "run", 0, recording.duration, recording.series | {"joint_states": JointSeries(T, shown.joints, moved)}
+    )
+    left = {}
+    for zero in (0.0, 0.01):
+        known = replace(model(), zero=np.array([0.0, zero]))
+        predicted = simulate(other, Model.from_parameters(known.parameters())).series["joint_states"].position
+        left[zero] = abs(float((moved - predicted)[T >= 5.0].mean(axis=0)[1]))
+    assert left[0.01] < 0.5 * left[0.0]
 
 
 def test_a_model_that_does_not_know_its_error_has_no_zero_that_moved() -> None:

@@ -19,7 +19,7 @@ from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.errors import ModelError
 
 HELD, SAMPLED = "held", "sampled"
-FITTED_ON = ("error", "reach", "lowest", "highest")
+FITTED_ON = ("error", "zero", "reach", "lowest", "highest")
 """What a model knows of each joint from the recordings that it was fitted on."""
 
 AnyModel = TypeVar("AnyModel", bound="ArmModel")  # what is made of a model is of its kind
@@ -31,15 +31,17 @@ class ArmModel:
     words to lists.
 
     ``duration`` is the length [s] of the recording that effects of time were fitted on; live nodes hold
-    their value at its end. ``error``, ``reach``, ``lowest`` and ``highest`` (joints,) rad are what it left of
-    samples that its fit did not see, and how far from their mean, rms, and between which angles the motors
-    went there, joint side; empty where that is not known.
+    their value at its end. ``error``, ``zero``, ``reach``, ``lowest`` and ``highest`` (joints,) rad are what
+    it left of samples that its fit did not see, what it was off by throughout a recording that it did not
+    see, and how far from their mean, rms, and between which angles the motors went there, joint side; empty
+    where that is not known.
     """
 
     arm: Arm
     effects: Mapping[str, Values] = field(default_factory=dict)
     duration: float = 0.0
     error: Array = field(default_factory=lambda: np.empty(0))
+    zero: Array = field(default_factory=lambda: np.empty(0))
     reach: Array = field(default_factory=lambda: np.empty(0))
     lowest: Array = field(default_factory=lambda: np.empty(0))
     highest: Array = field(default_factory=lambda: np.empty(0))

@@ -77,7 +77,13 @@ def _zero(chain: Chain, driven: Driven, places: Array, size: Array) -> Array:
         return np.zeros(len(size))
     off = _off(chain, driven, places) / size
     unsure = _unsure(off)
-    return np.where(chain.model.error > 0.0, size * unsure * moved_zero(_mean(off) / unsure)[0], 0.0)
+    zero, _ = moved_zero(_mean(off) / unsure, _spread(chain, size * unsure))
+    return np.where(chain.model.error > 0.0, size * unsure * zero, 0.0)
+
+
+def _spread(chain: Chain, unit: Array) -> Array:
+    """(joints,) by how much zeros differ between the recordings of the fit, rms in a ``unit`` (joints,)."""
+    return chain.model.zero / unit if len(chain.model.zero) else np.zeros(len(unit))
 
 
 def _is_new(chain: Chain, driven: Driven) -> bool:
@@ -97,19 +103,24 @@ def _unsure(off: Array) -> Array:
     return np.asarray(np.sqrt(1.0 + np.maximum(_mean(off**2) - _mean(off) ** 2, 0.0)))
 
 
-def moved_zero(off: Array) -> tuple[Array, Array]:
+def moved_zero(off: Array, spread: Array) -> tuple[Array, Array]:
     """(joints,) by how much zeros have moved where first readings are ``off`` in the mean, and what that
     takes off their squares, all in a model's usual errors: an encoder is homed anew, a camera stands
     elsewhere.
 
-    Most zeros stay, at a price (``STAYS``); those that move may go far: they have a Cauchy distribution. The
-    error lasts for seconds, so that all first readings count as one.
+    Zeros that differ between the recordings of a fit (``spread``, rms) do so here. Beyond that most stay, at
+    a price (``STAYS``); those that move may go far: they have a Cauchy distribution. The error lasts for
+    seconds, so that all first readings count as one.
     """
-    zero = off.copy()
+    usual = 1.0 + spread**2
+    seen = off / np.sqrt(usual)
+    zero = seen.copy()
     for _ in range(ZERO_ROUNDS):  # it is likeliest where its derivative is none
-        zero = off / (1.0 + 2.0 / (1.0 + zero**2))
-    gain = off**2 - (off - zero) ** 2 - 2.0 * np.log1p(zero**2) - STAYS
-    return np.where(gain > 0.0, zero, 0.0), np.maximum(gain, 0.0)
+        zero = seen / (1.0 + 2.0 / (1.0 + zero**2))
+    gain = seen**2 - (seen - zero) ** 2 - 2.0 * np.log1p(zero**2) - STAYS
+    far = np.where(gain > 0.0, zero, 0.0) * np.sqrt(usual)
+    near = (off - far) * (1.0 - 1.0 / usual)
+    return far + near, off**2 - seen**2 + np.maximum(gain, 0.0)
 
 
 def history(chain: Chain, driven: Driven) -> Array:
@@ -188,7 +199,8 @@ def _power(chain: Chain, driven: Driven, places: Array, size: Array, moved: bool
     reach = np.where(known > 0.0, known, USUAL)
     far = places / np.maximum(reach, NEAR)
     off = _off(chain, driven, places) / size
-    gain = moved_zero(_mean(off) / _unsure(off))[1].sum() if moved else 0.0
+    unsure = _unsure(off)
+    gain = moved_zero(_mean(off) / unsure, _spread(chain, size * unsure))[1].sum() if moved else 0.0
     return float(_mean(off**2).sum() - gain + (far**2).sum())
 
 

@@ -78,6 +78,20 @@ def test_what_is_judged_does_not_change_its_own_prediction(hypothesis: Hypothesi
     np.testing.assert_allclose(said[1], said[0], atol=1e-9)
 
 
+@pytest.mark.parametrize("zeros", [(0.0, 0.0), (2e-3, -2e-3)])
+def test_several_recordings_tell_by_how_much_zeros_differ(zeros: tuple[float, ...]) -> None:
+    model = load_model("trunk")
+    spans = [wire_span(with_added(np.full(len(stamps()), zero)), model) for zero in zeros]
+    error = held_out(costed(first_look(WireStage(spans, model)), Hypothesis()))[JOINT]
+    assert error.zero == pytest.approx(zeros[0], abs=3e-4)
+    assert error.usual < 3e-4  # what varies besides
+
+
+def stamps() -> Array:
+    """Of the joints."""
+    return recorded().series["joint_states"].stamp
+
+
 def held_out_of(context: Context, hypothesis: Hypothesis) -> Array:
     """What the first fold's samples are predicted to be."""
     from trunk_ros.diagnosis.evidence.cross_validation import _unseen

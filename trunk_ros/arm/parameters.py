@@ -137,6 +137,12 @@ def declared_arm() -> list[Declaration]:
             "recording.error", "rad", large, "what the model usually left of what its fit did not see, rms"
         ),
         _per_joint(
+            "recording.zero",
+            "rad",
+            large,
+            "what zeros differ by between the recordings it was fitted on, rms",
+        ),
+        _per_joint(
             "recording.reach", "rad", large, "how far the motors went in the recordings it was fitted on, rms"
         ),
         _per_joint("recording.lowest", "rad", everywhere, "the lowest angle that they led joints to there"),

@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.data.span import Span
+from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
@@ -96,8 +97,7 @@ class Diagnoser:
         self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
         self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
-        self.error: dict[str, float] = {}
-        """Joint error [rad] that the fit usually left of samples that it did not see."""
+        self.left: dict[str, Error] = {}  # by the fit of the wires, of each joint
         self.went: tuple[Array, ...] = ()
         """How far the motors went: standard deviation, least and most (joints,) rad on the joints' side."""
         self.lasting: dict[str, float] = {}
@@ -121,13 +121,14 @@ class Diagnoser:
 
     def _with_limits(self, model: Model) -> Model:
         """The model with what it left, and how far the motors went; as it is where no wire was compared."""
-        if not self.error:
+        if not self.left:
             return model
-        told = (self.error, *(dict(zip(self.joints, one, strict=True)) for one in self.went))
-        error, reach, lowest, highest = (
-            np.array([one.get(joint, 0.0) for joint in model.arm.joints]) for one in told
-        )
-        return replace(model, error=error, reach=reach, lowest=lowest, highest=highest)
+        left = ({j: getattr(e, name) for j, e in self.left.items()} for name in ("usual", "zero"))
+        told = (*left, *(dict(zip(self.joints, one, strict=True)) for one in self.went))
+        error, zero, *went = (np.array([one.get(joint, 0.0) for joint in model.arm.joints]) for one in told)
+        reach, lowest, highest = went
+        zero = zero if len(self.recordings) > 1 else np.empty(0)
+        return replace(model, error=error, zero=zero, reach=reach, lowest=lowest, highest=highest)
 
     def _say_what_is_mixed_up(self) -> None:
         """What was left out for it is not explained."""
@@ -211,7 +212,7 @@ class Diagnoser:
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints)
         if stage.name == "wire":
-            self.error = {stage.joints[c]: e.usual for c, e in errors.items()}
+            self.left = {stage.joints[c]: e for c, e in errors.items()}
         self.result.stages[stage.name] = {
             "compared": True,
             "joints": {

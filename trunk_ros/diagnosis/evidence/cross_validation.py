@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
 
 BLOCKS = 10
+FOLDS = 5  # of recordings, each of which is left out once
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,27 @@ class Error:
     noise_floor: float
     usual: float
     """The median over the blocks afterwards: a block beyond what the others show is off by more than a model
-    that has seen it.
+    that has seen it. Of several recordings, what varies in one that was not seen.
     """
+    zero: float = 0.0
+    """What a recording that was not seen is off by throughout, rms: an encoder is homed anew, a camera stands
+    elsewhere. 0 of one recording alone.
+    """
+
+
+def _between(state: Fit) -> dict[int, tuple[float, float]]:
+    """Zero and usual error [rad] of each column's recordings, each judged by a fit to others."""
+    context, many = state.context, len(state.context.views)
+    left: dict[int, list[list[Array]]] = {c: [] for c in context.columns}
+    for fold in range(min(many, FOLDS)):
+        out = [k % FOLDS == fold for k in range(many)]
+        others = context.only(
+            [np.full(len(v.span.rows), not o) for v, o in zip(context.views, out, strict=True)]
+        )
+        fitted = _fitted_anew(others, state.hypothesis)
+        for c, runs in left.items():
+            runs += _by_recording(context, _errors(others, fitted, c), c, out)
+    return {c: _zero(runs) for c, runs in left.items()}
 
 
 def held_out(state: Fit) -> dict[int, Error]:
@@ -42,10 +62,11 @@ def held_out(state: Fit) -> dict[int, Error]:
             after[c] += _blocks(context, errors, c, (fold,))
     nominal = context.seen_with(context.known)
     before = {c: _blocks(context, _errors(nominal, context.known, c), c, (0, 1)) for c in context.columns}
-    return {
-        c: Error(*_rms(before[c]), *_rms(after[c]), context.noise[c].std, _usual(after[c]))
-        for c in context.columns
-    }
+    noise = {c: context.noise[c].std for c in context.columns}
+    if len(context.views) == 1:
+        return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], _usual(after[c])) for c in noise}
+    new = _between(state)
+    return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], new[c][1], new[c][0]) for c in noise}
 
 
 def _unseen(state: Fit, fold: int) -> dict[int, list[Array]]:
@@ -91,10 +112,33 @@ def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int
     """What counts of a column's errors, by blocks of time."""
     out = []
     for view, error in zip(context.views, errors, strict=True):
-        number, valid = number_of(len(error)), view.span.valid[:, column]
-        chosen = [(number == block) & valid for block in range(BLOCKS) if block % 2 in folds]
-        out += [error[rows] for rows in chosen if rows.any()]
+        out += _cut(error, view.span.valid[:, column], folds)
     return out
+
+
+def _cut(error: Array, valid: np.ndarray, folds: tuple[int, ...]) -> list[Array]:
+    """What counts of errors (n,), by blocks of time."""
+    number = number_of(len(error))
+    chosen = [(number == block) & valid for block in range(BLOCKS) if block % 2 in folds]
+    return [error[rows] for rows in chosen if rows.any()]
+
+
+def _by_recording(
+    context: Context, errors: list[Array], column: int, chosen: list[bool]
+) -> list[list[Array]]:
+    """What counts of a column's errors in some recordings, by blocks of time."""
+    parts = zip(context.views, errors, chosen, strict=True)
+    return [_cut(error, view.span.valid[:, column], (0, 1)) for view, error, here in parts if here]
+
+
+def _zero(runs: list[list[Array]]) -> tuple[float, float]:
+    """What errors by recording and block have throughout, beyond what means over blocks that differ have by
+    chance, and what they vary by usually.
+    """
+    means = [np.array([block.mean() for block in blocks]) for blocks in runs]
+    power = [m.mean() ** 2 - m.var(ddof=1) / len(m) for m in means if len(m) > 1]
+    rest = [block - m.mean() for blocks, m in zip(runs, means, strict=True) for block in blocks]
+    return float(np.sqrt(max(np.mean(power or [0.0]), 0.0))), _usual(rest)
 
 
 def _usual(blocks: list[Array]) -> float:
