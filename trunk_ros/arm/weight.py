@@ -1,4 +1,4 @@
-"""Where a tree of links is, what its weight does to its joints and what mass they move, over whole recordings.
+"""Where a tree of links is, what its weight does to its joints and which mass they move, over recordings.
 
 The links are those of Pinocchio's model, and so are the formulas: of all that a recording asks of rigid
 bodies this is asked most, and through the library a posture takes twice to twenty times as long.
