@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm.pinocchio import library
-from trunk_ros.arm.weight import Tree, frames, tree_of, weigh
+from trunk_ros.arm.weight import Tree, frames, mass_matrix, tree_of, weigh
 from trunk_ros.compiled import Array
 
 KEPT = 8  # models with a payload that are kept
@@ -176,11 +176,12 @@ class Body:
         return self._matrix(theta, 1.0, False)
 
     def _matrix(self, theta: Array, payload: float, links: bool) -> Array:
-        pin, (model, data, _) = library(), self._with(payload, links)
-        q, joints = self._whole(theta) + self.offset, self.spread.shape[1]
+        tree, joints = self._with(payload, links)[2], self.spread.shape[1]
+        q = self._whole(theta) + self.offset
         out = np.empty((len(q), joints, joints))
         for first in range(0, len(q), TOGETHER):  # what is not spread yet is needed once more
-            some = np.array([pin.crba(model, data, row).copy() for row in q[first : first + TOGETHER]])
+            some = np.empty((min(TOGETHER, len(q) - first), q.shape[1], q.shape[1]))
+            mass_matrix(q[first : first + TOGETHER], tree, some)
             out[first : first + TOGETHER] = self.spread.T @ some @ self.spread
         return out
 

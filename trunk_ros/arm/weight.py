@@ -1,4 +1,4 @@
-"""Where a tree of links is and what its weight does to its joints, over whole recordings.
+"""Where a tree of links is, what its weight does to its joints and which mass they move, over recordings.
 
 The links are those of Pinocchio's model, and so are the formulas: of all that a recording asks of rigid
 bodies this is asked most, and through the library a posture takes twice to twenty times as long.
@@ -30,6 +30,8 @@ class Tree(NamedTuple):
     """(joints,) kg."""
     centre: Array
     """(joints, 3) m: of mass, in the joint's frame."""
+    inertia: Array
+    """(joints, 3, 3) kg m^2 about the centre, in the joint's axes."""
 
 
 def tree_of(model: Any) -> Tree:
@@ -45,6 +47,7 @@ def tree_of(model: Any) -> Tree:
         slides,
         np.array([model.inertias[i].mass for i in joints]),
         np.array([model.inertias[i].lever for i in joints]).reshape(-1, 3),
+        np.array([model.inertias[i].inertia for i in joints]).reshape(-1, 3, 3),
     )
 
 
@@ -127,3 +130,69 @@ def weigh(q: Array, gravity: Array, tree: Tree, out: Array) -> None:
                 mass[a] += mass[i]
                 for d in range(3):
                     first[a, d] += first[i, d]
+
+
+@compiled
+def mass_matrix(q: Array, tree: Tree, out: Array) -> None:
+    """M, ``out`` (n, joints, joints) in kg m^2, kg m or kg, of joints at ``q`` (n, joints): of all that hangs
+    on a joint the momentum in which one unit of its speed results, along every joint before it (composite
+    rigid bodies, Featherstone 2008, ch. 6).
+    """
+    steps, joints = q.shape
+    turn, at, axis = np.empty((joints + 1, 3, 3)), np.empty((joints + 1, 3)), np.empty((joints + 1, 3))
+    mass, first, second = np.empty(joints + 1), np.empty((joints + 1, 3)), np.empty((joints + 1, 3, 3))
+    along, about = np.empty((joints + 1, 3)), np.empty((joints + 1, 3))  # speeds at the root, and of turning
+    centre, push, spin, half = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
+    for k in range(steps):
+        forward(q[k], tree, turn, at, axis)
+        for i in range(1, joints + 1):
+            m = mass[i] = tree.mass[i - 1]
+            for d in range(3):
+                centre[d] = at[i, d]
+                for e in range(3):
+                    centre[d] += turn[i, d, e] * tree.centre[i - 1, e]
+                    half[d, e] = 0.0
+                    for f in range(3):
+                        half[d, e] += turn[i, d, f] * tree.inertia[i - 1, f, e]
+            far = centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2]
+            for d in range(3):
+                first[i, d] = m * centre[d]
+                for e in range(3):
+                    second[i, d, e] = m * ((far if d == e else 0.0) - centre[d] * centre[e])
+                    for f in range(3):
+                        second[i, d, e] += half[d, f] * turn[i, e, f]
+            slides = tree.slides[i - 1]
+            for d in range(3):
+                about[i, d] = 0.0 if slides else axis[i, d]
+                along[i, d] = axis[i, d] if slides else cross(at[i], axis[i], d)
+        for i in range(joints, 0, -1):
+            for d in range(3):
+                push[d] = mass[i] * along[i, d] + cross(about[i], first[i], d)
+                spin[d] = cross(first[i], along[i], d)
+                for e in range(3):
+                    spin[d] += second[i, d, e] * about[i, e]
+            out[k, i - 1, :i] = 0.0
+            j = i
+            while j > 0:
+                size = 0.0
+                for d in range(3):
+                    size += about[j, d] * spin[d] + along[j, d] * push[d]
+                out[k, i - 1, j - 1] = size
+                j = tree.parent[j - 1]
+            a = tree.parent[i - 1]
+            if a > 0:
+                mass[a] += mass[i]
+                for d in range(3):
+                    first[a, d] += first[i, d]
+                    for e in range(3):
+                        second[a, d, e] += second[i, d, e]
+        for i in range(joints):
+            for j in range(i):
+                out[k, j, i] = out[k, i, j]
+
+
+@compiled
+def cross(a: Array, b: Array, d: int) -> float:
+    """A component of the cross product of two vectors (3,)."""
+    e, f = (d + 1) % 3, (d + 2) % 3
+    return float(a[e] * b[f] - a[f] * b[e])

@@ -213,7 +213,7 @@ class Context:
 
     def predict(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
-        self.work.done += len(self.views[index].span.grid)
+        self.work.done += len(self.views[index].span.grid) * hypothesis.dear(column)
         return self.stage.predict(self, index, hypothesis, column)
 
     def predictions(self, hypothesis: Hypothesis, column: int) -> list[Array]:
@@ -225,8 +225,9 @@ class Context:
         alone.
         """
         out: list[list[Array]] = [[] for _ in pairs]
+        steps = sum(hypothesis.dear(column) for hypothesis, column in pairs)
         for index, view in enumerate(self.views):
-            self.work.done += len(view.span.grid) * len(pairs)
+            self.work.done += len(view.span.grid) * steps
             for parts, seen in zip(out, self.stage.predict_each(self, index, pairs), strict=True):
                 parts.append(seen)
         return out

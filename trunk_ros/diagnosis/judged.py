@@ -30,7 +30,7 @@ class Judged:
     std: Spread
     errors: dict[int, Error]
     early: bool
-    """Whether the work that was granted ended before the search did."""
+    """Whether the work that was granted ended before the search did, or the evidence was whole."""
 
     @property
     def context(self) -> Context:
@@ -46,11 +46,11 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     done = searched(context, say)
     say("evidence")
     give_back()
-    steady = steadied(done.state)
-    state = as_given(harmless(steady))
+    state = as_given(harmless(steadied(done.state)))
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)
     give_back()
     state, part, found = believed(state, part)
+    early = done.early or state.context.work.over
     state = from_the_start(state, settle)
     found = found | banks_evidence(state, found)
-    return Judged(state, part, found, spreads(state), held_out(state), done.early or steady.context.work.over)
+    return Judged(state, part, found, spreads(state), held_out(state), early)

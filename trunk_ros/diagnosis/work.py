@@ -11,13 +11,17 @@ BESIDES = 0.25  # of the work granted: what is granted on top to end well, as wh
 
 @dataclass
 class Work:
-    """Simulated joint-steps, counted over all contexts of a search. No decision reads a clock."""
+    """Simulated joint-steps, counted over all contexts of a search; one that takes longer counts as several.
+    No decision reads a clock.
+    """
 
     most: float = np.inf
     done: int = 0
     each: float = 0.0
     """What each effect that is found is granted besides: every further move is tried on it as well."""
     found: int = 0
+    on_top: int = 0
+    """Of what is done, what was granted on top: the next time no share of that is."""
 
     @property
     def over(self) -> bool:
@@ -31,9 +35,10 @@ class Work:
 
     def besides(self) -> Work:
         """What is granted on top: it is not what ends a search early."""
-        return Work(BESIDES * self.most)
+        return Work(BESIDES * (self.most - self.on_top))
 
     def took(self, more: Work) -> None:
         """Count what was done on top; where that was not enough, the work that was granted is spent."""
         self.done += more.done
+        self.on_top += more.done
         self.most = self.done if more.over else self.most + more.done

@@ -48,6 +48,8 @@ class Effect(ABC):
     """The form in which each joint has values of its own of what all share in the others."""
     shaking: ClassVar[tuple[str, ...]] = ()
     """Forms by which joints move each other, so that all are computed together."""
+    dear: ClassVar[Mapping[str, int]] = {}
+    """Steps of usual effects that one takes as long as, in forms that take longer."""
     includes: ClassVar[Mapping[str, str]] = {}
     """Another effect that is part of some of its forms, by form, and is told besides."""
     beyond: ClassVar[str] = ""

@@ -91,6 +91,33 @@ def test_the_same_search_takes_the_same_steps_again() -> None:
     assert found[0] == found[1]
 
 
+def test_what_is_granted_on_top_does_not_add_up() -> None:
+    """Each part that ends a search gets the same share of what was granted for it, spent or not."""
+    for more in (20, 30):  # of 25
+        work = Work(100, done=100)
+        for _ in range(3):
+            top = work.besides()
+            assert top.most == 25
+            top.done = more
+            work.took(top)
+        assert work.over
+        assert work.done == 100 + 3 * more
+
+
+def test_a_form_that_takes_longer_counts_as_more_steps() -> None:
+    now = replace(context("sag"), work=Work())
+    grid = len(now.views[0].span.grid)
+    for form, steps in (("weight", 1), ("links", 2), ("held", 3)):
+        own = {2: {"compliance": 0.5, "damping": 0.1}}
+        sag = Hypothesis(load_elasticity=Term("load_elasticity", form, own=own))
+        before = now.work.done
+        now.predict(0, sag, 2)
+        assert now.work.done - before == steps * grid
+        before = now.work.done
+        now.predictions_each([(sag, 2), (sag, 1)])
+        assert now.work.done - before == (steps + 1) * grid
+
+
 def test_a_search_that_runs_out_of_work_finds_out_how_what_it_put_in_last_is_what_it_is() -> None:
     """Wires that stretch under a weight that nobody declared: the weight is an option of the stretch."""
     start = context("payload")

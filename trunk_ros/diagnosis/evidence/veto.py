@@ -5,6 +5,7 @@ is in no model.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,7 +19,6 @@ from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.fit import Fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import beats, score
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 
@@ -44,7 +44,7 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
         weak = {n: e.gain_share for n, e in found.items() if _is_claimed(state, n) and n not in old}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
-            state.context.work.took(Work(done=work.done))  # no search ended early by it
+            state.context.work.took(work)
             return state, part, found
         state = dropped(state, name)
         part = state if both else dropped(part, name)
@@ -101,13 +101,17 @@ def _is_shown(context: Context, term: Term) -> bool:
 def harmless(state: Fit) -> Fit:
     """Without the effects, joint by joint, that blocks which a fit has not seen are better off without.
 
-    One at a time, the worst first. What the model has already stays.
+    One at a time, the worst first, as far as the work goes that is granted for that. What the model has
+    already stays.
     """
     known: dict[Hashable, Array] = {}
-    while (worst := _worst(state, known)) is not None:
+    granted, work = state.context.work, state.context.work.besides()
+    state = replace(state, context=replace(state.context, work=work))
+    while not work.over and (worst := _worst(state, known)) is not None:
         before, state = state.context, dropped(state, *worst)
         known = known if state.context is before else {}
-    return state
+    granted.took(work)
+    return replace(state, context=replace(state.context, work=granted))
 
 
 def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] | None:

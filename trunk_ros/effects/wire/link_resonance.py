@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,7 @@ class LinkResonance(Effect):
     )
     forms = ("absolute", "relative", "beam", "links", "held")
     shaking = ("links",)
+    dear = MappingProxyType({"links": 2, "held": 2})
     imitated_by = ("repeats",)
     confused_with = (
         ("viscous_lag", "stop abruptly: a lag does not ring"),

@@ -58,6 +58,7 @@ class LoadElasticity(OnBothSides):
     forms = ("weight", "lever", "links", "held")
     refined = ("lever", "links", "held")
     shaking = ("links", "held")
+    dear = MappingProxyType({"links": 2, "held": 3})
     includes = MappingProxyType(dict.fromkeys(shaking, LinkResonance.id))
     needs = ("load",)
     everywhere = True

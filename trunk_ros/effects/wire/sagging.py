@@ -40,6 +40,7 @@ class Sagging(OnBothSides):
     replaces = ("load_elasticity",)
     shaking = (HELD,)
     includes = MappingProxyType({HELD: LinkResonance.id})
+    dear = MappingProxyType({HELD: 3})
 
     bent: ClassVar[tuple[str, ...]]
     """The parameters by which it bends."""
