@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.machine import CELLS, make_room
 from trunk_ros.diagnosis.side_by_side import Seen
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.thrown import thrown
-from trunk_ros.diagnosis.work import Work
+from trunk_ros.diagnosis.work import Work, steps_of
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.recording.signal.resample import SLOW
@@ -213,7 +213,7 @@ class Context:
 
     def predict(self, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(n,) prediction of a column at the measured rows of a span."""
-        self.work.done += len(self.views[index].span.grid) * hypothesis.dear(column)
+        self.work.done += len(self.views[index].span.grid) * steps_of(hypothesis, column)
         return self.stage.predict(self, index, hypothesis, column)
 
     def predictions(self, hypothesis: Hypothesis, column: int) -> list[Array]:
@@ -225,9 +225,8 @@ class Context:
         alone.
         """
         out: list[list[Array]] = [[] for _ in pairs]
-        steps = sum(hypothesis.dear(column) for hypothesis, column in pairs)
         for index, view in enumerate(self.views):
-            self.work.done += len(view.span.grid) * steps
+            self.work.done += len(view.span.grid) * sum(steps_of(*pair) for pair in pairs)
             for parts, seen in zip(out, self.stage.predict_each(self, index, pairs), strict=True):
                 parts.append(seen)
         return out

@@ -103,10 +103,6 @@ class Hypothesis(dict[str, Term]):
         """The effects on one joint, as blocks over that joint alone."""
         return [bind_column(term, column) for term in self.on(column)]
 
-    def dear(self, column: int) -> int:
-        """As how many simulated steps one of a joint counts."""
-        return max((effect(t.effect).dear.get(t.form, 1) for t in self.on(column)), default=1)
-
     def free(self, columns: list[int], judged: Iterable[int] | None = None) -> list[Free]:
         """What a fit of these joints moves; shared values only if it covers all of theirs that are judged."""
         return [f for t in self.values() for f in _free(t, columns, t.own if judged is None else judged)]

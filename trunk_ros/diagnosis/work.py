@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.effects import effect
+
 BESIDES = 0.25  # of the work granted: what is granted on top to end well, as where that is spent
 
 
@@ -42,3 +45,8 @@ class Work:
         self.done += more.done
         self.on_top += more.done
         self.most = self.done if more.over else self.most + more.done
+
+
+def steps_of(hypothesis: Hypothesis, column: int) -> int:
+    """As how many simulated steps one of a joint counts."""
+    return max((effect(t.effect).dear.get(t.form, 1) for t in hypothesis.on(column)), default=1)

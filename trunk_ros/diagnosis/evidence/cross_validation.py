@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
 
 BLOCKS = 10
-FOLDS = 5  # of recordings, each of which is left out once
+DEALT = 5  # of many recordings, each of which is left out once
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ def _between(state: Fit) -> dict[int, tuple[float, float]]:
     """Zero and usual error [rad] of each column's recordings, each judged by a fit to others."""
     context, many = state.context, len(state.context.views)
     left: dict[int, list[list[Array]]] = {c: [] for c in context.columns}
-    for fold in range(min(many, FOLDS)):
-        out = [k % FOLDS == fold for k in range(many)]
+    for fold in range(min(many, DEALT)):
+        out = [k % DEALT == fold for k in range(many)]
         others = context.only(
             [np.full(len(v.span.rows), not o) for v, o in zip(context.views, out, strict=True)]
         )
