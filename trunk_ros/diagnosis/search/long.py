@@ -24,7 +24,7 @@ from trunk_ros.diagnosis.sparse import Sparse, noise_of_every, sparse
 from trunk_ros.diagnosis.work import Work
 
 WORK = 1.2e8  # simulated joint-steps that a search may take: eight seconds of one core
-EACH = 3e7  # more for each effect that it finds
+EACH = 0.5 * WORK  # more for each effect that it finds
 
 
 def granted() -> Work:

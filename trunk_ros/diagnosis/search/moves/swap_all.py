@@ -122,8 +122,8 @@ def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect])
     """
     if not all(kind.forms_shown(context.motion(c)) for c in old.columns):
         return []
-    begun = []
-    for form in kind.forms:
+    begun, shaken = [], old.form in effect(old.effect).shaking
+    for form in (f for f in kind.forms if shaken or f not in kind.shaking):  # those take a move of their own
         starts = {c: kind({}, {}, form).starts(context.shown(c), 0) for c in old.columns}
         used = kind.used(form)
         shared = {p.name: old.shared[p.name] for p in used if p.shared and p.name in old.shared}
