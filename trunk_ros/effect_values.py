@@ -38,7 +38,7 @@ def bind(name: str, values: Values, joints: tuple[str, ...]) -> Effect:
 
 def effect_values(kind: type[Effect], given: Mapping[str, Any], joints: tuple[str, ...]) -> Values:
     """All values of one effect that a model has of it; empty where everything is at its null."""
-    form = str(given.get("form") or kind.forms[0])
+    form = kind.form_of(str(given.get("form") or ""))
     numbers = {
         p.name: np.atleast_1d(np.asarray(given.get(p.name, p.null), dtype=float))
         for p in (*kind.parameters, *kind.moments())

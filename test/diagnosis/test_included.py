@@ -48,6 +48,9 @@ def test_what_the_model_has_already_is_not_told_again() -> None:
     stage.known = state.hypothesis
     known = replace(state, context=replace(state.context, stage=stage))
     assert not included(known, evidence(state), spreads(state))[0]
+    bent = {c: {"compliance": 0.08, "damping": 0.1, "threshold": 0.1} for c in range(5)}
+    stage.known = Hypothesis({"wire_slack": Term("wire_slack", "held", own=bent)})
+    assert not included(known, evidence(state), spreads(state))[0], "they swing on wires that are not slack"
     stage.known = Hypothesis({"load_elasticity": Term("load_elasticity", own={0: {"compliance": 0.05}})})
     assert included(known, evidence(state), spreads(state))[0], "the model's wires carry nothing that swings"
 

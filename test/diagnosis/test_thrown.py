@@ -87,6 +87,8 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     moves = rest.first + int(np.argmax(way > band))
     assert not more[moves:].any()
     assert not (thrown(view, Hypothesis(), column, predicted) - predicted).any()
+    motor = Hypothesis(servo_bandwidth=Term("servo_bandwidth", own={column: {"relative": 0.1, "from": at}}))
+    assert not list(rests(view, motor, column))  # motors lie in no band
     left = [(view.span.target[:, column] - p)[rest.still].mean() for p in (predicted, predicted + more)]
     assert abs(left[1]) < 0.1 * abs(left[0])
 

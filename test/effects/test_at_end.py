@@ -30,6 +30,7 @@ WIRE: dict[str, dict[str, Any]] = {
     },
     "wire_slack": {"compliance": np.full(3, 0.03), "threshold": np.full(3, 0.05), "form": "sharp"},
     "wire_stiffening": {"compliance": np.full(3, 0.03), "moment": np.full(3, 0.1)},
+    "wire_slip": {"step": np.full(3, 2e-3), "onset": np.full(3, 5.0)},
     "hard_stop": {"upper": np.full(3, 0.2)},
     "sensor_delay": {"delay": 0.02},
     "viscous_lag": {"time_constant": np.full(3, 0.03)},

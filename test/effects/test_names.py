@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from trunk_ros.effects import imitated, registry
-from trunk_ros.model import declared_parameters
+from trunk_ros.errors import ModelError
+from trunk_ros.model import Model, declared_parameters, load_model
 
 # effect: stage, regime, {parameter: unit}, names of the shared ones
 TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
@@ -88,3 +89,11 @@ def test_a_late_sensor_is_never_compensated() -> None:
 def test_what_a_clock_does_looks_like_effects_and_like_what_has_no_name_last() -> None:
     assert imitated("skew") == ("thermal_drift", "friction_wear", "sensor_delay")
     assert imitated("repeats")[-1] == "unknown"
+
+
+@pytest.mark.parametrize("name", [name for name, kind in registry().items() if len(kind.forms) > 1])
+def test_a_form_that_an_effect_does_not_have_is_said(name: str) -> None:
+    lead = registry()[name].parameters[0]
+    given = {f"effects.{name}.form": "square", f"effects.{name}.{lead.name}": lead.typical}
+    with pytest.raises(ModelError, match="has no form 'square'"):
+        Model.from_parameters(load_model("trunk").parameters() | given)

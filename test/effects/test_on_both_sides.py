@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -86,6 +88,19 @@ def test_a_small_dead_band_follows_the_stiffness(kind: type[Sagging], bend: str,
         slope = float(np.subtract(*ends)[0, 0]) / (2.0 * step) / 0.03
         assert float(core.width[0, 0] / small[0, 0]) == pytest.approx(slope, rel=1e-3)
         assert abs(float(np.asarray(core.middle)[0, 0])) < 1e-9
+
+
+@pytest.mark.parametrize(("kind", "bend", "form"), BENT)
+def test_each_look_has_its_own_load_also_in_an_array_that_is_used_again(
+    kind: type[Sagging], bend: str, form: str
+) -> None:
+    block, now, still = bent(kind, bend, form), loaded(0.07), np.zeros((1, 1))
+    first, _ = block.run(still, now, None)
+    now.load[:] = -0.2
+    second, _ = block.run(still, replace(now), None)
+    assert (float(first[0, 0]), float(second[0, 0])) == pytest.approx(
+        tuple(float(block.sag(np.array([[moment]]))[0, 0]) for moment in (0.07, -0.2))
+    )
 
 
 @pytest.mark.parametrize("rubbing", [0.0, 0.5, 2.0])

@@ -80,6 +80,16 @@ def test_many_environments_are_as_many_layers(name: str, form: str) -> None:
         np.testing.assert_allclose(a[:, 2], c, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ["wire_slip", "wire_stiffening", "viscous_lag", "sensor_delay"])
+def test_what_has_another_size_in_the_end_has_it_here(name: str) -> None:
+    model = model_of(name, effect(name).forms[0])
+    shared = effect(name).moments()[0].shared
+    again = {key: v if shared else np.full(5, v) for key, v in (("from_2", 8.0), ("times_2", 1.8))}
+    model = replace(model, effects={name: {**model.effects[name], **again}}, duration=10.0)
+    off, size = errors(model, around_ideal(RealityLayer(model, 2), commands_of(2))[1])
+    assert off < max(0.02 * size, 1e-6)
+
+
 def test_all_effects_at_once() -> None:
     off, size = errors(everything(), around_ideal(RealityLayer(everything(), 2), commands_of(2))[1])
     assert off < 0.03 * size

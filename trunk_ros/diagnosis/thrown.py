@@ -97,9 +97,10 @@ def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:
     for term in hypothesis.values():
         if column in term.own:
             values = {**term.shared, **term.own[column]}
-            size = float(values.get(_size(term.effect), 0.0))
+            lead = _size(term.effect)
+            size = float(values.get(lead, 0.0))
             out |= {values[name]: size for name in _names(term.effect) if name in values}
-            course = Course.of(values)
+            course = Course.of(values if lead else {})
             for at, before, after in zip(course.moments, course.sizes, course.sizes[1:], strict=False):
                 out[at] = size * (after - before)
     return out

@@ -111,15 +111,11 @@ class Effect(ABC):
 
         Raises ModelError for an unknown form.
         """
-        if form and form not in self.forms:
-            raise ModelError(
-                f"{self.id} has no form {form!r}: choose one of {', '.join(filter(None, self.forms))}"
-            )
+        self.form = self.form_of(form)
         self.values = values
         self.words = texts or {}
         self.acts: tuple[Array, Array] | None = None
         """For stamps (n,) s, how much of it acts (n, columns)."""
-        self.form = form or self.forms[0]
 
     def __getitem__(self, name: str) -> Array:
         return self.values[name]
@@ -219,6 +215,15 @@ class Effect(ABC):
         module = sys.modules.get(cls.__module__)
         text = (module and module.__doc__) or cls.__doc__ or cls.id
         return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")
+
+    @classmethod
+    def form_of(cls, said: str) -> str:
+        """A form that is said, the first by default. Raises ModelError for one that there is not."""
+        if said and said not in cls.forms:
+            raise ModelError(
+                f"{cls.id} has no form {said!r}: choose one of {', '.join(filter(None, cls.forms))}"
+            )
+        return said or cls.forms[0]
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

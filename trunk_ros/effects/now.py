@@ -78,6 +78,15 @@ class Now:
         """What ``make`` makes of angles and masses alone; where these are looked at again and again, once."""
         return make()
 
+    def of_load(self, what: Hashable, make: Callable[[Array], Array]) -> Array:
+        """What ``make`` makes of the load alone, (n, columns): the last is kept, as both sides of the
+        friction ask for it, and a fit again with other values besides.
+        """
+        load, kept = self.load, vars(self).get("_of_load")
+        if kept is None or kept[0] != what or kept[1] is not load:
+            kept = vars(self)["_of_load"] = what, load, make(load)
+        return np.asarray(kept[2])
+
 
 def borne(load: Array) -> float:
     """Size [N m] of what a joint bears (n,)."""

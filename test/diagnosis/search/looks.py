@@ -115,6 +115,11 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         "sensor_delay": {"delay": 0.02},
         "load_elasticity": {"compliance": np.full(5, 0.1)},
     },
+    "loose": {"backlash": {"half_width": np.full(5, 1e-3)}},
+    "loose beside a zero": {
+        "backlash": {"half_width": np.full(5, 1e-3)},
+        "zero_offset": {"offset": on(3, 0.1)},
+    },
     "late and loose": {"sensor_delay": {"delay": 0.02}, "backlash": {"half_width": on(3, 1e-3)}},
     "tension": {"tension_error": {"factor": 3.0}},
     "loose, and worn on two": {

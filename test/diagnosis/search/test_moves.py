@@ -9,12 +9,14 @@ import pytest
 
 from test.diagnosis.search.looks import best_of, context, drawn_beside_a_ratio, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.diagnosis.search.descent import COARSE, Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import put_down
+from trunk_ros.diagnosis.search.moves.spell import sized
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_what_it_stood_for
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
@@ -223,6 +225,14 @@ def test_spell_lets_a_wire_slip_once_more() -> None:
     once = Term("wire_slip", own={1: {"step": 2e-3, "onset": 12.0}})
     found = improved("spell", "slips twice", once).hypothesis["wire_slip"].own[1]
     assert found == pytest.approx({"step": 2e-3, "onset": 12.0, "from_2": 25.0, "times_2": 1.6}, rel=0.02)
+
+
+def test_a_wire_that_slips_begins_at_its_onset_alone() -> None:
+    """A model file has no other beginning of it."""
+    slips = Hypothesis(wire_slip=SLIP)
+    (one,) = sized(Fit(slips, {}, context("slips twice")))
+    assert one.taking(slips, Course((0.0, 1.0), (20.0,))) is None
+    assert one.taking(slips, Course((1.0, 0.5), (20.0,))) is not None
 
 
 def test_event_takes_a_payload_up() -> None:

@@ -64,6 +64,12 @@ def test_readings_that_are_late_have_no_formula_to_be_off_by() -> None:
     assert loose.formed_misfit[2] > 0.5 * loose.misfit[2]
 
 
+def test_a_zero_that_is_far_off_does_not_make_readings_late() -> None:
+    """Dead bands look a little late on all joints."""
+    alone, beside = context("loose"), context("loose beside a zero")
+    assert beside.formed_misfit == pytest.approx(alone.formed_misfit, rel=0.01)
+
+
 def test_the_truth_beats_everything_less_and_everything_more() -> None:
     ratio = Term("ratio_error", own={2: {"relative": 0.01}})
     right = fitted("two", BACKLASH, ratio)

@@ -243,38 +243,27 @@ def measured(first: Fit) -> Context:
 def formed_misfits(fit: Fit) -> dict[int, float]:
     """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
     unit-noise residuals, with the right zero, as a constant has no formula; where the ratio is FAR_OFF, with
-    the right one of that as well; and where one lag of all joints leaves hardly a PART, without that:
+    the right one of that as well; and where one lag of all joints leaves hardly a PART of that, without it:
     readings that are late have no formula either.
     """
-    late = _without_common_lag(fit)
-    return {c: min(fit.rest(c), _right_line(fit, c), late.get(c, np.inf)) for c in fit.cost}
-
-
-def _without_common_lag(fit: Fit) -> dict[int, float]:
-    """What is left of each column with the lag that the middle joint has, if that is nearly all of it."""
-    context, columns = fit.context, list(fit.cost)
-    if context.stage.name != "wire" or len(columns) < SEVERAL:
-        return {}
-    rests, lines = (
-        {c: context.whitened(fit.hypothesis, c) for c in columns},
-        {c: _line(fit, c) for c in columns},
-    )
-    lag = float(np.median([np.linalg.lstsq(lines[c], rests[c], rcond=None)[0][2] for c in columns]))
-    left = {}
-    for c in columns:
-        now = rests[c] - lines[c][:, 2] * lag
-        zero = lines[c][:, 1:2]
-        now = now - zero @ np.linalg.lstsq(zero, now, rcond=None)[0]
-        left[c] = max(float(now @ now) - context.count(c), 0.0)
-    return left if sum(left.values()) < PART * sum(map(fit.rest, columns)) else {}
-
-
-def _right_line(fit: Fit, column: int) -> float:
     context = fit.context
     if context.stage.name != "wire":
-        return np.inf
-    line = _line(fit, column)[:, :2]
-    rest = context.whitened(fit.hypothesis, column)
+        return {c: fit.rest(c) for c in fit.cost}
+    seen = {c: (context.whitened(fit.hypothesis, c), _line(fit, c)) for c in fit.cost}
+    left = {c: min(fit.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
+    if len(seen) < SEVERAL:
+        return left
+    lag = np.median([np.linalg.lstsq(line, rest, rcond=None)[0][2] for rest, line in seen.values()])
+    prompt = {c: _right_line(context, c, rest - lag * line[:, 2], line) for c, (rest, line) in seen.items()}
+    late = sum(prompt.values()) < PART * sum(left.values())
+    return {c: min(left[c], prompt[c]) for c in left} if late else left
+
+
+def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:
+    """What a ``rest`` (rows,) has above the noise with the right zero, and the right ratio where that was
+    not known.
+    """
+    line = line[:, :2]
     found = np.linalg.lstsq(line, rest, rcond=None)[0]
     if abs(found[0]) <= FAR_OFF:
         line = line[:, 1:]

@@ -38,10 +38,10 @@ def included(
     for the effect that it is part of (``by``), and standard deviations.
     """
     terms, found, spreads = Hypothesis(), dict[str, Evidence](), Spreads()
-    before = {name: effect(name).includes.get(term.form) for name, term in state.context.known.items()}
+    before = {effect(name).includes.get(term.form) for name, term in state.context.known.items()}
     for name, term in state.hypothesis.items():
         part = effect(name).includes.get(term.form)
-        if part is None or part in (*state.hypothesis, before.get(name)):
+        if part is None or part in state.hypothesis or part in before:
             continue
         without = min((refit(state.context, h) for h in _without(state, name)), key=score)
         gain = {c: without.cost[c] - cost for c, cost in state.cost.items() if c in term.columns}

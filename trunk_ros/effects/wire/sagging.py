@@ -1,8 +1,7 @@
 """What the effects share by which a joint sags under its load other than in proportion."""
 
 from abc import abstractmethod
-from collections import deque
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -21,8 +20,6 @@ from trunk_ros.parameter import Parameter
 
 HELD = "held"
 SMALL = 1e-3  # of the moment at which a wire bends, to either side of a load: where its stiffness is taken
-LAST: deque[tuple[Hashable, Array, Array]] = deque(maxlen=2)
-"""What loads draw, by what bends and the load: of a whole recording, and of how it began."""
 FIRM = 10.0  # times the moment at which a wire bends: more than that, friction is not held by it
 
 
@@ -61,15 +58,12 @@ class Sagging(OnBothSides):
         """(n, columns) N m that would sag as a ``load`` (n, columns) N m does, in proportion."""
 
     def sag(self, load: Array) -> Array:
-        """(n, columns) rad that a ``load`` (n, columns) N m adds. What it draws is kept: both sides of the
-        friction ask for it, and a fit again with another compliance.
-        """
+        """(n, columns) rad that a ``load`` (n, columns) N m adds."""
+        return np.asarray(self["compliance"] * self.drawn(load))
+
+    def _sag(self, now: Now) -> Array:
         key = (self.id, self.form, *(self[name].tobytes() for name in self.bent if name in self.values))
-        drawn = next((drawn for known, of, drawn in tuple(LAST) if of is load and known == key), None)
-        if drawn is None:
-            drawn = self.drawn(load)
-            LAST.append((key, load, drawn))
-        return np.asarray(self["compliance"] * drawn)
+        return np.asarray(self["compliance"] * now.of_load(key, self.drawn))
 
     def upstream(self) -> Effect | None:
         return self if self.form == HELD else super().upstream()
@@ -89,21 +83,21 @@ class Sagging(OnBothSides):
         """
         soft, bends = self["compliance"], self[self.parameters[0].name]
         friction = np.minimum(core.width / np.maximum(soft, TINY), FIRM * bends)
-        most, least = (soft * self.drawn(now.load + side * friction) for side in (1.0, -1.0))
+        most, least = (self.sag(now.load + side * friction) for side in (1.0, -1.0))
         core.width = core.width - soft * friction + (most - least) / 2.0
-        core.middle = core.middle + (most + least) / 2.0 - self.sag(now.load)
+        core.middle = core.middle + (most + least) / 2.0 - self._sag(now)
         links = Links.on_wires(self, now) if self.form == HELD else None
         if links is not None:
             within = np.maximum(friction, SMALL * bends)
-            gives = soft * (self.drawn(now.load + within) - self.drawn(now.load - within)) / 2.0
+            gives = (self.sag(now.load + within) - self.sag(now.load - within)) / 2.0
             held = HeldLinks(links, now, within / np.maximum(gives, TINY))
             core.rounding = beside(core.rounding, held, links.omega > 0.0)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return x + self.sag(now.load), None
+        return x + self._sag(now), None
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        return y - self.sag(now.load), None
+        return y - self._sag(now), None
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None

@@ -19,6 +19,7 @@ class WireSlip(Effect):
     """u += step from the onset on; where it slips again, by the difference to its next size."""
 
     id = "wire_slip"
+    sizes = ("step",)
     stage, place, regime = "wire", 50, "time"
     signature = "The residual's mean jumps at one moment and stays there."
     source = (

@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect
 from trunk_ros.export.reality.scene import Scene, View
@@ -34,9 +35,9 @@ class Block:
             return self._one_by_one(x, scene, anew)
         y = x.reshape(1, -1) if self.layout == "flat" else x
         view, before = View(scene, self.layout), self.memory
-        out, self.memory = self.effect.run(y, view, before)
+        out, self.memory = lasting.run(self.effect, y, view, before)
         if anew is not None and before is not None:
-            fresh, memory = self.effect.run(y, view, None)
+            fresh, memory = lasting.run(self.effect, y, view, None)
             columns = np.repeat(anew, x.shape[1])
             out, self.memory = np.where(columns, fresh, out), mixed(self.memory, memory, columns)
         return out.reshape(x.shape)
@@ -44,7 +45,9 @@ class Block:
     def _one_by_one(self, x: Array, scene: Scene, anew: np.ndarray | None) -> Array:
         memory = self.memory or [None] * len(x)
         kept = [m if anew is None or not anew[k] else None for k, m in enumerate(memory)]
-        done = [self.effect.run(x[k : k + 1], View(scene, "single", k), kept[k]) for k in range(len(x))]
+        done = [
+            lasting.run(self.effect, x[k : k + 1], View(scene, "single", k), kept[k]) for k in range(len(x))
+        ]
         self.memory = [after for _, after in done]
         return np.concatenate([out for out, _ in done])
 
@@ -54,7 +57,7 @@ class Block:
         if self.layout == "flat":
             for name in SETTINGS:
                 setattr(core, name, getattr(core, name).reshape(1, -1))
-        self.effect.adjust(core, View(scene, self.layout))
+        lasting.adjust(self.effect, core, View(scene, self.layout))
         for name in SETTINGS:
             setattr(core, name, getattr(core, name).reshape(shape))
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
+from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.wire.play import SharpPlay
@@ -120,5 +121,5 @@ def wire_of(model: ArmModel, environments: int) -> Wire | Wires:
 
 def block_of(effect: Effect, model: ArmModel, environments: int) -> Block | Late:
     """An effect as a block over many environments."""
-    name = DELAYS.get((effect.id, effect.form))
+    name = DELAYS.get((effect.id, effect.form)) if lasting.lasts(effect) else None
     return Late(effect[name], environments) if name else Block(effect, model.arm, environments)

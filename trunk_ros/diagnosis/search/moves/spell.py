@@ -53,7 +53,7 @@ class Sized(NamedTuple):
     def taking(self, hypothesis: Hypothesis, course: Course) -> Hypothesis | None:
         """With other sizes; None where they cannot be said."""
         out, moments, lead = hypothesis.copy(), course.values(self.prefix), self.lead
-        if moments is None:
+        if moments is None or not moments.keys() <= {m.name for m in effect(self.effect).moments()}:
             return None
         values = self.values(out)
         sizes = [lead.null + (values[lead.name] - lead.null) * size for size in course.sizes]
