@@ -172,7 +172,7 @@ def _next(best: Fit, now: Sequence[Move], moves: Sequence[Move], desk: Desk) -> 
     has in another way: other options, or for a time.
     """
     found = first_that_pays(best, now, desk)
-    if desk.share != LARGE or not best.context.known:
+    if desk.share < COARSE[0] or not best.context.known:
         return found
     theirs = [of(move, *best.context.known) for move in moves if move.settles]
     other = first_that_pays(best, theirs, desk)

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.looked_again import renewed
-from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, PLAINER
+from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, NAMED, PLAINER
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.score import STRONG, beats, measured, score
 from trunk_ros.effects import effect
@@ -36,7 +36,7 @@ def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit
     over = best.context.work.over
     done = renewed(_besides(best, _settling(best), desk) if over else best)
     done = replace(done, context=replace(done.context, claims=True))
-    for moves in ((DROP, PLAINER, FURTHER_JOINTS), (DROP, CURVE)) if over else ((DROP,),):
+    for moves in ((DROP, PLAINER, FURTHER_JOINTS), (DROP, CURVE, NAMED)) if over else ((DROP,),):
         done = _besides(done, moves, desk)
     return plain(done)
 

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.restart import RESTART
 from trunk_ros.diagnosis.search.moves.source import SOURCE
 from trunk_ros.diagnosis.search.moves.spell import SPELL
-from trunk_ros.diagnosis.search.moves.swap import SWAP
+from trunk_ros.diagnosis.search.moves.swap import NAMED, SWAP
 from trunk_ros.diagnosis.search.moves.swap_all import PLAINER, SWAP_ALL
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 
@@ -39,4 +39,4 @@ MOVES = (
 what each has, names before curves where names may do.
 """
 
-__all__ = ["ADD", "CURVE", "DROP", "FURTHER_JOINTS", "MOVES", "ONSET", "PLAINER", "SWAP", "SWAP_ALL"]
+__all__ = ["ADD", "CURVE", "DROP", "FURTHER_JOINTS", "MOVES", "NAMED", "ONSET", "PLAINER", "SWAP", "SWAP_ALL"]

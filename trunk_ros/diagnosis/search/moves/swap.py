@@ -20,6 +20,11 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
             yield Group(column, [column], partial(_swapped, best, column))
 
 
+def _in_place_of_curves(best: Fit, desk: Desk) -> Iterator[Group]:
+    """Joints that have a curve: a search may have ended before it came to their name."""
+    return (group for group in groups(best, desk) if group.what in best.hypothesis.curved)
+
+
 def _swapped(best: Fit, column: int) -> Iterator[Fit]:
     yield from refitted(best, column, most_promising(best, column, _looks(best, column), 2 * PROMISING))
 
@@ -33,3 +38,4 @@ def _looks(best: Fit, column: int) -> Iterator[Look]:
 
 
 SWAP = Move("swap", groups)
+NAMED = Move("named", _in_place_of_curves)
