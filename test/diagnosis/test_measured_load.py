@@ -45,8 +45,8 @@ def test_a_wire_that_a_measured_load_stretches_ahead_of_the_motor_is_no_early_cl
 
 @pytest.mark.parametrize("name", BENDING)
 def test_the_measured_force_of_a_push_does_not_show_how_a_wire_bends(name: str) -> None:
-    """It goes with the way of the joint: a curve of either says the same."""
+    """It goes with the way of the joint: a curve of either says the same. Without masses none swings."""
     kind = effect(name)
     assert kind.forms_shown(Motion(one_way=True, masses=False)) == ()
-    assert kind.forms_shown(Motion(masses=False)) == kind.forms
+    assert kind.forms_shown(Motion(masses=False)) == tuple(f for f in kind.forms if f not in kind.shaking)
     assert kind.forms_shown(Motion(one_way=True)) == kind.forms
