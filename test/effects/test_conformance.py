@@ -31,7 +31,7 @@ from trunk_ros.effects.effect import Effect
 from trunk_ros.model import Model
 
 NOISE_FLOOR = 1e-5  # rad
-KNOCKED = 2e-4  # rad: a wire that crosses its dead band at once pulls the link by its damping
+KNOCKED = 1e-4  # rad: a wire that crosses its dead band at once pulls the link by its damping
 AGREED = 1e-6  # rad: what each block may be off by, where joints see each other
 REGIMES = {"always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"}
 OF_TIME = {"thermal_drift", "wire_slip", "friction_wear", "unknown_jumps", "unknown_slips"}
@@ -170,7 +170,8 @@ def test_what_its_inverse_asks_for_gives_what_was_wanted(name: str, form: str, j
     gearbox, _ = chain.invert(wanted, stamp)
     speed = np.diff(wanted, axis=0, prepend=wanted[:1]) * 100.0 / model.arm.ratio
     got, _ = chain.run(gearbox, stamp, velocity=speed)
-    floor = KNOCKED if form == "held" else NOISE_FLOOR
+    gives = 2.0 if name == "wire_slack" else 1.0  # half as stiff, it is pulled twice as far
+    floor = gives * KNOCKED if form == "held" else NOISE_FLOOR
     assert got == pytest.approx(wanted, abs=floor)
 
 

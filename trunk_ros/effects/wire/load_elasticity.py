@@ -1,6 +1,5 @@
 """The wire stretches under the joint's resistance moment."""
 
-from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -8,11 +7,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Effect, Motion, Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_links import HeldLinks
 from trunk_ros.effects.wire.link_resonance import LinkResonance
-from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
+from trunk_ros.effects.wire.on_both_sides import HELD, UPSTREAM, OnBothSides
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
@@ -55,10 +54,10 @@ class LoadElasticity(OnBothSides):
         "in Nonsmooth Mechanics and Applications, for dry friction in several joints at once."
     )
     parameters = (COMPLIANCE, PAYLOAD, UPSTREAM, DAMPING, SLOPE)
-    forms = ("weight", "lever", "links", "held")
-    refined = ("lever", "links", "held")
-    shaking = ("links", "held")
-    dear = MappingProxyType({"links": 2, "held": 3})
+    forms = ("weight", "lever", "links", HELD)
+    refined = ("lever", "links", HELD)
+    shaking = ("links", HELD)
+    dear = MappingProxyType({"links": 2, HELD: 3})
     includes = MappingProxyType(dict.fromkeys(shaking, LinkResonance.id))
     needs = ("load",)
     everywhere = True
@@ -70,35 +69,25 @@ class LoadElasticity(OnBothSides):
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
         """A compliance that changes with the angle looks like a mass that is not known well."""
-        return ("weight", "links", "held") if motion.masses else ("weight", "lever")
+        return ("weight", "links", HELD) if motion.masses else ("weight", "lever")
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        own = {"links": (DAMPING,), "held": (DAMPING,), "lever": (SLOPE,)}.get(form, (UPSTREAM,))
+        own = {"links": (DAMPING,), HELD: (DAMPING,), "lever": (SLOPE,)}.get(form, (UPSTREAM,))
         return (COMPLIANCE, PAYLOAD, *own)
 
-    def included(self, now: Now) -> Mapping[str, Array]:
-        links = Links.on_wires(self, now)
-        return {} if links is None else links.shown()
-
-    def upstream(self) -> Effect | None:
-        return self if self.form == "held" else super().upstream()
-
-    def downstream(self) -> Effect | None:
-        return None if self.form == "held" else super().downstream()
-
     def adjust(self, core: Core, now: Now) -> None:
-        links = Links.on_wires(self, now) if self.form == "held" else None
+        links = Links.on_wires(self, now) if self.form == HELD else None
         if links is not None:
             core.rounding = beside(core.rounding, HeldLinks(links, now), links.omega > 0.0)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         sagged = x + self._sag(now)
-        links = None if self.form == "held" else Links.on_wires(self, now)
+        links = None if self.form == HELD else Links.on_wires(self, now)
         return (sagged, None) if links is None else links.run(sagged, now, state)
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        links = None if self.form == "held" else Links.on_wires(self, now)
+        links = None if self.form == HELD else Links.on_wires(self, now)
         still, state = (y, None) if links is None else links.invert(y, now, state)
         return still - self._sag(now), state
 

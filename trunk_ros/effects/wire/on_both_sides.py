@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.effect import Effect
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
+HELD = "held"
+"""The form in which all of it lies before the friction, and the links' masses swing on it."""
 UPSTREAM = Parameter(
     "upstream", "1", (0.0, 1.0), "share of the stretch that lies between gearbox and friction", typical=0.5,
     shared=True, optional=True, scan=(0.2, 0.5),
@@ -28,10 +32,14 @@ class OnBothSides(Effect):
         return ({}, {UPSTREAM.name: 1.0}) if UPSTREAM in cls.own_parameters(form) else ({},)
 
     def upstream(self) -> Effect | None:
-        return self._sides[0]
+        return self if self.form == HELD else self._sides[0]
 
     def downstream(self) -> Effect | None:
-        return self._sides[1]
+        return None if self.form == HELD else self._sides[1]
+
+    def included(self, now: Now) -> Mapping[str, Array]:
+        links = Links.on_wires(self, now)
+        return {} if links is None else links.shown()
 
     @cached_property
     def _sides(self) -> tuple[Effect | None, Effect | None]:

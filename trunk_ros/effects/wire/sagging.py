@@ -1,7 +1,6 @@
 """What the effects share by which a joint sags under its load other than in proportion."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -9,16 +8,15 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Effect, Motion, Now
+from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_links import HeldLinks
 from trunk_ros.effects.wire.link_resonance import LinkResonance
-from trunk_ros.effects.wire.on_both_sides import OnBothSides
+from trunk_ros.effects.wire.on_both_sides import HELD, OnBothSides
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
-HELD = "held"
 SMALL = 1e-3  # of the moment at which a wire bends, to either side of a load: where its stiffness is taken
 FIRM = 10.0  # times the moment at which a wire bends: more than that, friction is not held by it
 
@@ -64,16 +62,6 @@ class Sagging(OnBothSides):
     def _sag(self, now: Now) -> Array:
         key = (self.id, self.form, *(self[name].tobytes() for name in self.bent if name in self.values))
         return np.asarray(self["compliance"] * now.of_load(key, self.drawn))
-
-    def upstream(self) -> Effect | None:
-        return self if self.form == HELD else super().upstream()
-
-    def downstream(self) -> Effect | None:
-        return None if self.form == HELD else super().downstream()
-
-    def included(self, now: Now) -> Mapping[str, Array]:
-        links = Links.on_wires(self, now)
-        return {} if links is None else links.shown()
 
     def adjust(self, core: Core, now: Now) -> None:
         """Of what lies before the friction: a joint that sticks holds back from none to all of the friction's

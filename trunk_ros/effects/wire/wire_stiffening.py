@@ -6,8 +6,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.wire.load_elasticity import COMPLIANCE, DAMPING, PAYLOAD
-from trunk_ros.effects.wire.on_both_sides import UPSTREAM
-from trunk_ros.effects.wire.sagging import HELD, Sagging, bend
+from trunk_ros.effects.wire.on_both_sides import HELD, UPSTREAM
+from trunk_ros.effects.wire.sagging import Sagging, bend
 from trunk_ros.parameter import Parameter
 
 HALVED = 2**0.5 - 1.0  # puts the halved compliance of x/(1 + c x) at x = 1

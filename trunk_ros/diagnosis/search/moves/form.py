@@ -39,7 +39,8 @@ def _mending(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator
 
 def _shaken(best: Fit, name: str, form: str) -> float:
     """What an effect gains in such a form before it is fitted."""
-    return score(best) - min(map(score, _starts(best, name, form)), default=np.inf)
+    there = (score(costed(best.context, start)) for start in _starts(best, name, form))
+    return score(best) - min(there, default=np.inf)
 
 
 def _groups(best: Fit, desk: Desk, shaking: bool, early: bool = False) -> Iterator[Group]:
@@ -96,8 +97,9 @@ def _reformed(now: Fit, name: str, form: str, goal: float) -> Fit | None:
     starts = _starts(now, name, form)
     if not starts:
         return None
-    some = starts[:1] if form in kind.shaking else starts  # a fit of all joints together is dear
-    trial = min((refit(context, start.hypothesis, goal) for start in some), key=score)
+    if form in kind.shaking:  # a fit of all joints together is dear
+        starts = [min(starts, key=lambda start: score(costed(context, start)))]
+    trial = min((refit(context, start, goal) for start in starts), key=score)
     if not _refines(kind, old.form, form):
         return trial
     for column in hidden(trial.context, trial.hypothesis[name]):
@@ -107,8 +109,8 @@ def _reformed(now: Fit, name: str, form: str, goal: float) -> Fit | None:
     return trial
 
 
-def _starts(now: Fit, name: str, form: str) -> list[Fit]:
-    """Where an effect in a form may begin, the best first: each joint at what a linear look finds best, and
+def _starts(now: Fit, name: str, form: str) -> list[Hypothesis]:
+    """Where an effect in a form may begin: each joint at what a linear look finds best, and
     in a refined one at the values that it has; none where a joint does not show it.
     """
     begun = _begun(now, name, form)
@@ -116,8 +118,7 @@ def _starts(now: Fit, name: str, form: str) -> list[Fit]:
         return []
     others = refinements(now.hypothesis, name, form)
     refines = _refines(effect(name), now.hypothesis[name].form, form)
-    starts = [costed(now.context, start) for start in (begun, *(others if refines else ()))]
-    return sorted(starts, key=score)
+    return [begun, *others] if refines else [begun]
 
 
 def _refines(kind: type[Effect], old: str, new: str) -> bool:
