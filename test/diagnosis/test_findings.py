@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose, recorded, reshaped
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.verdict.findings import settled
+from trunk_ros.diagnosis.verdict.findings import _parameters, settled
 from trunk_ros.effects import effect
 
 
@@ -33,3 +35,15 @@ def test_a_size_that_the_data_do_not_tell_is_not_sure_beside_what_a_description_
         kind.id, "tangent", {}, {0: {"moment": 0.1, "compliance": 0.03}}, given=frozenset({"compliance"})
     )
     assert settled(kind, term, {(kind.id, "moment", 0): spread}) == sure
+
+
+def test_a_value_as_uncertain_as_it_is_large_is_not_said() -> None:
+    """A wire that hardens on one joint at a moment, on the other past all that it bore."""
+    kind, context = (
+        effect("wire_stiffening"),
+        SimpleNamespace(joints=("a", "b"), stage=SimpleNamespace(units={})),
+    )
+    own = {0: {"moment": 0.1, "compliance": 0.03}, 1: {"moment": 700.0, "compliance": 0.03}}
+    spread = {(kind.id, "moment", 0): 0.002, (kind.id, "moment", 1): 1e12, (kind.id, "compliance", 1): 1e-4}
+    told = _parameters(cast(Any, context), kind, Term(kind.id, "smooth", {}, own), spread)
+    assert (told["a"].keys(), told["b"].keys()) == ({"moment", "compliance"}, {"compliance"})

@@ -97,6 +97,8 @@ def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:
     for term in hypothesis.values():
         if column in term.own:
             values = {**term.shared, **term.own[column]}
+            if _all_moments(term.effect).isdisjoint(values):  # asked at each prediction
+                continue
             lead = _size(term.effect)
             size = float(values.get(lead, 0.0))
             out |= {values[name]: size for name in _names(term.effect) if name in values}
@@ -112,6 +114,13 @@ def _names(name: str) -> tuple[str, ...]:
     kind = effect(name)
     every = (*kind.parameters, *kind.moments()) if kind.named and kind.stage == "wire" else ()
     return tuple(p.name for p in every if p.moment and p.name != GROWN.name)
+
+
+@cache
+def _all_moments(name: str) -> frozenset[str]:
+    """Names of all its values that are times."""
+    kind = effect(name)
+    return frozenset(p.name for p in (*kind.parameters, *kind.moments()) if p.moment)
 
 
 @cache

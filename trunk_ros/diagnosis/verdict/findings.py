@@ -131,6 +131,7 @@ def _varies_with(kind: type[Effect], term: Term) -> list[str]:
 def _parameters(
     context: Context, kind: type[Effect], term: Term, std: Spreads
 ) -> dict[str, dict[str, dict[str, Any]]]:
+    """By joint, but for what is as uncertain as it is large: a load past all others at which a wire bends."""
     out: dict[str, dict[str, dict[str, Any]]] = {}
     for p in kind.used(term.form):
         if p.name in term.shared:
@@ -140,11 +141,12 @@ def _parameters(
         for c in term.columns:
             if p.name in term.own[c]:
                 unit = unit_of(p.unit, context.stage.units.get(context.joints[c], "rad"))
-                value = value_of(term.own[c][p.name], std.get((term.effect, p.name, c)), unit)
-                out.setdefault(context.joints[c], {})[p.name] = value
+                value, spread = term.own[c][p.name], std.get((term.effect, p.name, c))
+                if spread is None or p.scale == "linear" or spread < value:  # else it is out of reach
+                    out.setdefault(context.joints[c], {})[p.name] = value_of(value, spread, unit)
     for c, words in term.words.items():
         for text, word in words.items():
-            out[context.joints[c]][text] = {"value": word, "std": None, "unit": ""}
+            out.setdefault(context.joints[c], {})[text] = {"value": word, "std": None, "unit": ""}
     return out
 
 
