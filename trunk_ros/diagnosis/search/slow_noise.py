@@ -21,9 +21,9 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed
-from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need, score
+from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
-from trunk_ros.diagnosis.search.trial import PROMISING, looks
+from trunk_ros.diagnosis.search.trial import PROMISING, looks, refitted
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
@@ -69,9 +69,9 @@ def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | No
     if likely is None:
         return None
     noise, gained = likely
-    if _explained(now, column, kept(column)) > gained or told(context, hypothesis, column):
+    if _may_be_named(now, column, kept(column), gained) or told(context, hypothesis, column):
         return None
-    return None if _drawn(now, column, gained) else noise
+    return None if _may_be_drawn(now, column, gained) else noise
 
 
 def likelier(
@@ -108,23 +108,31 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     return sum(map(shares, alike)) >= JOINTS
 
 
-def _drawn(now: Fit, column: int, gained: float) -> bool:
-    """Whether the best curve there pays: one that only follows the readings about where it is as likely as
-    the noise, which has ``gained`` so much.
-    """
+def _may_be_drawn(now: Fit, column: int, gained: float) -> bool:
+    """Whether the best curve there is likelier than the noise, which has ``gained`` so much."""
     curve = curve_fit(now.context, now.hypothesis, column)
-    if curve is None:
-        return False
-    if untimed(curve.hypothesis, column) is not curve.hypothesis:
-        return now.cost[column] - curve.cost[column] > gained
-    return score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
+    return curve is not None and _gains(now, column, curve.hypothesis, CURVE) > gained
 
 
-def _explained(now: Fit, column: int, kept: Kept) -> float:
-    """By how much the effect that helps a column most may lower its squared residuals, by a linear look."""
+def _may_be_named(now: Fit, column: int, kept: Kept, gained: float) -> bool:
+    """Whether a further effect of a column is likelier than noise that wanders, which has ``gained`` so
+    much; what by a linear look does not come to that is not fitted.
+    """
     kinds = open_kinds(now.context, now.hypothesis, column)
-    found = looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept)
-    return max((look.gain for look in found), default=0.0) / PROMISED
+    found = list(looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept))
+    able = [look for look in found if look.gain / PROMISED > gained]
+    return any(_gains(now, column, one.hypothesis, 1.0) > gained for one in refitted(now, column, able))
+
+
+def _gains(now: Fit, column: int, more: Hypothesis, names: float) -> float:
+    """By how much more than the price of so many ``names`` what a hypothesis with ``more`` leaves of a column
+    is likelier, in the noise as it is known, or in one that wanders, which is a further name.
+    """
+    context, known, name = now.context, now.context.noise[column], need(now.context, column)
+    left = unlikely(context, known, more, column)
+    if not is_plain(context, known, more, column):
+        left = min(left, likeliest_noise(context, more, column)[1] + name)
+    return unlikely(context, known, now.hypothesis, column) - left - names * name
 
 
 def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:
