@@ -11,7 +11,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
-from trunk_ros.diagnosis.data.noise import Noise, differences_of, strides_within
+from trunk_ros.diagnosis.data.noise import Noise, differences_of, off_by_chance, strides_within
 from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
@@ -154,11 +154,10 @@ class Context:
         return self.stage.least_rest(self, column)
 
     def usual_rest(self, column: int) -> float:
-        """The same by the noise: coloured or rarely sampled noise is known less well, and a joint that stands
-        shows one step of an encoder, up to three times the steps' mean power.
-        """
-        known = 0.1 if self.noise[column].correlation == 0.0 and self.step < OFTEN else 0.6
+        """By how well the noise is known, and by an encoder's steps: a joint at rest shows one of them."""
+        white = self.noise[column].correlation == 0.0 and self.step < OFTEN
         steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column))
+        known = max(0.1 if white else 0.6, off_by_chance(self.count(column)))
         return known + 2.0 * float(steps / self.noise[column].std) ** 2
 
     def least_noise(self, column: int) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.innovations import innovations, innovations_of_two, unlikely
+from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.guards import ROUNDS, SAME
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.resample import SLOW
@@ -160,6 +161,12 @@ def differences_of(
 def strides_within(step: float) -> int:
     """The longest stride, in samples ``step`` s apart, at which what is left of the motion still cancels."""
     return max(1, int(REMEMBERED / max(step, 1e-6))) if step < SLOW else 1
+
+
+def off_by_chance(count: int) -> float:
+    """How far white noise's power by fourth differences of so many samples may be off, as a share of it."""
+    shared = np.correlate(BINOMIAL, BINOMIAL, "full") / (BINOMIAL @ BINOMIAL)
+    return SURE * float(np.sqrt(2.0 * (shared @ shared) / max(count, 1)))
 
 
 def noise_of(residuals: list[Array], masks: list[np.ndarray], longest: int = 16) -> Noise:
