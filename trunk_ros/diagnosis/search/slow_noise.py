@@ -18,9 +18,9 @@ from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cu
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, SOME, SURE, TENFOLD, THREEFOLD
+from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import open_kinds
-from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit_column
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.trial import PROMISING, looks
@@ -69,9 +69,9 @@ def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | No
     if likely is None:
         return None
     noise, gained = likely
-    if _explained(now, column, kept(column)) > gained or told(context, hypothesis, column):
+    if _explained(now, column, kept(column), gained) or _drawn(now, column, gained):
         return None
-    return None if _drawn(now, column, gained) else noise
+    return None if told(context, hypothesis, column) else noise
 
 
 def likelier(
@@ -120,11 +120,27 @@ def _drawn(now: Fit, column: int, gained: float) -> bool:
     return score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
 
 
-def _explained(now: Fit, column: int, kept: Kept) -> float:
-    """By how much the effect that helps a column most may lower its squared residuals, by a linear look."""
+def _explained(now: Fit, column: int, kept: Kept, gained: float) -> bool:
+    """Whether one of the effects that help a column most may explain more than a noise that has ``gained`` so
+    much, by a linear look, and what it leaves wanders less. One that goes through the slowest part of what
+    wanders, as a step or a constant does, explains most of its power and leaves all the rest of it.
+    """
     kinds = open_kinds(now.context, now.hypothesis, column)
     found = looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept)
-    return max((look.gain for look in found), default=0.0) / PROMISED
+    much = sorted((look for look in found if look.gain / PROMISED > gained), key=lambda look: -look.gain)
+    trials = (refit_column(now, look.hypothesis, column).hypothesis for look in much[:REFITTED])
+    return any(_steadies(now, trial, column) for trial in trials)
+
+
+def _steadies(now: Fit, hypothesis: Hypothesis, column: int) -> bool:
+    """Whether nothing wanders any more of what a further effect leaves of a column, or less by more than the
+    price of a name.
+    """
+    context = now.context
+    if is_plain(context, context.noise[column], hypothesis, column):
+        return True
+    (_, before), (_, after) = (likeliest_noise(context, h, column) for h in (now.hypothesis, hypothesis))
+    return before - after > need(context, column)
 
 
 def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:
@@ -194,10 +210,11 @@ def is_plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int
 
 def told(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     """Whether the motion tells of parts of the recording what a hypothesis leaves there, by what it left of
-    the others.
+    the others, beside a constant, which any curve holds.
     """
     cuts = replace(Cuts.on(context, column), fold=np.arange(CUTS) * FOLDS // CUTS)
     rest = context.whitened(hypothesis, column)
+    rest = rest - (rest.mean() if len(rest) else 0.0)
     return any(map(partial(_tells, rest, cuts), sources(context, column)))  # none is there beside the next
 
 
