@@ -69,9 +69,9 @@ def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | No
     if likely is None:
         return None
     noise, gained = likely
-    if _may_be_named(now, column, kept(column), gained) or told(context, hypothesis, column):
+    if _may_be_named(now, column, kept(column), gained) or _may_be_drawn(now, column, gained):
         return None
-    return None if _may_be_drawn(now, column, gained) else noise
+    return None if told(context, hypothesis, column) else noise
 
 
 def likelier(
@@ -115,13 +115,16 @@ def _may_be_drawn(now: Fit, column: int, gained: float) -> bool:
 
 
 def _may_be_named(now: Fit, column: int, kept: Kept, gained: float) -> bool:
-    """Whether a further effect of a column is likelier than noise that wanders, which has ``gained`` so
-    much; what by a linear look does not come to that is not fitted.
+    """Whether a further effect of a column leaves nothing that wanders, or is likelier than noise that does,
+    which has ``gained`` so much; what by a linear look does not come to that is not fitted. One that goes
+    through the slowest part, as a step or a constant does, leaves all the rest of it.
     """
-    kinds = open_kinds(now.context, now.hypothesis, column)
+    context, known = now.context, now.context.noise[column]
+    kinds = open_kinds(context, now.hypothesis, column)
     found = list(looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept))
     able = [look for look in found if look.gain / PROMISED > gained]
-    return any(_gains(now, column, one.hypothesis, 1.0) > gained for one in refitted(now, column, able))
+    trials = (trial.hypothesis for trial in refitted(now, column, able))
+    return any(is_plain(context, known, t, column) or _gains(now, column, t, 1.0) > gained for t in trials)
 
 
 def _gains(now: Fit, column: int, more: Hypothesis, names: float) -> float:
@@ -202,10 +205,11 @@ def is_plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int
 
 def told(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     """Whether the motion tells of parts of the recording what a hypothesis leaves there, by what it left of
-    the others.
+    the others, beside a constant, which any curve holds.
     """
     cuts = replace(Cuts.on(context, column), fold=np.arange(CUTS) * FOLDS // CUTS)
     rest = context.whitened(hypothesis, column)
+    rest = rest - (rest.mean() if len(rest) else 0.0)
     return any(map(partial(_tells, rest, cuts), sources(context, column)))  # none is there beside the next
 
 
