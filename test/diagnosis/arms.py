@@ -23,7 +23,7 @@ RATE = 100.0
 NOISE = 1e-4
 TRUNK = load_model("trunk")
 SHORT = Model(arm_of(3))
-"""An arm like it with three joints, for claims that say nothing of how many there are: it takes half the time."""
+"""An arm like it with three joints, for claims on any arm: it takes half the time."""
 
 
 def setpoints_of(seconds: float, joints: int, seed: int = 0, rate: float = RATE) -> np.ndarray:
