@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import SHORT, diagnose, of_the_servos, of_the_wires, recorded, reshaped
+from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.discrepancy.curves import smoothed
@@ -17,19 +17,20 @@ from trunk_ros.diagnosis.report import render
 from trunk_ros.effects.curve import KNOTS, VALUES
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.unknown import Unknown
+from trunk_ros.model import Model
 
 NOISE = np.random.default_rng(5)
 
 
-def with_added(column: int, of: Any) -> Diagnosis:
+def with_added(column: int, of: Any, nominal: Model = SHORT) -> Diagnosis:
     """The diagnosis of a good arm to one of whose joints something (stamp, speeds) -> (n,) is added."""
-    recording = of_the_wires(recorded(nominal=SHORT))
+    recording = of_the_wires(recorded(nominal=nominal))
     joints = recording.series["joint_states"]
     speeds = np.gradient(joints.position, joints.stamp, axis=0)
     smooth = np.apply_along_axis(lambda v: np.convolve(v, np.ones(15) / 15, "same"), 0, speeds)
     position = joints.position.copy()
     position[:, column] += of(joints.stamp, smooth)
-    return diagnose([reshaped(recording, "joint_states", position=position)], SHORT)
+    return diagnose([reshaped(recording, "joint_states", position=position)], nominal)
 
 
 def left(result: Diagnosis, joint: str) -> float:
@@ -94,7 +95,7 @@ def test_what_shakes_the_arm_is_told_with_its_frequency_and_drawn_over_its_perio
 
 def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
     moments = (4.0, 8.0, 13.0, 17.5)
-    result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2))
+    result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2), TRUNK)
     (found,) = result.findings
     assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_3"], ["time"])
     assert "jumps 4 times" in found.statement
