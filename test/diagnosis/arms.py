@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from test.effects.example import arm_of
 from trunk_ros import diagnosis
 from trunk_ros.chain import Chain
 from trunk_ros.model import Model, load_model
@@ -20,6 +21,9 @@ diagnose = partial(diagnosis.diagnose, experiments=False)
 
 RATE = 100.0
 NOISE = 1e-4
+TRUNK = load_model("trunk")
+SHORT = Model(arm_of(3))
+"""An arm like it with three joints, for claims on any arm: it takes half the time."""
 
 
 def setpoints_of(seconds: float, joints: int, seed: int = 0, rate: float = RATE) -> np.ndarray:
@@ -43,11 +47,11 @@ def recorded(
     name: str = "made",
     size: float | np.ndarray = 1.0,
     rate: float = RATE,
+    nominal: Model = TRUNK,
 ) -> Recording:
-    """Setpoints, gearbox and joints of the nominal arm with some effects, at a ``rate`` [Hz]; ``size`` scales
-    the motion, of each joint or of all.
+    """Setpoints, gearbox and joints of the ``nominal`` arm with some effects, at a ``rate`` [Hz]; ``size``
+    scales the motion, of each joint or of all.
     """
-    nominal = load_model("trunk")
     model = Model(nominal.arm, effects or {})
     joints, stamp = nominal.arm.joints, np.arange(int(seconds * rate)) / rate
     setpoints = size * setpoints_of(seconds, len(joints), seed, rate)
@@ -64,9 +68,9 @@ def recorded(
     return Recording(name, 1_750_000_000_000_000_000, float(stamp[-1]), series)
 
 
-def on(joint: int, value: float) -> np.ndarray:
+def on(joint: int, value: float, joints: int = 5) -> np.ndarray:
     """A value on one joint (from 1), nothing on the others."""
-    out = np.zeros(5)
+    out = np.zeros(joints)
     out[joint - 1] = value
     return out
 

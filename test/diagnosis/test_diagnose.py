@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, diagnose, of_the_wires, on, recorded, reshaped
+from test.diagnosis import arms
+from test.diagnosis.arms import NOISE, SHORT, of_the_wires, reshaped
 from trunk_ros import diagnosis
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
@@ -19,15 +21,19 @@ from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
 
+on = partial(arms.on, joints=3)
+recorded = partial(arms.recorded, nominal=SHORT)
+diagnose = partial(arms.diagnose, model=SHORT)
+
 
 @pytest.fixture(scope="module")
 def loose() -> Diagnosis:
     """An arm whose second joint has more play than it should."""
-    return diagnosis.diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})])
+    return diagnosis.diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})], SHORT)
 
 
 def test_an_arm_with_nothing_missing_has_no_finding() -> None:
-    result = diagnose([recorded()])
+    result = arms.diagnose([arms.recorded()])
     assert result.verdict == "no_mismatch"
     assert result.findings == []
     assert result.unexplained == []
@@ -64,7 +70,7 @@ def uneven_winch(**wave: float | str) -> dict[str, Any]:
     theta += NOISE * np.random.default_rng(0).normal(size=theta.shape)
     angles = {"gearbox_states": phi, "joint_states": theta}
     series = {name: JointSeries(stamp, arm.joints, angle) for name, angle in angles.items()}
-    (found,) = diagnose([Recording("winch", 0, 50.0, series)], model=Model(arm)).findings
+    (found,) = arms.diagnose([Recording("winch", 0, 50.0, series)], model=Model(arm)).findings
     assert found.effect == "transmission_ripple"
     return {name: value["value"] for name, value in found.parameters["drum"].items()}
 
@@ -90,32 +96,32 @@ def test_the_error_falls_to_the_noise_on_samples_that_the_fit_did_not_see(loose:
 
 
 def test_the_model_found_predicts_another_run_of_the_same_arm() -> None:
-    effects = {"joint_coupling": {"gain": on(5, 0.01), "source": ["", "", "", "", "joint_3"]}}
+    effects = {"joint_coupling": {"gain": on(3, 0.01), "source": ["", "", "joint_2"]}}
     result = diagnose([of_the_wires(recorded(effects))])
     other = recorded(effects, seed=7, noise=0.0)
     measured = other.series["joint_states"].position[300:]
     error = {
         name: np.sqrt(
-            np.mean((simulate(other, model).series["joint_states"].position[300:, 4] - measured[:, 4]) ** 2)
+            np.mean((simulate(other, model).series["joint_states"].position[300:, 2] - measured[:, 2]) ** 2)
         )
-        for name, model in (("before", load_model("trunk")), ("after", result.model))
+        for name, model in (("before", SHORT), ("after", result.model))
     }
     assert error["after"] < 0.05 * error["before"]
 
 
 def test_a_joint_that_stood_somewhere_in_its_play_for_long_is_no_finding() -> None:
     whole = recorded(seconds=50.0, seed=4)
-    arm = load_model("trunk").arm
+    arm = SHORT.arm
     stood = {}
     for key, offset in (
         ("setpoints", 0.0),
         ("gearbox_states", 0.0),
-        ("joint_states", 0.4 * arm.dead_band[4]),
+        ("joint_states", 0.4 * arm.dead_band[2]),
     ):
         position = whole.series[key].position.copy()
-        rest = np.median(position[:5, 4]) + offset
+        rest = np.median(position[:5, 2]) + offset
         noise = np.random.default_rng(9).normal(size=4000) * 1e-4 if key == "joint_states" else 0.0
-        position[:4000, 4] = rest + noise
+        position[:4000, 2] = rest + noise
         stood[key] = replace(whole.series[key], position=position, velocity=None)
     result = diagnose([replace(whole, series={**whole.series, **stood})])
     assert [f.effect for f in result.findings if f.stage == "wire"] == []
@@ -132,7 +138,7 @@ def test_a_late_sensor_is_one_delay_of_the_whole_arm() -> None:
     result = diagnose([of_the_wires(recorded({"sensor_delay": {"delay": 0.02}}))])
     (found,) = result.findings
     assert found.effect == "sensor_delay"
-    assert len(found.joints) == 5
+    assert len(found.joints) == 3
     assert found.parameters["arm"]["delay"]["value"] == pytest.approx(0.02, abs=5e-4)
 
 
@@ -162,11 +168,11 @@ def test_a_joint_that_hardly_moves_is_said_to_be_silent() -> None:
     still = {}
     for key in ("setpoints", "gearbox_states", "joint_states"):
         position = recording.series[key].position.copy()
-        position[:, 3] = position[0, 3]
+        position[:, 2] = position[0, 2]
         still[key] = replace(recording.series[key], position=position)
     result = diagnose([replace(recording, series={**recording.series, **still})])
-    assert result.stages["wire"]["silent"] == ["joint_4"]
-    assert all("joint_4" not in f.joints for f in result.findings if f.stage == "wire")
+    assert result.stages["wire"]["silent"] == ["joint_3"]
+    assert all("joint_3" not in f.joints for f in result.findings if f.stage == "wire")
 
 
 def test_the_json_has_the_schema_that_programs_rely_on(tmp_path: Path, loose: Diagnosis) -> None:
@@ -188,13 +194,13 @@ def test_the_json_has_the_schema_that_programs_rely_on(tmp_path: Path, loose: Di
 def test_a_joint_named_in_every_second_setpoint_message_holds_the_last_one() -> None:
     whole = recorded()
     asked = whole.series["setpoints"].position.copy()
-    asked[1::2, 3] = asked[:-1:2, 3]
-    model = load_model("trunk")
+    asked[1::2, 2] = asked[:-1:2, 2]
+    model = SHORT
     stamp = whole.series["setpoints"].stamp
     phi, _ = Chain(model, "servo").run(asked, stamp)
     theta, _ = Chain(model, "wire").run(phi, stamp)
     theta += NOISE * np.random.default_rng(0).normal(size=theta.shape)
-    asked[1::2, 3] = np.nan
+    asked[1::2, 2] = np.nan
     changed = reshaped(whole, "setpoints", position=asked)
     changed = reshaped(changed, "gearbox_states", position=phi, velocity=None)
     assert diagnose([reshaped(changed, "joint_states", position=theta)]).findings == []
@@ -214,4 +220,4 @@ def test_servos_that_are_not_compared_are_said() -> None:
     result = diagnose([replace(whole, series={**whole.series, "setpoints": some})])
     assert not result.stages["servo"]["compared"]
     (quality,) = result.quality.values()
-    assert "joint_3, joint_4, joint_5 not there: servos not compared" in " ".join(quality["notes"])
+    assert "joint_3 not there: servos not compared" in " ".join(quality["notes"])

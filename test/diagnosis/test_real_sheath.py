@@ -10,7 +10,7 @@ from test.diagnosis.real import QUASI_STATIC, diagnosed, marks, named, read, val
 
 SHEATH = "tendon-sheath"
 HALF = "50%"  # shows as much of what repeats itself
-LONG = ("test0224", "odd_test", "ff", "aurora_ff")
+LONG = ("test0224", "aurora_ff")
 
 pytestmark = marks(SHEATH)
 
@@ -23,8 +23,6 @@ def test_dead_zone_and_hysteresis_of_the_tendon_sheath_are_named() -> None:
     ("name", "mapping"),
     [
         ("test0224", "tendon-sheath"),
-        ("odd_test", "tendon-sheath"),
-        ("ff", "tendon-sheath-feedforward"),
         ("aurora_ff", "tendon-sheath-feedforward"),
         ("sheath_000deg", "tendon-sheath"),
         ("sheath_240deg", "tendon-sheath"),

@@ -4,24 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, of_the_servos, of_the_wires, on, recorded
-from trunk_ros.model import load_model
+from test.diagnosis import arms
+from test.diagnosis.arms import SHORT, TRUNK, of_the_servos, of_the_wires
 from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
 
+on = partial(arms.on, joints=3)
+recorded = partial(arms.recorded, nominal=SHORT)
+diagnose = partial(arms.diagnose, model=SHORT)
+
 
 def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() -> None:
-    hidden = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}}
+    hidden = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(3, 0.006)}}
     result = diagnose([of_the_wires(recorded(hidden, seconds=20.0))])
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"backlash", "ratio_error"}
     assert named["backlash"].joints == ["joint_2"]
-    assert named["ratio_error"].joints == ["joint_4"]
+    assert named["ratio_error"].joints == ["joint_3"]
     width = named["backlash"].parameters["joint_2"]["half_width"]
     assert width["value"] == pytest.approx(8e-4, abs=4 * width["std"])
     assert width["unit"] == "rad"
@@ -30,9 +35,9 @@ def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() ->
 
 def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
     """The droop of a servo under load is as large as it is, not as large as the payload makes it look."""
-    effects = {"load_elasticity": {"compliance": load_model("trunk").arm.compliance, "payload": 0.06}}
-    recording = recorded(effects | {"load_droop": {"gain": 0.05}}, seconds=12.0)
-    result = diagnose([recording])
+    effects = {"load_elasticity": {"compliance": TRUNK.arm.compliance, "payload": 0.06}}
+    recording = arms.recorded(effects | {"load_droop": {"gain": 0.05}}, seconds=12.0)
+    result = arms.diagnose([recording])
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"load_droop", "load_elasticity"}
     assert named["load_droop"].parameters["arm"]["gain"]["value"] == pytest.approx(0.05, rel=0.02)
@@ -43,7 +48,10 @@ def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
     [
         ({"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}}, of_the_servos),
         (
-            {"tension_error": {"factor": 1.7}, "backlash": {"half_width": on(1, 4e-4) + on(4, 6e-4)}},
+            {
+                "tension_error": {"factor": 1.7},
+                "backlash": {"half_width": arms.on(1, 4e-4) + arms.on(4, 6e-4)},
+            },
             of_the_wires,
         ),
         ({"sensor_delay": {"delay": 0.004}, "backlash": {"half_width": np.full(5, 4e-4)}}, of_the_wires),
@@ -55,7 +63,7 @@ def test_effects_that_hide_each_other_are_both_named(
 ) -> None:
     """A later and a faster servo all but cancel; a tension and dead bands widen the same loops; a dead band
     that is narrower in fast motion takes a part of a delay."""
-    result = diagnose([seen(recorded(effects, 25.0))])
+    result = arms.diagnose([seen(arms.recorded(effects, 25.0))])
     assert {f.effect for f in result.findings} == set(effects)
     assert result.verdict == "explained"
 
@@ -63,7 +71,7 @@ def test_effects_that_hide_each_other_are_both_named(
 def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
     truth = {"backlash": {"half_width": on(1, 1e-3)}, "zero_offset": {"offset": on(3, 2e-3)}}
     real = of_the_wires(recorded(truth, seconds=20.0))
-    theirs = simulate(real, replace(load_model("trunk"), effects={"zero_offset": {"offset": on(3, 2e-3)}}))
+    theirs = simulate(real, replace(SHORT, effects={"zero_offset": {"offset": on(3, 2e-3)}}))
     result = diagnose([real], against=theirs)
     assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_1"])]
 
@@ -89,17 +97,17 @@ def test_what_only_one_of_several_recordings_shows_is_found_in_any_order(order: 
 
 def test_what_the_model_has_already_is_no_finding_and_stays_in_it() -> None:
     believed = {"backlash": {"half_width": on(2, 8e-4)}}
-    model = replace(load_model("trunk"), effects=believed)
+    model = replace(SHORT, effects=believed)
     result = diagnose([of_the_wires(recorded(believed, 20.0))], model=model)
     assert (result.verdict, result.findings) == ("no_mismatch", [])
     assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(8e-4, rel=0.03)
 
 
 def test_what_the_model_has_not_is_found_beside_what_it_has() -> None:
-    model = replace(load_model("trunk"), effects={"backlash": {"half_width": on(2, 8e-4)}})
-    truth = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(4, 0.006)}}
+    model = replace(SHORT, effects={"backlash": {"half_width": on(2, 8e-4)}})
+    truth = {"backlash": {"half_width": on(2, 8e-4)}, "ratio_error": {"relative": on(3, 0.006)}}
     result = diagnose([of_the_wires(recorded(truth, 20.0))], model=model)
-    assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_4"])]
+    assert [(f.effect, f.joints) for f in result.findings] == [("ratio_error", ["joint_3"])]
     assert set(result.model.effects) == {"backlash", "ratio_error"}
 
 
@@ -107,7 +115,7 @@ def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
     """Creep over minutes explains more of it than either alone."""
     hidden = {
         "zero_offset": {"offset": on(1, -4.5e-4)},
-        "wire_slip": {"step": on(1, 2.4e-4), "onset": np.full(5, 14.0)},
+        "wire_slip": {"step": on(1, 2.4e-4), "onset": np.full(3, 14.0)},
     }
     result = diagnose([of_the_wires(recorded(hidden, 20.0))])
     assert {(f.effect, *f.joints) for f in result.findings} == {
@@ -118,5 +126,5 @@ def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
 
 def test_a_top_speed_that_one_joint_meets_is_the_servos_of_all() -> None:
     hidden = {"velocity_saturation": {"v_max": 0.45}, "servo_delay": {"delay": 0.004}}
-    result = diagnose([of_the_servos(recorded(hidden, 40.0, size=0.9))])
+    result = arms.diagnose([of_the_servos(arms.recorded(hidden, 40.0, size=0.9))])
     assert {f.effect: len(f.joints) for f in result.findings} == dict.fromkeys(hidden, 5)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, RATE, diagnose, of_the_wires, on
+from test.diagnosis import arms
+from test.diagnosis.arms import NOISE, RATE, SHORT, of_the_wires
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
@@ -19,12 +21,14 @@ from trunk_ros.recording.recording import JointSeries, Recording
 
 COUNT, STAND, MOVE = 180, 200, 150  # stations, samples of each, and in which the arm moves there
 
+diagnose = partial(arms.diagnose, model=SHORT)
+
 
 def visited(effects: dict[str, Any] | None = None, seed: int = 0, beyond: float = 0.0) -> Recording:
     """Setpoints, gearbox and joints, a sample of each just before the arm moves on; ``beyond``: part of each
     way that the drives go further first.
     """
-    model = Model(load_model("trunk").arm, effects or {})
+    model = Model(SHORT.arm, effects or {})
     rng = np.random.default_rng(seed)
     joints, stamp = model.arm.joints, np.arange(COUNT * STAND) / RATE
     stations = np.vstack([np.zeros(len(joints)), rng.uniform(-0.25, 0.25, (COUNT, len(joints)))])
@@ -46,7 +50,7 @@ def visited(effects: dict[str, Any] | None = None, seed: int = 0, beyond: float 
 
 def test_readings_are_taken_as_they_are_whatever_the_setpoints_say() -> None:
     recording = visited()
-    span = wire_span(recording, load_model("trunk"))
+    span = wire_span(recording, SHORT)
     readings = recording.series["gearbox_states"].position
     np.testing.assert_allclose(span.gearbox[span.rows], readings, atol=1e-12)
 
@@ -54,9 +58,9 @@ def test_readings_are_taken_as_they_are_whatever_the_setpoints_say() -> None:
 @pytest.mark.parametrize(
     ("effect", "values"),
     [
-        ("load_elasticity", {"compliance": np.full(5, 0.05)}),
+        ("load_elasticity", {"compliance": np.full(3, 0.05)}),
         ("tension_error", {"factor": 3.5}),
-        ("backlash", {"half_width": np.full(5, 2e-3)}),
+        ("backlash", {"half_width": np.full(3, 2e-3)}),
     ],
 )
 def test_what_differs_from_one_station_to_the_next_is_not_taken_for_noise(
@@ -78,7 +82,7 @@ def test_drives_that_settle_from_beyond_are_no_narrower_dead_band() -> None:
 
 
 def test_what_such_drives_hide_of_a_dead_band_is_given_back() -> None:
-    result = diagnose([of_the_wires(visited({"backlash": {"half_width": on(2, 2e-3)}}, beyond=5e-3))])
+    result = diagnose([of_the_wires(visited({"backlash": {"half_width": arms.on(2, 2e-3, 3)}}, beyond=5e-3))])
     assert [f.effect for f in result.findings] == ["backlash"]
     assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(2e-3, rel=0.03)
 
@@ -89,7 +93,7 @@ def test_motors_that_were_recorded_on_their_way_arrive_as_recorded() -> None:
     turned = np.stack([np.interp(stamp, seen.series["gearbox_states"].stamp, x) for x in
                        seen.series["gearbox_states"].position.T], axis=1)  # fmt: skip
     seen.series["gearbox_states"] = JointSeries(stamp, seen.series["joint_states"].joints, turned)
-    span = wire_span(seen, load_model("trunk"))
+    span = wire_span(seen, SHORT)
     assert span.before
     assert not len(span.arrives)
 

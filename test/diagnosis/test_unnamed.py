@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, recorded, reshaped
+from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.discrepancy.curves import smoothed
@@ -17,20 +17,20 @@ from trunk_ros.diagnosis.report import render
 from trunk_ros.effects.curve import KNOTS, VALUES
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.unknown import Unknown
-from trunk_ros.model import load_model
+from trunk_ros.model import Model
 
 NOISE = np.random.default_rng(5)
 
 
-def with_added(column: int, of: Any) -> Diagnosis:
+def with_added(column: int, of: Any, nominal: Model = SHORT) -> Diagnosis:
     """The diagnosis of a good arm to one of whose joints something (stamp, speeds) -> (n,) is added."""
-    recording = recorded()
+    recording = of_the_wires(recorded(nominal=nominal))
     joints = recording.series["joint_states"]
     speeds = np.gradient(joints.position, joints.stamp, axis=0)
     smooth = np.apply_along_axis(lambda v: np.convolve(v, np.ones(15) / 15, "same"), 0, speeds)
     position = joints.position.copy()
     position[:, column] += of(joints.stamp, smooth)
-    return diagnose([reshaped(recording, "joint_states", position=position)])
+    return diagnose([reshaped(recording, "joint_states", position=position)], nominal)
 
 
 def left(result: Diagnosis, joint: str) -> float:
@@ -72,13 +72,13 @@ def test_jumps_are_a_matter_of_time_unless_the_motion_brings_them_on(
 
 
 def test_what_follows_the_speed_of_another_joint_names_that_joint() -> None:
-    result = with_added(3, lambda _, speed: 4e-3 * speed[:, 0])
+    result = with_added(1, lambda _, speed: 4e-3 * speed[:, 0])
     (found,) = result.findings
-    assert (found.effect, found.joints) == ("unknown", ["joint_4"])
+    assert (found.effect, found.joints) == ("unknown", ["joint_2"])
     assert found.depends_on == ["joint_1", "speed"]
     assert found.regime == "high_speed"
     assert found.curve["x_unit"] == "rad/s"
-    assert left(result, "joint_4") < 1.3
+    assert left(result, "joint_2") < 1.3
 
 
 def test_what_shakes_the_arm_is_told_with_its_frequency_and_drawn_over_its_period() -> None:
@@ -95,7 +95,7 @@ def test_what_shakes_the_arm_is_told_with_its_frequency_and_drawn_over_its_perio
 
 def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
     moments = (4.0, 8.0, 13.0, 17.5)
-    result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2))
+    result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2), TRUNK)
     (found,) = result.findings
     assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_3"], ["time"])
     assert "jumps 4 times" in found.statement
@@ -105,11 +105,11 @@ def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
 
 
 def test_errors_that_a_servo_does_not_answer_to_have_no_other_name() -> None:
-    zone = {p.name: np.full(5, 3e-3) for p in VALUES}
-    ends = {"on": ["position"] * 5, "low": np.full(5, -1.0), "high": np.full(5, 1.0)}
-    result = diagnose([recorded({"unknown_dead_zone": ends | zone})])
+    zone = {p.name: np.full(3, 3e-3) for p in VALUES}
+    ends = {"on": ["position"] * 3, "low": np.full(3, -1.0), "high": np.full(3, 1.0)}
+    result = diagnose([of_the_servos(recorded({"unknown_dead_zone": ends | zone}, nominal=SHORT))], SHORT)
     assert {(f.effect, f.stage) for f in result.findings} == {("unknown", "servo")}
-    assert {joint for f in result.findings for joint in f.joints} == set(load_model("trunk").arm.joints)
+    assert {joint for f in result.findings for joint in f.joints} == set(SHORT.arm.joints)
     seen = result.model.effects["unknown_dead_zone"]
     middle = np.array([seen[p.name] for p in VALUES[8:16]])
     assert np.median(middle) == pytest.approx(3e-3, rel=0.1)

@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from trunk_ros.effects import registry
+from trunk_ros.errors import ModelError
+
 ROOT = Path(__file__).parent.parent.parent
 PAGE = ROOT / "docs" / "adding-an-effect.md"
 START = """
@@ -57,33 +60,19 @@ def test_the_list_of_effects_says_in_words_what_it_is(folder: Path) -> None:
     assert re.search(r"winding_growth +.*Wire wound up in layers", listed)
 
 
-def test_it_is_simulated(folder: Path) -> None:
-    works(
-        folder,
-        "plain = Chain(Model(model.arm), 'wire').run(wanted, stamp)[0]\n"
-        "bent = chain.run(wanted, stamp)[0] - plain\n"
-        "growth = model.effects['winding_growth']['growth']\n"
-        "assert np.abs(bent - growth * wanted**2).max() < 1e-5",
-    )
-
-
-def test_it_is_compensated(folder: Path) -> None:
-    works(folder, "assert np.abs(chain.run(chain.invert(wanted, stamp)[0], stamp)[0] - wanted).max() < 1e-6")
-
-
-def test_the_nodes_declare_its_parameters(folder: Path) -> None:
-    works(
-        folder,
-        "d, = [d for d in declared_parameters() if d.name == 'effects.winding_growth.growth']\n"
-        "assert (d.default, d.unit, d.bounds) == ([0.0], '1/rad', (-0.1, 0.1))",
-    )
-
-
-def test_a_model_file_keeps_it(folder: Path) -> None:
+def test_it_is_simulated_compensated_declared_by_the_nodes_and_kept_in_a_model_file(folder: Path) -> None:
     file = folder / "model.yaml"
     works(
         folder,
-        f"from pathlib import Path\nsave_model(model, Path({str(file)!r}))\n"
+        "from pathlib import Path\n"
+        "plain = Chain(Model(model.arm), 'wire').run(wanted, stamp)[0]\n"
+        "bent = chain.run(wanted, stamp)[0] - plain\n"
+        "growth = model.effects['winding_growth']['growth']\n"
+        "assert np.abs(bent - growth * wanted**2).max() < 1e-5\n"
+        "assert np.abs(chain.run(chain.invert(wanted, stamp)[0], stamp)[0] - wanted).max() < 1e-6\n"
+        "d, = [d for d in declared_parameters() if d.name == 'effects.winding_growth.growth']\n"
+        "assert (d.default, d.unit, d.bounds) == ([0.0], '1/rad', (-0.1, 0.1))\n"
+        f"save_model(model, Path({str(file)!r}))\n"
         f"assert load_model({str(file)!r}).parameters() == model.parameters()",
     )
 
@@ -121,13 +110,15 @@ def test_without_the_folder_it_is_unknown(folder: Path) -> None:
     assert "unknown effect 'winding_growth'" in done.stderr
 
 
-SAY = """
-from trunk_ros.effects import registry
-try:
-    registry()
-except Exception as error:
-    print(type(error).__name__, error)
-"""
+def refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Why the effects of a folder are not loaded."""
+    monkeypatch.setenv("TRUNK_ROS_EFFECTS", str(folder))
+    with pytest.raises(ModelError) as why:
+        registry.__wrapped__()  # as a process that begins looks
+    sys.modules.pop("trunk_ros_effect_mine", None)
+    return str(why.value)
+
+
 LACKS = """
 from trunk_ros.effects import Effect
 class Mine(Effect):
@@ -168,9 +159,11 @@ class Backlash(Effect):
         (SAME, "defines the effect 'backlash', which exists"),
     ],
 )
-def test_a_file_that_is_no_effect_is_refused_in_one_line(file: str, message: str, tmp_path: Path) -> None:
+def test_a_file_that_is_no_effect_is_refused_in_one_line(
+    file: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "mine.py").write_text(file)
-    assert re.fullmatch(f"ModelError .*{message}.*\n", python(tmp_path, "-c", SAY).stdout)
+    assert re.fullmatch(f".*{message}.*", refused(tmp_path, monkeypatch))
 
 
 def test_an_error_in_it_is_said_in_one_line_with_its_place(folder: Path) -> None:
@@ -193,10 +186,9 @@ def test_an_error_in_it_is_said_in_one_line_with_its_place(folder: Path) -> None
     assert (done.returncode, done.stderr) == (2, f"trunk_ros: {where} (an effect of your own)\n")
 
 
-def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+def test_a_folder_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     gone = tmp_path / "gone"
-    said = python(gone, "-c", SAY).stdout
-    assert said == f"ModelError TRUNK_ROS_EFFECTS names {gone}, which is not a folder\n"
+    assert refused(gone, monkeypatch) == f"TRUNK_ROS_EFFECTS names {gone}, which is not a folder"
 
 
 @pytest.mark.timeout(240)

@@ -233,6 +233,7 @@ def test_links_swing_as_their_masses_shake_each_other(swinging: list[int]) -> No
     omega = 2 * np.pi * frequency[swinging]
     hold = np.array(straight)[swinging] * omega**2
     damp = 2 * damping * hold / omega
+    some = slice(1600)  # 8 s
     wires = CubicSpline(STAMP, THETA)
 
     def rate(t: float, state: Array) -> Array:
@@ -246,18 +247,18 @@ def test_links_swing_as_their_masses_shake_each_other(swinging: list[int]) -> No
         return np.concatenate([speed[swinging], np.linalg.solve(mass[np.ix_(swinging, swinging)], pull)])
 
     start = np.concatenate([THETA[0, swinging], np.zeros(len(swinging))])
-    expected = THETA.copy()
+    stamp, expected = STAMP[some], THETA[some].copy()
     expected[:, swinging] = (
-        solve_ivp(rate, STAMP[[0, -1]], start, t_eval=STAMP, rtol=1e-5, atol=1e-7).y[: len(swinging)].T
+        solve_ivp(rate, stamp[[0, -1]], start, t_eval=stamp, rtol=1e-5, atol=1e-7).y[: len(swinging)].T
     )
     values = {
         "frequency": np.where(np.isin(range(3), swinging), frequency, 1e6),
         "damping": np.full(3, damping),
     }
     model = Model(ARM, {"link_resonance": {"form": "links", **values}})
-    got = Chain(model, "wire").run(PHI, STAMP)[0]
-    assert np.ptp(expected - THETA, axis=0)[swinging].min() > 2e-3
-    assert got == pytest.approx(expected, abs=0.05 * np.abs(expected - THETA).max())
+    got, own = Chain(model, "wire").run(PHI[some], stamp)[0], expected - THETA[some]
+    assert np.ptp(own, axis=0)[swinging].min() > 2e-3
+    assert got == pytest.approx(expected, abs=0.05 * np.abs(own).max())
 
 
 def test_without_masses_only_the_joint_itself_swings() -> None:

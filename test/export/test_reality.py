@@ -72,11 +72,11 @@ def test_every_effect_of_the_wire_comes_out_as_in_simulate(name: str, form: str)
 
 @pytest.mark.parametrize(("name", "form"), HELD)
 def test_many_environments_are_as_many_layers(name: str, form: str) -> None:
-    commands, model = commands_of(3), model_of(name, form)
+    commands, model = commands_of(3)[:300], model_of(name, form)
     together = around_ideal(RealityLayer(model, 3), commands)
     last = around_ideal(RealityLayer(model), commands[:, 2])
     for a, b, c in zip(together, one(name, form), last, strict=True):
-        np.testing.assert_allclose(a[:, :1], b, atol=1e-12)
+        np.testing.assert_allclose(a[:, :1], b[:300], atol=1e-12)
         np.testing.assert_allclose(a[:, 2], c, atol=1e-12)
 
 

@@ -10,7 +10,7 @@ pq = pytest.importorskip("pyarrow.parquet")
 pytest.importorskip("distributed")
 pytest.importorskip("ruptures")
 
-from test.diagnosis.arms import on, recorded  # noqa: E402
+from test.diagnosis.arms import SHORT, of_the_wires, on, recorded  # noqa: E402
 from trunk_ros.__main__ import main  # noqa: E402
 from trunk_ros.commands.fleet import _say  # noqa: E402
 from trunk_ros.fleet.inputs.listing import listed  # noqa: E402
@@ -19,14 +19,14 @@ from trunk_ros.fleet.run.follow import follow  # noqa: E402
 from trunk_ros.fleet.together.events import alone  # noqa: E402
 from trunk_ros.fleet.together.series import DAY  # noqa: E402
 from trunk_ros.fleet.together.summary import Fleet, Trend  # noqa: E402
-from trunk_ros.model import load_model  # noqa: E402
+from trunk_ros.model import save_model  # noqa: E402
 from trunk_ros.recording.write import write_recording  # noqa: E402
 
 pytestmark = pytest.mark.timeout(600)
 
 
 def written(folder, effects, seed, day=0, seconds=15.0):
-    recording = recorded(effects, seconds=seconds, seed=seed)
+    recording = of_the_wires(recorded(effects, seconds=seconds, seed=seed, nominal=SHORT))
     write_recording(folder, replace(recording, start_ns=recording.start_ns + int(day * DAY) * 10**9))
     return folder
 
@@ -36,7 +36,7 @@ def bags(tmp_path_factory):
     """One arm whose dead band grows over five days, and a bag that is none."""
     folder = tmp_path_factory.mktemp("bags") / "<arm>"
     for k in range(5):
-        width = on(2, 4e-4 + 4e-4 * k)
+        width = on(2, 4e-4 + 4e-4 * k, 3)
         written(folder / f"day_{k}", {"backlash": {"half_width": width}}, seed=k, day=k)
     (folder / "broken").mkdir()
     (folder / "broken" / "metadata.yaml").write_text("no: [yaml")
@@ -47,8 +47,14 @@ def bags(tmp_path_factory):
 def output(bags, tmp_path_factory):
     """What the command makes of them."""
     there = tmp_path_factory.mktemp("out") / "fleet"
-    assert main(["fleet", str(bags), "--output", str(there), "--workers", "1"]) == 0
+    save_model(SHORT, there.parent / "model.yaml")
+    assert main(["fleet", str(bags), "--output", str(there), *how(there)]) == 0
     return there
+
+
+def how(output):
+    """The other words of the command."""
+    return "--model", str(output.parent / "model.yaml"), "--workers", "1"
 
 
 def test_a_growing_dead_band_is_a_trend_and_a_broken_bag_a_reason(output):
@@ -115,15 +121,14 @@ def test_the_page_needs_no_other_file_and_shows_what_names_are_not_markup(output
 def test_a_second_run_diagnoses_nothing_again(output, bags, monkeypatch):
     before = (output / "fleet.json").read_text()
     cpu = pq.read_table(output / "recordings.parquet")["cpu"].to_pylist()
-    assert main(["fleet", str(bags), "--output", str(output), "--workers", "1"]) == 0
+    assert main(["fleet", str(bags), "--output", str(output), *how(output)]) == 0
     assert pq.read_table(output / "recordings.parquet")["cpu"].to_pylist() == cpu
     assert (output / "fleet.json").read_text() == before
 
 
 def test_an_effect_is_followed_to_where_it_is_too_small_to_be_found(tmp_path):
     bag = written(tmp_path / "bag", {}, seed=3)
-    model = load_model("trunk")
-    row, _ = follow(str(bag), model, {"backlash": {"half_width": {"joint_2": 5e-4}}})
+    row, _ = follow(str(bag), SHORT, {"backlash": {"half_width": {"joint_2": 5e-4}}})
     assert row["reason"] == ""
     [value] = row["findings"]
     assert (value["effect"], value["joint"]) == ("backlash", "joint_2")
