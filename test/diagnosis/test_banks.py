@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
+from trunk_ros.diagnosis.data.motion_content import passes_again
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, Cuts, Source, Sums, chosen_of
 from trunk_ros.diagnosis.discrepancy.banked import clearly
 from trunk_ros.effects.bank import Bank
@@ -139,6 +140,13 @@ def test_a_loop_that_settles_from_swing_to_swing_is_told_and_goes_on_as_it_will(
         said = sum(found[k].kind.shapes(s, 0.0, 1.0) @ w for k, w in zip(some, weights, strict=False))
         errors.append(float(np.sqrt(np.mean((rest - said)[seen:] ** 2))))
     assert errors[1] < 0.3 * errors[0]
+
+
+def test_what_settles_is_shown_by_places_that_are_passed_again() -> None:
+    time = np.linspace(0.0, 1.0, 1000)
+    assert passes_again(np.cos(4.0 * np.pi * time))
+    assert not passes_again(np.cos(2.6 * np.pi * time))
+    assert not passes_again(time)
 
 
 def test_of_a_loop_that_stays_as_it_is_nothing_fades() -> None:
