@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
+from trunk_ros.diagnosis.data.motion_content import passes_again
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, Cuts, Source, Sums, chosen_of
 from trunk_ros.diagnosis.discrepancy.banked import clearly
 from trunk_ros.effects.bank import Bank
@@ -14,6 +15,7 @@ from trunk_ros.effects.wire.coupling_curve import CouplingCurve
 from trunk_ros.effects.wire.coupling_drag import CouplingDrag
 from trunk_ros.effects.wire.unknown_loops import UnknownLoops
 from trunk_ros.effects.wire.unknown_memory import UnknownMemory
+from trunk_ros.effects.wire.unknown_settling import UnknownSettling
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
@@ -115,7 +117,44 @@ def test_a_line_goes_on_beyond_the_postures_that_were_seen_and_a_bend_does_not()
     assert np.diff(out) == pytest.approx([0.1, 0.1])
 
 
-@pytest.mark.parametrize("kind", [UnknownLoops, UnknownMemory])
+def settled(rest: np.ndarray, s: np.ndarray) -> tuple[list[int], Sums, list[Source]]:
+    """Which of loops that stay (0) and loops that fade (1) a residual over a motion (rows,) needs."""
+    found = []
+    for kind in (UnknownLoops, UnknownSettling):
+        low, high = kind.range_of(s)
+        found.append(Source(kind, "a", low, high, 1e4 * kind.shapes(s, low, high)))
+    sums = Sums.of(found, 1e4 * rest + RNG.normal(size=len(s)), Cuts.of([len(rest)]))
+    return chosen_of(sums, found, 1.0), sums, found
+
+
+def test_a_loop_that_settles_from_swing_to_swing_is_told_and_goes_on_as_it_will() -> None:
+    time = np.linspace(0.0, 25.0, 5000)
+    s = 0.5 - 0.5 * np.cos(time)
+    rest = bent_friction(s) * (1.0 - 0.4 * np.exp(-time / 6.0)) + 0.02 * np.exp(-time / 8.0)
+    seen = 3500
+    chosen, sums, found = settled(rest[:seen], s[:seen])
+    assert chosen == [0, 1]
+    errors = []
+    for some in ([0], chosen):
+        weights = np.split(sums.weights(some, 1.0), [found[0].kind.weights])
+        said = sum(found[k].kind.shapes(s, 0.0, 1.0) @ w for k, w in zip(some, weights, strict=False))
+        errors.append(float(np.sqrt(np.mean((rest - said)[seen:] ** 2))))
+    assert errors[1] < 0.3 * errors[0]
+
+
+def test_what_settles_is_shown_by_places_that_are_passed_again() -> None:
+    time = np.linspace(0.0, 1.0, 1000)
+    assert passes_again(np.cos(4.0 * np.pi * time))
+    assert not passes_again(np.cos(2.6 * np.pi * time))
+    assert not passes_again(time)
+
+
+def test_of_a_loop_that_stays_as_it_is_nothing_fades() -> None:
+    s = swept(4)
+    assert settled(bent_friction(s), s)[0] == [0]
+
+
+@pytest.mark.parametrize("kind", [UnknownLoops, UnknownMemory, UnknownSettling])
 def test_a_bank_is_the_sum_of_its_shapes(kind: type[Bank]) -> None:
     s = swept(3)
     low, high = kind.range_of(0.8 * s)

@@ -65,6 +65,8 @@ class Bank(Effect):
     """How many of them, in their order, are of one size."""
     own: ClassVar[bool] = False
     """Whether a source may be the joint itself, alone or together with another."""
+    fades: ClassVar[bool] = False
+    """Whether it is there at first and no longer later: chosen after all that stays."""
     by_posture: ClassVar[bool] = False
     """Whether it can follow nearly anything that is smooth: weighed once the names have been."""
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.levels import NEARLY, PART, SLIGHT
+from trunk_ros.guards import TINY
 
 APART = 5  # samples whose noise has nothing in common, and between which a speed is no noise
 PLACES = 20  # cells of a range, with as many samples each
@@ -47,12 +48,28 @@ def repeats(position: Array, speed: Array) -> bool:
     of time as well as of the motion.
     """
     seen = np.maximum.accumulate(position) - np.minimum.accumulate(position)
-    begin = int(np.argmax(seen >= NEARLY * seen[-1]))
-    cell, way = _cells(position, speed)[begin:], np.abs(np.diff(position, prepend=position[0]))
+    return _again(position, speed, int(np.argmax(seen >= NEARLY * seen[-1]))) > PART
+
+
+def passes_again(position: Array) -> bool:
+    """Whether a joint (n,), once it has turned, passes places again in the same direction: how its loop
+    changes from swing to swing is shown there.
+    """
+    begin = turned(position)
+    again = _again(position, np.gradient(position), int(np.argmax(begin))) if begin.any() else 0.0
+    return again > STILL
+
+
+def _again(position: Array, speed: Array, begin: int) -> float:
+    """Share of the way of a joint (n,) on which it is, from a sample on, at places that it passes again in
+    the same direction.
+    """
+    cell = _cells(position, speed)[begin:]
+    way = np.abs(np.diff(position, prepend=position[0]))
     passages = np.concatenate([[0], np.flatnonzero(np.diff(cell)) + 1])
     again = np.ones(len(passages), dtype=bool)
     again[np.unique(cell[passages], return_index=True)[1]] = False
-    return bool(np.add.reduceat(way[begin:], passages)[again].sum() > PART * way.sum())
+    return float(np.add.reduceat(way[begin:], passages)[again].sum() / max(way.sum(), TINY))
 
 
 def comes_back(position: Array) -> bool:

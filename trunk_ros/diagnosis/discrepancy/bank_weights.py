@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.precisions import Beside, Total, Weighed, weighed
-from trunk_ros.diagnosis.levels import REFITTED, ROWS, TENFOLD
+from trunk_ros.diagnosis.levels import REFITTED, ROWS, SLIGHT, TENFOLD
 from trunk_ros.effects.bank import Bank
 
 AMPLE = round(TENFOLD) * ROWS
@@ -205,21 +205,39 @@ class Sums:
 
 def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
     """The sources that are needed, in the order of their need: one after the other the one with which least
-    is left of blocks not seen, as long as that pays.
+    is left of blocks not seen, as long as that pays. What fades comes after all that stays, and has to pay
+    more: whatever was passed once alone may look like either.
     """
     chosen: list[int] = []
     best = sums.tried([], worth)
+    for fades, pays in ((False, PAYS), (True, SLIGHT)):
+        chosen, best = _more(sums, found, worth, (chosen, best), fades, pays)
+    return chosen
+
+
+def _more(
+    sums: Sums,
+    found: Sequence[Source],
+    worth: float,
+    begun: tuple[list[int], Tried],
+    fades: bool,
+    pays: float,
+) -> tuple[list[int], Tried]:
+    """With those beside ``begun`` that pay, of kinds that fade or of all others."""
+    chosen, best = begun
+    kinds = [source.kind for source in found]
     while True:
-        room = [k for k in range(len(found)) if k not in chosen and _has_room(found, chosen, found[k].kind)]
+        room = [k for k, kind in enumerate(kinds) if k not in chosen and kind.fades == fades]
+        room = [k for k in room if _has_room(found, chosen, kinds[k])]
         if sum(sums.many(k) for k in chosen) > MANY:
             looks = sums.looked(chosen, worth, best)
             room = sorted(room, key=lambda k: looks[k])[:REFITTED]
         trials = {k: sums.tried([*chosen, k], worth) for k in room}
         least, k = min(((trial.unseen, k) for k, trial in trials.items()), default=(np.inf, 0))
-        if least > (1.0 - PAYS) * best.unseen:
-            return chosen
+        if least > (1.0 - pays) * best.unseen:
+            return chosen, best
         best = trials[k]
-        chosen.append(k)
+        chosen = [*chosen, k]
 
 
 def _has_room(found: Sequence[Source], chosen: Sequence[int], kind: type[Bank]) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import STANDS
-from trunk_ros.diagnosis.data.motion_content import comes_back
+from trunk_ros.diagnosis.data.motion_content import comes_back, passes_again
 from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.bank_weights import Cuts, Source, Sums, chosen_of, thinned
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -86,6 +86,8 @@ def source_of(
     together = np.concatenate(signals)
     turns = any(comes_back(s) for s in signals)
     if np.ptp(together) < STANDS or (kind.remembers and not turns):
+        return None
+    if kind.fades and not any(passes_again(s) for s in signals):
         return None
     low, high = kind.range_of(together)
     each = zip(*(kind.columns(signal, low, high) for signal in signals), strict=True)

@@ -35,6 +35,8 @@ def varies_with(term: Term) -> list[str]:
 def statement(term: Term, where: str) -> str:
     """One sentence."""
     on = " and ".join(varies_with(term))
+    if kind_of(term).fades:
+        return f"{where}: loops are others at first and settle, in a way that no name fits."
     if kind_of(term).by_posture:
         return f"{where}: loops change with the posture in a way that no name fits; plays stand in."
     if not kind_of(term).named:
