@@ -32,16 +32,17 @@ def without_faults(recording: Recording) -> Recording:
         return recording
     position, notes = series.position.copy(), []
     repeats = bool(new_readings(series)[1])  # old readings, beside a motor that goes on
-    beside = [
-        None if repeats else less_the_motor(recording, joint, series.stamp, readings)
+    moved = [
+        None if repeats else what_moves(recording, joint, series.stamp, readings)
         for joint, readings in zip(series.joints, position.T, strict=True)
     ]
+    beside = [None if m is None else r - m for m, r in zip(moved, position.T, strict=True)]
     noisy = noises(series) > [count(readings) for readings in position.T]  # at rest no two would be equal
     told = [left if one else None for left, one in zip(beside, noisy, strict=True)]
     sticking = all_that_sticks(position, series.stamp, told)
-    for j, (joint, left) in enumerate(zip(series.joints, beside, strict=True)):
+    for j, joint in enumerate(series.joints):
         stuck = sticking[:, j]
-        off = strays(position[:, j]) if left is None else strays(left, less=True)
+        off = strays(position[:, j], moved[j])
         position[stuck | off, j] = np.nan
         if stuck.any():
             begin = series.stamp[np.flatnonzero(stuck)[0]]
@@ -134,31 +135,40 @@ def sticks(readings: Array, stamp: Array, left: Array | None = None) -> np.ndarr
     return out
 
 
-def strays(readings: Array, less: bool = False) -> np.ndarray:
+def strays(readings: Array, moved: Array | None = None) -> np.ndarray:
     """(n,) readings that are far off, one or two at a time, while those beside them agree.
 
-    ``less`` what a motor moves: then further than most of them differ, as a short reversal leaps as far as
-    the dead band is wide.
+    ``moved`` (n,) by a motor: they are off beside it, where a fast motion hides nothing, and it is not itself
+    what goes off and comes back: in a short reversal the joint may stay within its dead band.
     """
-    out = np.zeros(len(readings), dtype=bool)
-    known = np.flatnonzero(np.isfinite(readings))
+    left = readings if moved is None else readings - moved
+    out = np.zeros(len(left), dtype=bool)
+    known = np.flatnonzero(np.isfinite(left))
     if len(known) <= 2 * BESIDE:
         return out
-    readings = readings[known]
-    beside = np.lib.stride_tricks.sliding_window_view(readings, 2 * BESIDE + 1)
-    before, after = np.median(beside[:, :BESIDE], axis=1), np.median(beside[:, BESIDE + 1 :], axis=1)
-    off = np.abs(beside[:, BESIDE] - np.median(np.delete(beside, BESIDE, axis=1), axis=1))
+    left = left[known]
+    off, apart = _off(left)
     scatter = MEDIAN_TO_STD * float(np.median(off))
-    usual = float(np.subtract(*np.quantile(readings, [1.0 - FEW / 2, FEW / 2])))
-    far = max(TENFOLD * scatter, leap(readings, 1.0 - 2.0 * FEW), usual if less else 0.0)
-    found = (off > far) & (np.abs(after - before) < off / 2)
+    found = (off > max(TENFOLD * scatter, leap(left, 1.0 - 2.0 * FEW))) & (apart < off / 2)
     found &= off > TENFOLD * MEDIAN_TO_STD * median_filter(off, AROUND)
+    if moved is not None:
+        found &= _off(moved[known])[0] < off / 2
     out[known[BESIDE:-BESIDE]] = found & (scatter > 0.0) & (found.mean() < FEW)
     return out
 
 
-def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Array) -> Array | None:
-    """Readings (n,) at ``stamp`` less what the joint's own motor moves, None where that was not recorded: in
+def _off(readings: Array) -> tuple[Array, Array]:
+    """How far readings (n,) are from the middle of those beside them, and how far these are apart before and
+    after, but for the first and last few.
+    """
+    beside = np.lib.stride_tricks.sliding_window_view(readings, 2 * BESIDE + 1)
+    before, after = np.median(beside[:, :BESIDE], axis=1), np.median(beside[:, BESIDE + 1 :], axis=1)
+    off = np.abs(beside[:, BESIDE] - np.median(np.delete(beside, BESIDE, axis=1), axis=1))
+    return off, np.abs(after - before)
+
+
+def what_moves(recording: Recording, joint: str, stamp: Array, readings: Array) -> Array | None:
+    """What of readings (n,) at ``stamp`` the joint's own motor moves, None where that was not recorded: in
     what is left a single reading shows that a fast motion hides. NaN in gaps of the motor's readings.
     """
     gearbox = recording.series.get("gearbox_states")
@@ -174,7 +184,7 @@ def less_the_motor(recording: Recording, joint: str, stamp: Array, readings: Arr
     if known.sum() < FEWEST or np.ptp(there[known]) == 0.0:
         return None
     slope, _ = np.polyfit(there[known] - there[known].mean(), readings[known], 1)
-    return np.asarray(readings - slope * there)
+    return np.asarray(slope * there)
 
 
 def leap(readings: Array, usual: float = 0.99) -> float:
