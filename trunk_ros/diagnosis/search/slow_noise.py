@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from hashlib import blake2b
 from itertools import chain
 
@@ -18,11 +18,11 @@ from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cu
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, SOME, SURE, TENFOLD, THREEFOLD
-from trunk_ros.diagnosis.search.candidates import open_kinds
-from trunk_ros.diagnosis.search.fit import Fit, costed
-from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need
-from trunk_ros.diagnosis.search.screen import PROMISED, Kept
+from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
+from trunk_ros.diagnosis.search.candidates import extended, open_kinds, usable
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.score import CURVE, FURTHER, SIGNIFICANT, measured, need, score
+from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, looks, refitted
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
@@ -41,8 +41,9 @@ def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     context, found = now.context, dict[int, Noise]()
     if context.step >= SLOW or context.work.over:
         return now
+    laws = cache(partial(_laws, now))
     for column in [c for c in context.columns if c not in context.wanders]:
-        noise = _wandering(now, column, kept)
+        noise = _wandering(now, column, kept, laws)
         if noise is not None:
             found[column] = noise
     if not found:
@@ -58,7 +59,9 @@ def wandering_in(context: Context, found: Mapping[int, Noise]) -> Context:
     return replace(context, wanders=wanders, noise=noise, shown_before={})
 
 
-def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | None:
+def _wandering(
+    now: Fit, column: int, kept: Callable[[int], Kept], laws: Callable[[], list[Hypothesis]]
+) -> Noise | None:
     """The noise that is all that is left of a column, where that is more than its own; what is cheap to see
     comes first.
     """
@@ -69,7 +72,7 @@ def _wandering(now: Fit, column: int, kept: Callable[[int], Kept]) -> Noise | No
     if likely is None:
         return None
     noise, gained = likely
-    if _may_be_named(now, column, kept(column), gained) or _may_be_drawn(now, column, gained):
+    if _may_be_named(now, column, kept(column), laws, gained) or _may_be_drawn(now, column, gained):
         return None
     return None if told(context, hypothesis, column) else noise
 
@@ -109,22 +112,48 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
 
 
 def _may_be_drawn(now: Fit, column: int, gained: float) -> bool:
-    """Whether the best curve there is likelier than the noise, which has ``gained`` so much."""
+    """Whether the best curve there is likelier than the noise, which has ``gained`` so much, or pays beside
+    an effect that was found.
+    """
     curve = curve_fit(now.context, now.hypothesis, column)
-    return curve is not None and _gains(now, column, curve.hypothesis, CURVE) > gained
+    if curve is None:
+        return False
+    pays = score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
+    return (pays and _is_found(now, column)) or _gains(now, column, curve.hypothesis, CURVE) > gained
 
 
-def _may_be_named(now: Fit, column: int, kept: Kept, gained: float) -> bool:
-    """Whether a further effect of a column leaves nothing that wanders, or is likelier than noise that does,
-    which has ``gained`` so much; what by a linear look does not come to that is not fitted. One that goes
-    through the slowest part, as a step or a constant does, leaves all the rest of it.
+def _is_found(now: Fit, column: int) -> bool:
+    """Whether a column has an effect that the model has not: a law that is not quite the right one leaves
+    what wanders.
+    """
+    return any(term.effect not in now.context.known for term in now.hypothesis.on(column))
+
+
+def _may_be_named(
+    now: Fit, column: int, kept: Kept, laws: Callable[[], list[Hypothesis]], gained: float
+) -> bool:
+    """Whether a further effect of a column, or one of the ``laws`` of all joints, leaves nothing that wanders
+    or is likelier than noise that does, which has ``gained`` so much. One that goes through the slowest part,
+    as a step or a constant does, leaves all the rest of it. What by a linear look does not come to that is
+    not fitted; what does beside an effect that was found may be.
     """
     context, known = now.context, now.context.noise[column]
     kinds = open_kinds(context, now.hypothesis, column)
     found = list(looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept))
     able = [look for look in found if look.gain / PROMISED > gained]
-    trials = (trial.hypothesis for trial in refitted(now, column, able))
+    if _is_found(now, column):
+        return bool(able)
+    trials = chain((trial.hypothesis for trial in refitted(now, column, able)), laws())
     return any(is_plain(context, known, t, column) or _gains(now, column, t, 1.0) > gained for t in trials)
+
+
+def _laws(now: Fit) -> list[Hypothesis]:
+    """With each of the effects of all joints that by a linear look explain most, fitted."""
+    context, screen = now.context, Screen(now.context, now.hypothesis)
+    kinds = [kind for kind in usable(context) if kind.everywhere and kind.id not in now.hypothesis]
+    found = [one for kind in kinds for one in screen.all_everywhere(kind) if one.gain > SIGNIFICANT]
+    best = sorted(found, key=lambda one: -one.gain)[:REFITTED]
+    return [refit(context, extended(context, now.hypothesis, one)).hypothesis for one in best]
 
 
 def _gains(now: Fit, column: int, more: Hypothesis, names: float) -> float:
