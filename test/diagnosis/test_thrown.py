@@ -112,27 +112,3 @@ def test_within_its_dead_band_a_joint_is_thrown_either_way(model: Model) -> None
     predicted = context.predict(0, slip, column)
     more = (thrown(view, slip, column, predicted) - predicted)[(stamp > at + 0.1) & (stamp < 14.9)]
     assert more == pytest.approx(np.full(len(more), -0.4 * half), rel=0.05)
-
-
-def test_what_happens_to_one_joint_knocks_another_that_rests(model: Model) -> None:
-    """Within its dead band, until its motor goes on; one that stays where it was is left there."""
-    half, at = float(model.arm.dead_band[2]), 10.0
-    stamp = np.arange(2000) * 0.01
-    angle = np.zeros((2000, 5))
-    angle[:, 2] = 0.3 * np.sin(np.clip(stamp - 15.0, 0.0, None))
-    true = angle.copy()
-    true[:, 1] += 3.0 * half * (stamp > at)
-    true[:, 2] += 0.5 * half * ((stamp > at) & (stamp < 15.1))
-    noise = np.random.default_rng(1).normal(0, 1e-5, true.shape)
-    series = {
-        "gearbox_states": JointSeries(stamp, JOINTS, angle / RATIO),
-        "joint_states": JointSeries(stamp, JOINTS, true + noise),
-    }
-    context = first_look(WireStage([wire_span(Recording("made", 0, 20.0, series), model)], model))
-    slip = Hypothesis({"wire_slip": Term("wire_slip", own={1: {"step": 3.0 * half, "onset": at}})})
-    for column, far in ((2, 0.5 * half), (3, 0.0)):
-        predicted = context.predict(0, slip, column)
-        more = thrown(context.views[0], slip, column, predicted) - predicted
-        rests_still = (stamp > at + 0.1) & (stamp < 14.9)
-        assert more[rests_still] == pytest.approx(np.full(rests_still.sum(), far), rel=0.05, abs=1e-9)
-        assert not more[(stamp < at - 0.1) | (stamp > 17.0)].any()
