@@ -72,9 +72,12 @@ def _wandering(
     if likely is None:
         return None
     noise, gained = likely
-    if _may_be_named(now, column, kept(column), laws, gained) or _may_be_drawn(now, column, gained):
+    alike = not _is_found(now, column) and is_shared(context, hypothesis, column)
+    if _may_be_named(now, column, kept(column), gained, laws if alike else None):
         return None
-    return None if told(context, hypothesis, column) else noise
+    if _may_be_drawn(now, column, gained, alike) or told(context, hypothesis, column):
+        return None
+    return noise
 
 
 def likelier(
@@ -111,15 +114,15 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     return sum(map(shares, alike)) >= JOINTS
 
 
-def _may_be_drawn(now: Fit, column: int, gained: float) -> bool:
-    """Whether the best curve there is likelier than the noise, which has ``gained`` so much, or pays beside
-    an effect that was found.
+def _may_be_drawn(now: Fit, column: int, gained: float, alike: bool) -> bool:
+    """Whether the best curve there is likelier than the noise, which has ``gained`` so much, or pays where
+    sensors are not ``alike``.
     """
     curve = curve_fit(now.context, now.hypothesis, column)
     if curve is None:
         return False
     pays = score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
-    return (pays and _is_found(now, column)) or _gains(now, column, curve.hypothesis, CURVE) > gained
+    return (pays and not alike) or _gains(now, column, curve.hypothesis, CURVE) > gained
 
 
 def _is_found(now: Fit, column: int) -> bool:
@@ -130,18 +133,18 @@ def _is_found(now: Fit, column: int) -> bool:
 
 
 def _may_be_named(
-    now: Fit, column: int, kept: Kept, laws: Callable[[], list[Hypothesis]], gained: float
+    now: Fit, column: int, kept: Kept, gained: float, laws: Callable[[], list[Hypothesis]] | None
 ) -> bool:
-    """Whether a further effect of a column, or one of the ``laws`` of all joints, leaves nothing that wanders
-    or is likelier than noise that does, which has ``gained`` so much. One that goes through the slowest part,
-    as a step or a constant does, leaves all the rest of it. What by a linear look does not come to that is
-    not fitted; what does beside an effect that was found may be.
+    """Whether a further effect of a column may by a linear look explain more than noise that wanders, which
+    has ``gained`` so much. With the ``laws`` of all joints, where sensors are alike: whether one of all these
+    leaves nothing that wanders, or is likelier, once it is fitted; one that goes through the slowest part, as
+    a step or a constant does, leaves all the rest of it.
     """
     context, known = now.context, now.context.noise[column]
     kinds = open_kinds(context, now.hypothesis, column)
     found = list(looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept))
     able = [look for look in found if look.gain / PROMISED > gained]
-    if _is_found(now, column):
+    if laws is None:
         return bool(able)
     trials = chain((trial.hypothesis for trial in refitted(now, column, able)), laws())
     return any(is_plain(context, known, t, column) or _gains(now, column, t, 1.0) > gained for t in trials)
