@@ -14,7 +14,7 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import FEWEST, PART, SURE
+from trunk_ros.diagnosis.levels import FEWEST, PART, SURE, TOGETHER
 from trunk_ros.diagnosis.machine import make_room
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects import effect
@@ -23,11 +23,12 @@ from trunk_ros.parameter import GROWN
 
 
 class Rest(NamedTuple):
-    """A joint that rests from a moment on: the rows of the target at which it does, the first one after the
-    moment, and of all from that on (rows,) how much of what happens has happened by then, and by how many rad
-    at most the gearbox would have moved it ahead and back since.
+    """A joint that rests from a moment on: the rows of the target at which it stood before and at which it
+    rests since, the first one after the moment, and of all from that on (rows,) how much of what happens has
+    happened by then, and by how many rad at most the gearbox would have moved it ahead and back since.
     """
 
+    stood: slice
     still: slice
     first: int
     happened: Array
@@ -62,13 +63,15 @@ def _looked_at(view: View, column: int, at: float) -> Rest | None:
     if not 0 < first < len(valid) - FEWEST:
         return None
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-    still = slice(done, goes_on(path, rows, first, ratio, PART * float(view.arm.dead_band[column])))
+    least, reversed_ = PART * float(view.arm.dead_band[column]), rows[::-1].copy()
+    still = slice(done, goes_on(path, rows, first, ratio, least))
+    stood = slice(len(rows) - goes_on(path, reversed_, len(rows) - first + 1, ratio, least), first)
     if np.count_nonzero(valid[still]) < FEWEST:
         return None
     path = path[rows[first - 1 :]]
     moved = (path[1:] - path[0]) * ratio
     ahead, back = (np.maximum.accumulate(np.maximum(way, 0.0)) for way in (moved, -moved))
-    return Rest(still, first, np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0), ahead, back)
+    return Rest(stood, still, first, np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0), ahead, back)
 
 
 @compiled
@@ -91,13 +94,23 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
         held = size != 0.0 and abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
         way, most = np.sign(size if held else pushed), abs(size) if held else band
         out = _thrown(out, rest, way * float(np.clip(way * off.mean(), 0.0, min(most, band))), band)
-    for at in _elsewhere(hypothesis, column):
+    for at in knocks(hypothesis, column):
         knocked = _rest(view, column, at)
         if knocked is not None:
-            off = (seen.target - out)[knocked.still][seen.valid[knocked.still]]
-            if abs(off.mean()) > SURE * off.std() / np.sqrt(len(off)):
-                out = _thrown(out, knocked, float(np.clip(off.mean(), -band, band)), band)
+            left = seen.target - out
+            before, since = (left[rows][seen.valid[rows]] for rows in (knocked.stood, knocked.still))
+            out = _thrown(out, knocked, float(np.clip(_moved(before, since), -band, band)), band)
     return out
+
+
+def _moved(before: Array, since: Array) -> float:
+    """By how many rad what is left of a joint (n,) moved while it rested, 0 where that may be noise: what was
+    left before is no knock.
+    """
+    if len(before) < FEWEST:
+        return 0.0
+    far = float(since.mean() - before.mean())
+    return far if abs(far) > SURE * np.sqrt(sum(part.var() / len(part) for part in (before, since))) else 0.0
 
 
 def _thrown(predicted: Array, rest: Rest, far: float, band: float) -> Array:
@@ -110,19 +123,20 @@ def _thrown(predicted: Array, rest: Rest, far: float, band: float) -> Array:
     return np.concatenate([predicted[:first], predicted[first:] + np.sign(far) * rest.happened * left])
 
 
-def _elsewhere(hypothesis: Hypothesis, column: int) -> list[float]:
-    """When [s] something happens at once to another joint, which knocks this one."""
-    return sorted(
-        {
-            own[name]
-            for term in hypothesis.values()
-            for joint, own in term.own.items()
-            if joint != column
-            for name in _names(term.effect)
-            if name in own
-        }
-        - set(_moments(hypothesis, column))
-    )
+def knocks(hypothesis: Hypothesis, column: int) -> list[float]:
+    """When [s] something happens at once to another joint, which knocks this one; not where the same throws
+    this one itself.
+    """
+    elsewhere = {
+        own[name]
+        for term in hypothesis.values()
+        for joint, own in term.own.items()
+        if joint != column
+        for name in _names(term.effect)
+        if name in own
+    }
+    here = _moments(hypothesis, column) if elsewhere else {}
+    return sorted(at for at in elsewhere if all(abs(at - own) > TOGETHER for own in here))
 
 
 def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:
