@@ -10,14 +10,12 @@ from test.concealed.masses import run_masses
 from test.concealed.masses_arm import Arm, having
 from test.concealed.nominal import JOINTS, RATIO
 from test.concealed.sensing import Sensing, record
-from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import PART
-from trunk_ros.diagnosis.search.fit import costed, costed_on
 from trunk_ros.diagnosis.thrown import rests, thrown
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model, load_model
@@ -114,52 +112,3 @@ def test_within_its_dead_band_a_joint_is_thrown_either_way(model: Model) -> None
     predicted = context.predict(0, slip, column)
     more = (thrown(view, slip, column, predicted) - predicted)[(stamp > at + 0.1) & (stamp < 14.9)]
     assert more == pytest.approx(np.full(len(more), -0.4 * half), rel=0.05)
-
-
-def test_what_happens_to_one_joint_knocks_another_that_rests(model: Model) -> None:
-    """Within its dead band, until its motor goes on; one that stays where it was is left there."""
-    half, at = float(model.arm.dead_band[2]), 10.0
-    stamp = np.arange(2000) * 0.01
-    angle = np.zeros((2000, 5))
-    angle[:, 2] = 0.3 * np.sin(np.clip(stamp - 15.0, 0.0, None))
-    true = angle.copy()
-    true[:, 1] += 3.0 * half * (stamp > at)
-    true[:, 2] += 0.5 * half * ((stamp > at) & (stamp < 15.1))
-    noise = np.random.default_rng(1).normal(0, 1e-5, true.shape)
-    series = {
-        "gearbox_states": JointSeries(stamp, JOINTS, angle / RATIO),
-        "joint_states": JointSeries(stamp, JOINTS, true + noise),
-    }
-    context = first_look(WireStage([wire_span(Recording("made", 0, 20.0, series), model)], model))
-    slip = Hypothesis({"wire_slip": Term("wire_slip", own={1: {"step": 3.0 * half, "onset": at}})})
-    for column, far in ((2, 0.5 * half), (3, 0.0)):
-        predicted = context.predict(0, slip, column)
-        more = thrown(context.views[0], slip, column, predicted) - predicted
-        rests_still = (stamp > at + 0.1) & (stamp < 14.9)
-        assert more[rests_still] == pytest.approx(np.full(rests_still.sum(), far), rel=0.05, abs=1e-9)
-        assert not more[(stamp < at - 0.1) | (stamp > 17.0)].any()
-    bare = costed(context, Hypothesis())
-    there = costed_on(bare, slip, 1)
-    assert there.cost[2] == costed(context, slip).cost[2] < bare.cost[2]
-    assert costed_on(there, Hypothesis(), 1).cost[2] == bare.cost[2]
-
-
-def test_what_was_left_of_a_joint_before_is_no_knock(model: Model) -> None:
-    """An error of its zero, beside what happens to another one while it rests."""
-    half, at = float(model.arm.dead_band[2]), 10.0
-    stamp = np.arange(2500) * 0.01
-    angle = np.zeros((2500, 5))
-    angle[:, 2] = 0.3 * np.sin(np.minimum(stamp, 5.0) + np.maximum(stamp - 15.0, 0.0))
-    true, _ = Chain(model, "wire").run(angle / RATIO, stamp)
-    true[:, 2] += 0.5 * half
-    true += np.random.default_rng(1).normal(0, 1e-5, true.shape)
-    series = {
-        "gearbox_states": JointSeries(stamp, JOINTS, angle / RATIO),
-        "joint_states": JointSeries(stamp, JOINTS, true),
-    }
-    context = first_look(WireStage([wire_span(Recording("made", 0, 25.0, series), model)], model))
-    slip = Hypothesis({"wire_slip": Term("wire_slip", own={1: {"step": 3.0 * half, "onset": at}})})
-    predicted = context.predict(0, slip, 2)
-    left = (context.views[0].span.target[:, 2] - predicted)[1100:1400]
-    assert left.mean() == pytest.approx(0.5 * half, rel=0.1)
-    assert not (thrown(context.views[0], slip, 2, predicted) - predicted).any()

@@ -1,6 +1,5 @@
 """What happens at once to a joint that rests throws it: its mass takes it on beyond where the play would have
 pushed it, and there it lies in its dead band until it moves again. How far no recording tells beforehand.
-What happens to another joint knocks it, either way.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import FEWEST, PART, SURE, TOGETHER
+from trunk_ros.diagnosis.levels import FEWEST, PART
 from trunk_ros.diagnosis.machine import make_room
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects import effect
@@ -23,12 +22,11 @@ from trunk_ros.parameter import GROWN
 
 
 class Rest(NamedTuple):
-    """A joint that rests from a moment on: the rows of the target at which it stood before and at which it
-    rests since, the first one after the moment, and of all from that on (rows,) how much of what happens has
-    happened by then, and by how many rad at most the gearbox would have moved it ahead and back since.
+    """A joint that rests from a moment on: the rows of the target at which it does, the first one after the
+    moment, and of all from that on (rows,) how much of what happens has happened by then, and by how many rad
+    at most the gearbox would have moved it ahead and back since.
     """
 
-    stood: slice
     still: slice
     first: int
     happened: Array
@@ -40,38 +38,30 @@ def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[flo
     """Where a joint with a dead band rests from a moment of its effects on, one after the other, with how
     many rad what happens moves it where nothing holds it, if it says so.
     """
-    for at, size in sorted(_moments(hypothesis, column).items()):
-        rest = _rest(view, column, at)
+    banded = view.arm.dead_band[column] > 0.0
+    for at, size in sorted(_moments(hypothesis, column).items()) if banded else []:
+        if (column, at) not in view.rests:  # a fit asks again and again
+            make_room(view.rests, len(view.span.rows), view.rests)
+            view.rests[column, at] = _rest(view, column, at)
+        rest = view.rests[column, at]
         if rest is not None:
             yield size, rest
 
 
 def _rest(view: View, column: int, at: float) -> Rest | None:
-    """The rest of a joint with a dead band from a moment [s] on, None where it goes on."""
-    if view.arm.dead_band[column] <= 0.0:
-        return None
-    if (column, at) not in view.rests:  # a fit asks again and again
-        make_room(view.rests, len(view.span.rows), view.rests)
-        view.rests[column, at] = _looked_at(view, column, at)
-    rest: Rest | None = view.rests[column, at]
-    return rest
-
-
-def _looked_at(view: View, column: int, at: float) -> Rest | None:
+    """The rest of a joint from a moment [s] on, None where it goes on."""
     stamp, valid, rows = view.span.stamp, view.span.valid[:, column], view.span.rows
     first, done = int(stamp.searchsorted(at - RISE / 2)), int(stamp.searchsorted(at + RISE / 2))
     if not 0 < first < len(valid) - FEWEST:
         return None
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-    least, reversed_ = PART * float(view.arm.dead_band[column]), rows[::-1].copy()
-    still = slice(done, goes_on(path, rows, first, ratio, least))
-    stood = slice(len(rows) - goes_on(path, reversed_, len(rows) - first + 1, ratio, least), first)
+    still = slice(done, goes_on(path, rows, first, ratio, PART * float(view.arm.dead_band[column])))
     if np.count_nonzero(valid[still]) < FEWEST:
         return None
     path = path[rows[first - 1 :]]
     moved = (path[1:] - path[0]) * ratio
     ahead, back = (np.maximum.accumulate(np.maximum(way, 0.0)) for way in (moved, -moved))
-    return Rest(stood, still, first, np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0), ahead, back)
+    return Rest(still, first, np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0), ahead, back)
 
 
 @compiled
@@ -88,55 +78,17 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
     out, seen, band = predicted, view.columns[column], 2.0 * view.arm.dead_band[column]
-    for size, rest in rests(view, hypothesis, column):
-        off = (seen.target - out)[rest.still][seen.valid[rest.still]]
-        pushed = predicted[rest.still.start] - predicted[rest.first - 1]
+    for size, (still, first, happened, ahead, behind) in rests(view, hypothesis, column):
+        rest = (seen.target - out)[still][seen.valid[still]]
+        pushed = predicted[still.start] - predicted[first - 1]
         held = size != 0.0 and abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
         way, most = np.sign(size if held else pushed), abs(size) if held else band
-        out = _thrown(out, rest, way * float(np.clip(way * off.mean(), 0.0, min(most, band))), band)
-    for at in knocks(hypothesis, column):
-        knocked = _rest(view, column, at)
-        if knocked is not None:
-            left = seen.target - out
-            before, since = (left[rows][seen.valid[rows]] for rows in (knocked.stood, knocked.still))
-            out = _thrown(out, knocked, float(np.clip(_moved(before, since), -band, band)), band)
+        far = float(np.clip(way * rest.mean(), 0.0, min(most, band)))
+        if far > 0.0:
+            on, back = (ahead, behind) if way > 0.0 else (behind, ahead)
+            left = np.clip(np.minimum(far - on, band - back), 0.0, far)
+            out = np.concatenate([out[:first], out[first:] + way * happened * left])
     return out
-
-
-def _moved(before: Array, since: Array) -> float:
-    """By how many rad what is left of a joint (n,) moved while it rested, 0 where that may be noise: what was
-    left before is no knock.
-    """
-    if len(before) < FEWEST:
-        return 0.0
-    far = float(since.mean() - before.mean())
-    return far if abs(far) > SURE * np.sqrt(sum(part.var() / len(part) for part in (before, since))) else 0.0
-
-
-def _thrown(predicted: Array, rest: Rest, far: float, band: float) -> Array:
-    """(n,) rad: with a throw of so many rad within a dead band that is ``band`` rad wide."""
-    if far == 0.0:
-        return predicted
-    on, back = (rest.ahead, rest.back) if far > 0.0 else (rest.back, rest.ahead)
-    left = np.clip(np.minimum(abs(far) - on, band - back), 0.0, abs(far))
-    first = rest.first
-    return np.concatenate([predicted[:first], predicted[first:] + np.sign(far) * rest.happened * left])
-
-
-def knocks(hypothesis: Hypothesis, column: int) -> list[float]:
-    """When [s] something happens at once to another joint, which knocks this one; not where the same throws
-    this one itself.
-    """
-    elsewhere = {
-        own[name]
-        for term in hypothesis.values()
-        for joint, own in term.own.items()
-        if joint != column
-        for name in _names(term.effect)
-        if name in own
-    }
-    here = _moments(hypothesis, column) if elsewhere else {}
-    return sorted(at for at in elsewhere if all(abs(at - own) > TOGETHER for own in here))
 
 
 def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:

@@ -11,7 +11,6 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds, scales
 from trunk_ros.diagnosis.levels import TURNS
-from trunk_ros.diagnosis.thrown import knocks
 from trunk_ros.effects import effect
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
@@ -200,25 +199,13 @@ def refit_column(now: Fit, hypothesis: Hypothesis, column: int, goal: float = np
     to ``goal``.
     """
     trial = fit(now.context, hypothesis, [column], goal)
-    cost = now.cost | trial.cost | _knocked(now, trial.hypothesis, column)
-    return Fit(trial.hypothesis, cost, now.context)
+    return Fit(trial.hypothesis, now.cost | trial.cost, now.context)
 
 
 def costed_on(now: Fit, hypothesis: Hypothesis, column: int) -> Fit:
     """A hypothesis that differs on one joint, with the values that it has."""
-    cost = now.cost | {column: _cost(now.context, hypothesis, column)} | _knocked(now, hypothesis, column)
-    return Fit(hypothesis, cost, now.context)
-
-
-def _knocked(now: Fit, hypothesis: Hypothesis, column: int) -> dict[int, float]:
-    """What is left of the other joints where what happens to one that differs knocks them otherwise."""
-    others = [c for c in now.cost if c != column and knocks(hypothesis, c) != knocks(now.hypothesis, c)]
-    return {c: _cost(now.context, hypothesis, c) for c in others}
-
-
-def _cost(context: Context, hypothesis: Hypothesis, column: int) -> float:
-    rest = context.whitened(hypothesis, column)
-    return float(rest @ rest)
+    rest = now.context.whitened(hypothesis, column)
+    return Fit(hypothesis, now.cost | {column: float(rest @ rest)}, now.context)
 
 
 def costed(context: Context, hypothesis: Hypothesis) -> Fit:

@@ -8,7 +8,7 @@ from functools import partial
 from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
-from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.moves.add import trials
 from trunk_ros.diagnosis.search.score import beats, score
 
@@ -35,7 +35,7 @@ def _further(now: Fit, desk: Desk, column: int) -> list[Fit]:
     for one in found:
         trial = now.hypothesis.copy()
         trial.take(column, one.hypothesis)
-        out.append(costed_on(now, trial, column))
+        out.append(Fit(trial, now.cost | {column: one.cost}, now.context))
     return out
 
 
