@@ -6,6 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.levels import NEARLY, PART, SLIGHT
+from trunk_ros.effects.drags import drag
 from trunk_ros.guards import TINY
 
 APART = 5  # samples whose noise has nothing in common, and between which a speed is no noise
@@ -53,11 +54,14 @@ def repeats(position: Array, speed: Array) -> bool:
 
 def passes_again(position: Array) -> bool:
     """Whether a joint (n,), once it has turned, passes places again in the same direction: how its loop
-    changes from swing to swing is shown there.
+    changes from swing to swing is shown there. What it trembles by where it rests is no motion.
     """
-    begin = turned(position)
-    again = _again(position, np.gradient(position), int(np.argmax(begin))) if begin.any() else 0.0
-    return again > STILL
+    trembles = np.zeros(len(position))
+    drag(position, np.array([STILL / 2 * np.ptp(position)]), np.ones(1), position[:1].copy(), trembles)
+    path = position - trembles
+    path = path[np.diff(path, prepend=np.nan) != 0.0]
+    begin = turned(path)
+    return bool(begin.any()) and _again(path, np.gradient(path), int(np.argmax(begin))) > STILL
 
 
 def _again(position: Array, speed: Array, begin: int) -> float:

@@ -129,7 +129,8 @@ def _is_found(now: Fit, column: int) -> bool:
     """Whether a column has an effect that the model has not: a law that is not quite the right one leaves
     what wanders.
     """
-    return any(term.effect not in now.context.known for term in now.hypothesis.on(column))
+    theirs = {term.effect for term in now.context.known.on(column)}
+    return any(term.effect not in theirs for term in now.hypothesis.on(column))
 
 
 def _may_be_named(
