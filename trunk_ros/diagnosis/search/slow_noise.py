@@ -72,7 +72,8 @@ def _wandering(
     if likely is None:
         return None
     noise, gained = likely
-    alike = not _is_found(now, column) and is_shared(context, hypothesis, column)
+    alike = not _is_found(now, column) and _is_near(context, noise, column)
+    alike = alike and is_shared(context, hypothesis, column)
     if _may_be_named(now, column, kept(column), gained, laws if alike else None):
         return None
     if _may_be_drawn(now, column, gained, alike) or told(context, hypothesis, column):
@@ -93,8 +94,13 @@ def likelier(
     gained = unlikely(context, known, hypothesis, column) + saved - cost
     if gained <= 0.0 or not is_plain(context, noise, less, column):
         return None
-    near = noise.std < THREEFOLD * known.std
+    near = _is_near(context, noise, column)
     return (noise, gained) if near or is_shared(context, less, column) else None
+
+
+def _is_near(context: Context, noise: Noise, column: int) -> bool:
+    """Whether a noise goes no further than three times that of a column without it."""
+    return bool(noise.std < THREEFOLD * context.noise[column].std)
 
 
 def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
