@@ -134,12 +134,14 @@ def test_a_burst_of_noise_is_no_row_of_single_readings_and_no_physics() -> None:
 
 
 def test_readings_that_are_off_by_less_than_physics_are_found_beside_the_motor() -> None:
-    """A sag of 10 mrad, readings off by 4 mrad, and a motor that goes there and back within a dead band."""
+    """A sag of 10 mrad, readings off by 4 mrad, and a motor that goes there and back; the joint does once."""
     rng, t = np.random.default_rng(1), np.arange(8000) / 100
     moved = 0.5 * np.sin(0.7 * t) + 0.2 * np.sin(1.9 * t)
     moved[3000:3500] = moved[3000]
     readings = moved + 5e-3 * np.cos(0.5 * t) + 1e-4 * rng.standard_normal(len(t))
     moved[3200:3202] += 4e-3
+    moved[3300] += 4e-3
+    readings[3302] += 4e-3  # which the joint follows late
     off = np.sort(rng.choice(np.arange(10, 2900, 10), 150, replace=False))
     readings[off] += 4e-3 * rng.choice([-1.0, 1.0], len(off))
     assert np.flatnonzero(strays(readings, moved)).tolist() == off.tolist()

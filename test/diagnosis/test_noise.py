@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from test.diagnosis.arms import diagnose
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.noise import Noise, noise_of
+from trunk_ros.diagnosis.data.noise import Noise, noise_of, off_by_chance
 from trunk_ros.evaluate.score import score
 from trunk_ros.evaluate.signals import Signal
 from trunk_ros.evaluate.source import Prediction
@@ -126,3 +126,14 @@ def test_a_score_is_in_the_steps_of_an_encoder_and_exact_data_need_none(rounded:
     signal = Signal("wire", "a", "rad", STAMP, seen, seen - angle)
     (row,) = score("scans", [Prediction("exact", [signal], [signal])])
     assert row.noise == pytest.approx(COUNT / np.sqrt(12.0) if rounded else 1e-9, rel=0.01)
+
+
+def test_the_power_of_few_samples_is_known_by_chance() -> None:
+    """Four standard deviations of what fourth differences make of white noise."""
+    rng = np.random.default_rng(0)
+    for count in (300, 3000):
+        off = [
+            noise_of([rest], [np.ones(count, dtype=bool)], longest=1).std ** 2 - 1.0
+            for rest in rng.standard_normal((200, count))
+        ]
+        assert off_by_chance(count) == pytest.approx(4.0 * np.std(off), rel=0.3)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter, median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
@@ -152,7 +152,7 @@ def strays(readings: Array, moved: Array | None = None) -> np.ndarray:
     found = (off > max(TENFOLD * scatter, leap(left, 1.0 - 2.0 * FEW))) & (apart < off / 2)
     found &= off > TENFOLD * MEDIAN_TO_STD * median_filter(off, AROUND)
     if moved is not None:
-        found &= _off(moved[known])[0] < off / 2
+        found &= maximum_filter(_off(moved[known])[0], 2 * BESIDE + 1) < off / 2  # the joint may be late
     out[known[BESIDE:-BESIDE]] = found & (scatter > 0.0) & (found.mean() < FEW)
     return out
 

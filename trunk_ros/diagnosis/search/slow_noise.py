@@ -20,10 +20,10 @@ from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds, usable
-from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, SIGNIFICANT, measured, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
-from trunk_ros.diagnosis.search.trial import PROMISING, looks, refitted
+from trunk_ros.diagnosis.search.trial import PROMISING, looks
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
@@ -153,7 +153,9 @@ def _may_be_named(
     able = [look for look in found if look.gain / PROMISED > gained]
     if laws is None:
         return bool(able)
-    trials = chain((trial.hypothesis for trial in refitted(now, column, able)), laws())
+    best = sorted(able, key=lambda look: -look.gain)[:REFITTED]
+    fits = (refit_column(now, look.hypothesis, column).hypothesis for look in best)
+    trials = chain(fits, laws())
     return any(is_plain(context, known, t, column) or _gains(now, column, t, 1.0) > gained for t in trials)
 
 
