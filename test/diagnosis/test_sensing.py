@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from test.concealed.awkward import Awkward, acting, spoiled
 from test.concealed.draws import sign
@@ -22,7 +23,7 @@ from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_righ
 from trunk_ros.diagnosis.data.sensing.skew import Skew, one_clock, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
-from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.diagnosis.data.sensing.thinned import _filled, how_far_off, thinned
 from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
@@ -33,6 +34,7 @@ from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.looked_again import told_from_clocks
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model, load_model
+from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import JointSeries, Recording
 
 EVERY = tuple(range(5))
@@ -247,6 +249,23 @@ def test_thinned_setpoints_are_filled_in_and_others_are_not(clean: Run, model: M
     there = np.isin(np.round(seen.stamp, 6), np.round(whole.stamp, 6))
     np.testing.assert_allclose(seen.position[there], whole.position[both], atol=1e-4)
     assert there.sum() > 0.98 * len(whole.stamp)
+
+
+@pytest.mark.parametrize("rough", [0.0, 2e-3])
+def test_what_was_filled_in_is_known_as_well_as_those_that_were_kept_tell(model: Model, rough: float) -> None:
+    """Of setpoints that move smoothly, and of such as a hand on a stick makes; a reference tells all."""
+    rng, stamp = np.random.default_rng(0), np.arange(6000) * 0.01
+    path = 0.4 * np.sin(0.5 * stamp)[:, None] * np.ones(5)
+    hand = lfilter([0.1], [1.0, -0.9], rng.standard_normal((6000, 5)), axis=0)
+    path = path + rough * lfilter([0.3], [1.0, -0.7], hand, axis=0)
+    kept, whole = JointSeries(stamp[::4], JOINTS, path[::4]), JointSeries(stamp, JOINTS, path)
+    filled = _filled(kept, 4, None)
+    told = Observed("thinned", "trunk/setpoints", JOINTS, 4, None, "1", True, (), "")
+    run = Recording("made", 0, 60.0, {"setpoints": filled}, observed=(told,))
+    off = np.sqrt(np.mean((filled.position - path[: len(filled.stamp)]) ** 2, axis=0))
+    said = how_far_off([run], JOINTS)
+    assert np.all((said > 0.6 * off) & (said < max(3.0 * off.max(), 1e-6)))
+    assert not how_far_off([replace(run, series={**run.series, "reference": whole})], JOINTS).any()
 
 
 def test_without_a_reference_the_rate_is_that_of_the_gearbox(clean: Run, model: Model) -> None:

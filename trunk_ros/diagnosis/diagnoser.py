@@ -17,7 +17,6 @@ from trunk_ros.diagnosis.data.align import common_joints, servo_joints, servo_sp
 from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_of_recording
-from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
@@ -158,9 +157,10 @@ class Diagnoser:
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         found = replace(self.model, effects={**self.model.effects, **self.effects})
+        stage = ServoStage(spans, found, self.units, recorded)
         del recorded
         with aside(self.recordings, self.wires):
-            self._stage(ServoStage(spans, found, self.units))
+            self._stage(stage)
 
     def found_servos(self) -> Servos:
         """Those of joints of which the model says nothing and the recordings tell."""
@@ -258,7 +258,7 @@ class Diagnoser:
     def _plot(self, context: Context, hypothesis: Hypothesis) -> None:
         assert self.result.plots is not None
         for c in context.columns:
-            span: Span = context.views[0].span
+            span = context.views[0].span
             drawn = {
                 "measured": span.target[:, c],
                 "error_before": span.target[:, c] - context.predict(0, context.known, c),

@@ -10,12 +10,15 @@ from trunk_ros.chain import Chain, run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.seen import joined
+from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
 from trunk_ros.effects.servo.loop import fresh
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import Recording
 
 
 class ServoStage(Stage):
@@ -23,6 +26,17 @@ class ServoStage(Stage):
 
     name = "servo"
     joint_by_joint = False
+
+    def __init__(
+        self,
+        spans: Sequence[Span],
+        model: Model,
+        units: dict[str, str] | None = None,
+        recordings: Sequence[Recording] = (),
+    ):
+        """``recordings``: those of the spans, which tell how far setpoints that were filled in are off."""
+        super().__init__(spans, model, units)
+        self.filled = how_far_off(recordings, self.joints)
 
     def _view(self, span: Span) -> View:
         """The joints are where their wires take them, not just where the gearboxes are."""
@@ -32,8 +46,11 @@ class ServoStage(Stage):
         return view.turned(wires.angles(span.gearbox, span.grid, span.velocity, span.resistance))
 
     def noises(self, found: list[Noise]) -> list[Noise]:
-        """At least the encoder's steps; what stands still between them says nothing of correlation."""
-        return [Noise(max(n.std, self.resolution(c))) for c, n in enumerate(super().noises(found))]
+        """At least the encoder's steps; what stands still between them says nothing of correlation. Setpoints
+        that nobody recorded are known no better.
+        """
+        own = [max(n.std, self.resolution(c)) for c, n in enumerate(super().noises(found))]
+        return [Noise(float(np.hypot(*both))) for both in zip(own, self.filled, strict=True)]
 
     def least_rest(self, sight: Sight, column: int) -> float:
         return STANDING

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
 from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, without_tones
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import sliding, waited
-from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.diagnosis.data.sensing.thinned import KIND, thinned
 from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.model import Model
@@ -139,7 +139,7 @@ def _all_setpoints(recording: Recording, model: Model) -> Recording:
         f"{found.times * rate:.0f} Hz): those between were filled in{led}"
     )
     where = ASKED, setpoints.joints
-    observed = told("thinned", where, found.times, None, "1", said, "Record all setpoints")
+    observed = told(KIND, where, found.times, None, "1", said, "Record all setpoints")
     return seen(recording, observed, setpoints=found.setpoints)
 
 

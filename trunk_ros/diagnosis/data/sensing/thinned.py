@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +14,13 @@ from trunk_ros.diagnosis.data.align import SETTLING
 from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, PART, SURE
 from trunk_ros.guards import TINY
 from trunk_ros.model import Model
-from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import EVEN
 from trunk_ros.recording.signal.fill import fill, finer
 from trunk_ros.recording.signal.resample import SAME
 from trunk_ros.servo_course import servo_course
 
+KIND = "thinned"
 TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
 
 
@@ -51,6 +53,33 @@ def thinned(
     shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
     _, times, whole = min(tried, key=lambda one: (one[0] > CLEARLY * least, one[1] != shown, one[0]))
     return Thinned(times, whole)
+
+
+def how_far_off(recordings: Sequence[Recording], joints: tuple[str, ...]) -> Array:
+    """(joints,) rad rms by which setpoints that were filled in are off at most: as far as those that were
+    kept are from a course through every second of them, and less by as much as that is nearer than one
+    through every fourth. 0 where none were, or where a reference told what lies between.
+    """
+    off = [_off(recording, joints) for recording in recordings]
+    return np.max(off, axis=0) if off else np.zeros(len(joints))
+
+
+def _off(recording: Recording, joints: tuple[str, ...]) -> Array:
+    times = next((round(o.value) for o in recording.observed if o.kind == KIND and o.corrected), 1)
+    if times == 1 or "reference" in recording.series:
+        return np.zeros(len(joints))
+    setpoints = recording.series["setpoints"].select(joints)
+    stamp, kept = setpoints.stamp[::times], setpoints.position[::times]
+    second, fourth = (_missed(stamp, kept, every) for every in (2, 4))
+    return np.asarray(second**2 / np.maximum(np.maximum(fourth, second), TINY))
+
+
+def _missed(stamp: Array, known: Array, every: int) -> Array:
+    """(joints,) rms by which setpoints (n, joints) are off a course through some of them."""
+    last = (len(stamp) - 1) // every * every + 1
+    there = PchipInterpolator(stamp[:last:every], known[:last:every])(stamp[:last])
+    between = np.arange(last) % every > 0
+    return np.asarray(np.sqrt(np.mean((there - known[:last])[between] ** 2, axis=0)))
 
 
 def _usual(stamp: Array) -> float:
