@@ -27,7 +27,7 @@ class UnknownSettling(Bank):
     """
 
     id = "unknown_settling"
-    stage, place = "wire", 245
+    stage, place = "wire", 243
     regime: ClassVar[Regime] = "reversal"
     remembers = True
     signature = "The residual is a loop that is another one at first, and differs less from swing to swing."
