@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from math import erf, exp, pi, sqrt
 from typing import Any
 
@@ -163,6 +164,7 @@ def strides_within(step: float) -> int:
     return max(1, int(REMEMBERED / max(step, 1e-6))) if step < SLOW else 1
 
 
+@cache
 def off_by_chance(count: int) -> float:
     """How far white noise's power by fourth differences of so many samples may be off, as a share of it."""
     shared = np.correlate(BINOMIAL, BINOMIAL, "full") / (BINOMIAL @ BINOMIAL)

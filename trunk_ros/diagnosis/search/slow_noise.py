@@ -21,9 +21,9 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds, usable
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
-from trunk_ros.diagnosis.search.score import CURVE, FURTHER, SIGNIFICANT, measured, need, score
+from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
-from trunk_ros.diagnosis.search.trial import PROMISING, looks
+from trunk_ros.diagnosis.search.trial import PROMISING, looks, on_all_joints
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
@@ -163,8 +163,7 @@ def _laws(now: Fit) -> list[Hypothesis]:
     """With each of the effects of all joints that by a linear look explain most, fitted."""
     context, screen = now.context, Screen(now.context, now.hypothesis)
     kinds = [kind for kind in usable(context) if kind.everywhere and kind.id not in now.hypothesis]
-    found = [one for kind in kinds for one in screen.all_everywhere(kind) if one.gain > SIGNIFICANT]
-    best = sorted(found, key=lambda one: -one.gain)[:REFITTED]
+    best = on_all_joints(screen, kinds)[:REFITTED]
     return [refit(context, extended(context, now.hypothesis, one)).hypothesis for one in best]
 
 

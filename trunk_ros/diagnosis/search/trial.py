@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import extended
+from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
-from trunk_ros.diagnosis.search.score import priced, score
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.effects import Effect
 
@@ -51,6 +52,12 @@ def looks(
     for candidate in screen.ranked(kinds, column, most, always, kept):
         there = extended(best.context, bare, candidate)
         yield Look(there, left, candidate.gain, candidate.effect in always)
+
+
+def on_all_joints(screen: Screen, kinds: list[type[Effect]]) -> list[Candidate]:
+    """What a linear look finds of effects that act on all joints alike, the most promising first."""
+    looked = each(screen.context.work, screen.all_everywhere, kinds)
+    return sorted((c for some in looked for c in some if c.gain > SIGNIFICANT), key=lambda c: -c.gain)
 
 
 def begun_on(

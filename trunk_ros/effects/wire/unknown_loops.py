@@ -4,24 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import count, islice
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import legder, legval
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.bank import PATH_OF, Bank, parameters_of
 from trunk_ros.effects.curve import KNOTS
 from trunk_ros.effects.drags import NARROWEST, WIDEST, drag
-from trunk_ros.effects.effect import Regime
+from trunk_ros.effects.postures import LEAST, OverPostures, parameters_over_postures
 
 REACHES, SHAPES = 12, KNOTS  # over the posture as finely as any other curve: what catches, catches in places
 COARSE = 8  # of these, which have a size of their own: not every wire catches
-LEAST = 1e-9  # rad
 FINE = 200  # postures at which a slope is looked at
 
 
-class UnknownLoops(Bank):
+class UnknownLoops(OverPostures):
     """theta += c_0(s) + sum of c_i(s) (s - play(s, reach_i)) / reach_i, s = r phi of the joint itself, or
     the angle that the effects before it give, where neighbours drag the joint along.
 
@@ -32,9 +30,7 @@ class UnknownLoops(Bank):
     """
 
     id = "unknown_loops"
-    stage, place = "wire", 244
-    regime: ClassVar[Regime] = "reversal"
-    remembers = True
+    place = 244
     signature = (
         "The residual is a loop whose width changes with the posture, in a way that no named effect has."
     )
@@ -43,21 +39,10 @@ class UnknownLoops(Bank):
         "memory a Prandtl-Ishlinskii operator (Brokate & Sprekels 1996, Hysteresis and Phase Transitions) "
         "whose weights change with the posture: by the capstan equation friction grows with the wrap."
     )
-    named = False
-    sources, own, by_posture = 1, True, True
     # Constants; how they change with the posture, coarsely and finely; the curve.
     groups = (REACHES, REACHES * (COARSE - 1), REACHES * (SHAPES - COARSE), SHAPES)
     weights = sum(groups)
-    parameters = parameters_of(
-        sources,
-        "where the postures begin",
-        "where they end",
-        "rad, shape",
-        weights,
-        typical=1.5e-6,
-        start=-0.4,
-    )
-    texts = ("source",)
+    parameters = parameters_over_postures(weights, typical=1.5e-6)
     confused_with = (
         ("unknown_memory", "reverse with the same amplitude about several postures: its loops are all alike"),
         (
@@ -65,10 +50,6 @@ class UnknownLoops(Bank):
             "reverse with many amplitudes about several postures: its loops are of one shape",
         ),
     )
-
-    @classmethod
-    def choices(cls, joints: tuple[str, ...], joint: str) -> list[str]:
-        return [joint, PATH_OF + joint]
 
     @classmethod
     def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, float, Array, Array]:
@@ -94,10 +75,6 @@ class UnknownLoops(Bank):
                 yield from (held * curve for curve in islice(_legendre(inside), first, end))
         for k, curve in enumerate(islice(_legendre(inside), SHAPES)):
             yield curve + way - inside if k == 1 else curve
-
-    @classmethod
-    def range_of(cls, s: Array) -> tuple[float, float]:
-        return float(s.min()), float(s.max())
 
     @classmethod
     def steepness(cls, low: float, high: float, weights: Array) -> float:

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.bank import PATH_OF, Bank, parameters_of
 from trunk_ros.effects.drags import WIDEST
-from trunk_ros.effects.effect import Regime
+from trunk_ros.effects.postures import LEAST, OverPostures, parameters_over_postures
 
 LENGTH = 1.3  # ranges slid until a third is left: shares of several would cancel only where they were seen
 GRIP = 0.2  # of the range, within which a joint does not slide
-LEAST = 1e-9  # rad
 
 
-class UnknownSettling(Bank):
+class UnknownSettling(OverPostures):
     """theta += exp(-slid / length) (a + b u + c (3 u^2 - 1) / 2 + d (s - play(s, reach)) / reach), s = r phi
     of the joint itself, or the angle that the effects before it give, where neighbours drag the joint along.
 
@@ -27,36 +24,20 @@ class UnknownSettling(Bank):
     """
 
     id = "unknown_settling"
-    stage, place = "wire", 243
-    regime: ClassVar[Regime] = "reversal"
-    remembers = True
+    place = 243
     signature = "The residual is a loop that is another one at first, and differs less from swing to swing."
     source = (
         "Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63(3): a discrepancy term beside the physics; "
         "running in: Blau (2005), Tribol. Int. 38(11)."
     )
-    named = False
-    sources, own, by_posture, fades = 1, True, True, True
+    fades = True
     groups = (3, 1)
     weights = sum(groups)
-    parameters = parameters_of(
-        sources,
-        "where the postures begin",
-        "where they end",
-        "rad, shape",
-        weights,
-        typical=2e-4,
-        start=-0.4,
-    )
-    texts = ("source",)
+    parameters = parameters_over_postures(weights, typical=2e-4)
     confused_with = (
         ("thermal_drift", "let the joint rest: only a drift goes on"),
         ("friction_wear", "start again after a rest: wear stays"),
     )
-
-    @classmethod
-    def choices(cls, joints: tuple[str, ...], joint: str) -> list[str]:
-        return [joint, PATH_OF + joint]
 
     @classmethod
     def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, Array]:
@@ -70,16 +51,6 @@ class UnknownSettling(Bank):
         settling(s, low, high, state, shapes)
         out += weights @ shapes
         return np.asarray(state)
-
-    @classmethod
-    def columns(cls, s: Array, low: float, high: float) -> Iterator[Array]:
-        shapes = np.empty((cls.weights, len(s)))
-        settling(s, low, max(high, low + LEAST), np.array([s[0], s[0], 0.0]), shapes)
-        yield from shapes
-
-    @classmethod
-    def range_of(cls, s: Array) -> tuple[float, float]:
-        return float(s.min()), float(s.max())
 
     @classmethod
     def steepness(cls, low: float, high: float, weights: Array) -> float:

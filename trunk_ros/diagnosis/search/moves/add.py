@@ -29,10 +29,10 @@ from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.spell import SPELL
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_what_it_stood_for
 from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
-from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
+from trunk_ros.diagnosis.search.score import need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.state import exactly
-from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win, refit_to_win
+from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win, on_all_joints, refit_to_win
 from trunk_ros.effects import Effect, effect
 
 
@@ -213,8 +213,7 @@ def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) 
     """What a linear look finds on all joints, the best first; kept while nothing changes."""
     context, key = best.context, exactly(best)
     if key not in desk.looked:
-        looked = each(context.work, screen.all_everywhere, kinds)
-        found = sorted((c for some in looked for c in some if c.gain > SIGNIFICANT), key=lambda c: -c.gain)
+        found = on_all_joints(screen, kinds)
         most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
         desk.looked[key] = found[:most]
     return desk.looked[key]
