@@ -21,3 +21,12 @@ def compiled(function: Function) -> Function:
         return cast(Function, njit(cache=True, **options)(function))
     except RuntimeError:  # neither the package's folder nor the user's cache can be written
         return cast(Function, njit(**options)(function))
+
+
+@compiled
+def copied(values: Array, into: Array) -> None:
+    """Copy (n,) within compiled code: a slice that is assigned there takes seconds to compile, for the words
+    of what would not fit.
+    """
+    for k in range(len(values)):
+        into[k] = values[k]

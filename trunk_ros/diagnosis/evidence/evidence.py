@@ -26,6 +26,7 @@ from trunk_ros.guards import BLIND, ROUNDED
 EQUIVALENTS = 5  # that are said
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 UNNAMED = 0.7  # confidence in what no formula states, at most
+TIED = 0.9  # confidence in names that do alike: of 262 on the proof's plants 0.91 were right
 
 
 Spread = dict[tuple[str, str, int | None], float]
@@ -239,11 +240,12 @@ def apart(one: Fit, other: Fit, columns: Iterable[int]) -> float:
 
 
 def likely(limit: float, gain: float, losses: list[float]) -> float:
-    """Probability that a name is right, from its gain and its rivals' losses, both against the ``limit`` that
-    an effect must gain.
+    """Probability that a name or one of its equivalents is right, from its gain and its rivals' losses, both
+    against the ``limit`` that an effect must gain: ``TIED`` where the best rival does as well, less where it
+    does better.
     """
     margin = min(losses, default=FAR * limit) / limit
     surplus = gain / limit
     sure = 1.0 - np.exp(-0.5 * max(surplus, 0.0) - 0.3)
-    ahead = 1.0 / (1.0 + np.exp(-2.0 * (margin + 0.6)))
+    ahead = 1.0 / (1.0 + (1.0 / TIED - 1.0) * np.exp(-4.0 * margin))
     return float(np.clip(sure * ahead, 0.02, SUREST))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array, compiled
+from trunk_ros.compiled import Array, compiled, copied
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.filters import rate
 from trunk_ros.effects.wire.held_link import held
@@ -115,7 +115,7 @@ def shake(angles: Array, dt: Array, place: int, row: Array, motion: Array, push:
                 if k != place:
                     push[i] -= row[i, k] * 2.0 * (slope - motion[1, k]) / (dt[i] + motion[2, k])
                 motion[1, k], motion[2, k] = slope, dt[i]
-        motion[0] = angles[i]
+        copied(angles[i], motion[0])
 
 
 @compiled
@@ -173,9 +173,9 @@ def hold_links(
                     speed[a] = new[a]
             for k in range(joints):
                 motion[1, k], motion[2, k] = slope[k], dt[i]
-        motion[0] = angles[i]
-        before[0] = x[i]
-        out[i] = y
+        copied(angles[i], motion[0])
+        copied(x[i], before[0])
+        copied(y, out[i])
 
 
 @compiled

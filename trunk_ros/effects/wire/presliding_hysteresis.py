@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array, compiled
+from trunk_ros.compiled import Array, compiled, copied
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.wire.elements import beside
@@ -221,11 +221,11 @@ def rounded(
     varying = width.shape[0] > 1
     own = np.empty(PLAYS)
     for j in range(columns):
-        own[:] = memory[:, j]
+        copied(memory[:, j], own)
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
             out[k, j] = step(u[k, j], w, rounding[j], zone[j], through[j], kind, own)
-        memory[:, j] = own
+        copied(own, memory[:, j])
 
 
 @compiled
@@ -246,16 +246,16 @@ def rounded_inverse(
     own = np.empty(PLAYS)
     trial = np.empty(PLAYS)
     for j in range(columns):
-        own[:] = memory[:, j]
+        copied(memory[:, j], own)
         for k in range(steps):
             w = width[k, j] if varying else width[0, j]
-            trial[:] = own
+            copied(own, trial)
             gap = y[k, j] - step(u[j], w, rounding[j], zone[j], through[j], kind, trial)
             if abs(gap) > JITTER:
                 u[j] = reach(y[k, j], gap, u[j], w, rounding[j], zone[j], through[j], kind, own, trial)
             step(u[j], w, rounding[j], zone[j], through[j], kind, own)
             out[k, j] = u[j]
-        memory[:, j] = own
+        copied(own, memory[:, j])
 
 
 @compiled
@@ -275,12 +275,12 @@ def reach(
     side = 1.0 if gap > 0.0 else -1.0
     near, short = u, -abs(gap)
     far = u + gap + side * (2.0 * (w + width) + abs(gap))
-    trial[:] = own
+    copied(own, trial)
     over = side * (step(far, w, width, zone, through, kind, trial) - y)
     last = 0
     for count in range(60):
         middle = 0.5 * (near + far) if count % 4 == 3 else (near * over - far * short) / (over - short)
-        trial[:] = own
+        copied(own, trial)
         off = side * (step(middle, w, width, zone, through, kind, trial) - y)
         if abs(off) < REACHED:
             return middle

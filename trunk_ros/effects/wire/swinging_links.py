@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.compiled import Array, compiled
+from trunk_ros.compiled import Array, compiled, copied
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.filters import lowpass, rate, swing_step
 
@@ -164,8 +164,8 @@ def swing_links(
                         rate[a] += h / 2 * now[a]
             for k in range(joints):
                 motion[1, k] = slope[k]
-        motion[0] = angles[i]
-        before[0] = x[i]
+        copied(angles[i], motion[0])
+        copied(x[i], before[0])
         out[i] = y
 
 
@@ -189,7 +189,7 @@ def push_link(angles: Array, dt: Array, place: int, row: Array, motion: Array, p
                 if k != place:
                     push[i] -= row[i, k] / row[i, place] * (slope - motion[1, k])
                 motion[1, k] = slope
-        motion[0] = angles[i]
+        copied(angles[i], motion[0])
 
 
 @compiled

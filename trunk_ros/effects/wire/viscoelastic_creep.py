@@ -194,7 +194,9 @@ def creep(x: Array, dt: Array, gain: Array, constant: Array, before: Array, out:
     """
     steps, columns = x.shape
     low = np.empty((steps, columns))
-    out[:] = x
+    for j in range(columns):
+        for k in range(steps):
+            out[k, j] = x[k, j]
     for m in range(len(gain)):
         lowpass(x, dt, constant[m], before[m], low)
         for j in range(columns):
