@@ -132,8 +132,8 @@ def _told(hidden: Hidden, both: tuple[Arms, Arms], asked: Array, noise: float) -
 
 
 def _as_it_reads(hidden: Hidden, on: Motion, off: Motion) -> Hidden:
-    """A wire that was cut too long turns the joint, and the weight on it with that: what its reading is off by
-    is more than the wire where that stretches.
+    """A wire that was cut too long turns the joint, and the weight on it with that: where the wire stretches
+    the reading is off by more than it was cut.
     """
     joint, shaft = ((getattr(on, name) - getattr(off, name)).mean(axis=0) for name in ("theta", "phi"))
     return replace(hidden, parameters={"offset": (joint - RATIO * shaft)[list(hidden.joints)]})
