@@ -122,11 +122,21 @@ def _with_and_without(
 
 def _told(hidden: Hidden, both: tuple[Arms, Arms], asked: Array, noise: float) -> dict[str, Any] | None:
     """Entry of truth.json, from the arm with and without; None where nothing shows on any joint."""
-    on, off = (run_masses(arms, asked).theta for arms in both)
-    strength = np.sqrt(((on - off) ** 2).mean(axis=0)) / noise
+    on, off = (run_masses(arms, asked) for arms in both)
+    strength = np.sqrt(((on.theta - off.theta) ** 2).mean(axis=0)) / noise
+    if hidden.effect == "zero_offset":
+        hidden = _as_it_reads(hidden, on, off)
     if hidden.form == "whole_arm":
         hidden = replace(hidden, joints=tuple(int(j) for j in np.flatnonzero(strength > 1.0)))
     return told_with(hidden, strength) if hidden.joints else None
+
+
+def _as_it_reads(hidden: Hidden, on: Motion, off: Motion) -> Hidden:
+    """A wire that was cut too long turns the joint, and the weight on it with that: where the wire stretches
+    the reading is off by more than it was cut.
+    """
+    joint, shaft = ((getattr(on, name) - getattr(off, name)).mean(axis=0) for name in ("theta", "phi"))
+    return replace(hidden, parameters={"offset": (joint - RATIO * shaft)[list(hidden.joints)]})
 
 
 def draw_masses_case(seed: int, kind: str = "masses", plan: Plan | None = None) -> Case:

@@ -129,12 +129,17 @@ def wire_slack(rng: Rng, wish: Wish) -> list[Change]:
 
 @_make
 def viscoelastic_creep(rng: Rng, wish: Wish) -> list[Change]:
-    """A sheath pulls the joint to its middle, the wire goes on giving way; the wheel makes good the rest."""
+    """A sheath pulls the joint to its middle, the wire goes on giving way; the wheel makes good the rest.
+
+    The gain is told as the effect has it: before the friction per joint angle, behind it as a share of what
+    the joint would be at without, which both springs take their part of.
+    """
     joints, late, upstream = wish.joints, float(logarithmic(rng, 1.5, 15.0)), float(rng.integers(2))
     gain = np.clip(wish.per(wish.theta) * sizes(rng, len(joints)), 1e-3, 0.06)
     some = COMPLIANCE[list(joints)] / 4
     skin = np.full(len(joints), 4.0)
-    values = {"gain": gain, "time_constant": late}
+    shows = gain if upstream else gain / (1 + skin * some + gain)
+    values = {"gain": shows, "time_constant": late}
     told = Hidden("viscoelastic_creep", joints, _form(upstream), values, ("gain",))
 
     def apply(b: Arm) -> Arm:

@@ -117,3 +117,9 @@ def test_an_event_is_marked_by_when_it_is_said_to_begin(events: list[Entry], err
     assert hit["event_error"] == error
     (hit,) = marked([_truth()], said)["hits"]
     assert hit["event_error"] is None
+
+
+def test_what_the_description_states_exactly_was_not_found() -> None:
+    truth = {"parameters": {"joint_1": {"compliance": 0.03}}, "same": ["compliance"]}
+    said = {"parameters": {"joint_1": {"compliance": {"value": 0.03 * (1 + 1e-15), "std": 1e-3}}}}
+    assert z_scores(truth, said) == {}

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from test.concealed.draws import ALL
-from test.concealed.hidden import KNOWN
+from test.concealed.hidden import KNOWN, Hidden
 from test.concealed.masses import run_masses
 from test.concealed.masses_arm import Arm, having, soft
-from test.concealed.masses_case import draw_masses_case
+from test.concealed.masses_case import _told, draw_masses_case
 from test.concealed.masses_draw import MAKE, SIMPLE
 from test.concealed.masses_events import EVENTS
 from test.concealed.mujoco_draw import Wish
@@ -162,3 +162,24 @@ def test_load_is_that_of_the_payload_of_the_moment(asked: Array) -> None:
     ran = run_masses([(0.0, arm), (4.0, replace(arm, payload=0.1))], asked)
     np.testing.assert_allclose(ran.tau[1999], load(ran.theta[1999:2000])[0])
     np.testing.assert_allclose(ran.tau[2000], load(ran.theta[2000:2001], 0.1)[0])
+
+
+def test_a_zero_is_told_as_it_reads_under_weight(asked: Array) -> None:
+    zero = np.array([0.004])
+    soft_, cut = soft(Arm(), ALL, COMPLIANCE, 1.0), having(soft(Arm(), ALL, COMPLIANCE, 1.0), (1,), zero=zero)
+    hidden = Hidden("zero_offset", (1,), "rest_length", {"offset": zero}, ("offset",))
+    told = _told(hidden, ([(0.0, cut)], [(0.0, soft_)]), asked, NOISE)
+    assert told is not None
+    assert 1.004 < told["parameters"]["joint_2"]["offset"] / zero[0] < 1.03, "the weight turns it further"
+
+
+def test_a_gain_of_creep_is_told_as_the_share_that_creeps_back() -> None:
+    wish = Wish((1,), 4e-3, NOISE, np.full((100, COUNT), 0.4))
+    drawn = (MAKE["viscoelastic_creep"](np.random.default_rng(seed), wish)[0] for seed in range(9))
+    change = next(one for one in drawn if one.hidden.form == "behind_the_friction")
+    quick = replace(
+        change.apply(Arm()), capstan=np.zeros(COUNT), joint=np.zeros(COUNT), late=np.full(COUNT, 0.3)
+    )
+    ran = run_masses([(0.0, quick)], np.full((2000, COUNT), 0.4 / RATIO))
+    share = 1 - ran.theta[-1, 1] / (RATIO * ran.phi[-1, 1])
+    assert share == pytest.approx(float(change.hidden.parameters["gain"][0]), rel=1e-3)

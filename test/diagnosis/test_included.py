@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context, fitted
-from trunk_ros.diagnosis.evidence.evidence import evidence, spreads
+from trunk_ros.diagnosis.evidence.evidence import evidence
+from trunk_ros.diagnosis.evidence.spreads import spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.verdict.included import _told, all_findings, included

@@ -9,8 +9,9 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.from_the_start import from_the_start
 from trunk_ros.diagnosis.evidence.as_given import as_given
 from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
-from trunk_ros.diagnosis.evidence.evidence import Evidence, Spread, banks_evidence, spreads
+from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
+from trunk_ros.diagnosis.evidence.spreads import Spread, spreads
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.heap import give_back

@@ -1,4 +1,4 @@
-"""How sure a finding is: spread of its values, what it gains, and the rivals that explain the data as
+"""How sure a finding is: what it gains, and the rivals that explain the data as
 well.
 """
 
@@ -13,23 +13,18 @@ from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, loss, rivals
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
-from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, NOTABLE, ROUGH, SCATTER
-from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, refit
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
-from trunk_ros.guards import BLIND, ROUNDED
 
 EQUIVALENTS = 5  # that are said
 SUREST = 0.95  # on cases made to build with, so many of the surest were right
 UNNAMED = 0.7  # confidence in what no formula states, at most
 TIED = 0.9  # confidence in names that do alike: of 262 on the proof's plants 0.91 were right
-
-
-Spread = dict[tuple[str, str, int | None], float]
 
 
 @dataclass
@@ -56,84 +51,6 @@ class Evidence:
         """
         asked = max(self.asked, *(-lost for lost in self.rivals.values()), 0.0)
         return sum(self.gain.values()) / asked if self.asked > 0.0 else 1.0
-
-
-def spreads(state: Fit) -> Spread:
-    """Standard deviation of each fitted value, in its own unit, by (effect, parameter, column)."""
-    out: Spread = {}
-    context = state.context
-    for group in groups(context, state.hypothesis):
-        residuals = Residuals(context, state.hypothesis, group)
-        if residuals.free:
-            x = np.clip(state.hypothesis.get(residuals.free), *bounds(residuals.free))
-            rest = np.concatenate(residuals.parts(x))
-            power = _power(rest, context.stage.name == "servo")
-            found = _deviations(residuals, residuals.normal(x)[1], state.hypothesis, power)
-            out |= _no_flatter(residuals, x, found)
-    return out
-
-
-def _power(rest: np.ndarray, steps: bool) -> float:
-    """Power of whitened residuals (n,); what goes on in one direction counts as one sample, where it is no
-    noise. ``steps``: the noise is the encoder's, which stand still with the joint.
-    """
-    power = float(np.mean(rest**2))
-    turns = max(int(np.count_nonzero(np.diff(np.sign(rest)))), 1)
-    return power * max(len(rest) / (2.0 * turns) / SCATTER**2, 1.0) if power > CLEARLY or steps else power
-
-
-def _no_flatter(residuals: Residuals, x: np.ndarray, found: Spread) -> Spread:
-    """Spreads of moments, widened until the data tell their ends apart: near its best a moment may be moved
-    for nothing.
-    """
-    out = dict(found)
-    longest = max(float(np.ptp(view.span.stamp)) for view in residuals.context.views)
-    for k, f in enumerate(residuals.free):
-        key = (f.effect, f.parameter.name, f.column)
-        if f.parameter.moment and f.column is not None:
-            least = HARDLY * residuals.context.step
-            std = float(np.clip(out[key], least, longest)) if np.isfinite(out[key]) else least
-            best = float(np.sum(residuals(x) ** 2))
-            while std < longest and _moved(residuals, x, k, std) - best < NOTABLE**2:
-                std *= 1.5
-            out[key] = std
-    return out
-
-
-def _moved(residuals: Residuals, x: np.ndarray, k: int, off: float) -> float:
-    """Squared residuals with a value moved by ``off``, to the side where that is cheaper."""
-    costs = []
-    for side in (-off, off):
-        moved = x.copy()
-        moved[k] = max(moved[k] + side, 0.0)
-        costs.append(float(np.sum(residuals(moved) ** 2)))
-    return min(costs)
-
-
-def _deviations(residuals: Residuals, normal: np.ndarray, hypothesis: Hypothesis, power: float) -> Spread:
-    """``normal`` (free, free): J^T J."""
-    size = np.sqrt(np.diag(normal))
-    told = size > BLIND
-    scaled = normal[np.ix_(told, told)] / np.outer(size[told], size[told])
-    inverse = np.linalg.inv(scaled + ROUNDED * np.eye(len(scaled)))
-    std = np.full(len(size), np.inf)
-    std[told] = SCATTER * np.sqrt(np.maximum(np.diag(inverse), 0.0) * max(power, 1.0)) / size[told]
-    late = HARDLY * residuals.context.step
-    return {
-        (f.effect, f.parameter.name, f.column): _natural(f, hypothesis, float(s), late)
-        for f, s in zip(residuals.free, std, strict=True)
-    }
-
-
-def _natural(f: Free, hypothesis: Hypothesis, std: float, late: float) -> float:
-    """From the fitted scale to the parameter's own unit."""
-    term = hypothesis[f.effect]
-    value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
-    if f.parameter.scale != "linear":
-        return float(value * np.hypot(std, ROUGH))
-    if f.parameter.unit == "s" and not f.parameter.moment:
-        return float(np.hypot(std, late))
-    return std if f.parameter.moment else float(np.hypot(std, ROUGH * value))
 
 
 def evidence(

@@ -234,7 +234,7 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf, 
         normal = normal + held
         before, looked = cost, x
         for _ in range(TRIES):
-            trial = np.clip(x - _step(normal, slope, damping, x, low, high), low, high)
+            trial = np.clip(x - step(normal, slope, damping, x, low, high), low, high)
             there = residuals(trial)
             if float(there @ there) < cost:
                 x, rest, cost, damping = trial, there, float(there @ there), damping / 5.0
@@ -245,7 +245,7 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf, 
             break
         if done > SETTLED and (rounds - done) * (before - cost) < residuals.but_for(x, spared) - goal:
             break  # it is hopeless
-        most = looked - np.clip(looked - _step(normal, slope, 0.0, looked, low, high), low, high)
+        most = looked - np.clip(looked - step(normal, slope, 0.0, looked, low, high), low, high)
         if _unforeseen(normal, slope, looked - x, most, before - cost) < enough:
             break
     return x if first - cost >= enough else start
@@ -259,7 +259,7 @@ def _unforeseen(normal: Array, slope: Array, moved: Array, most: Array, gained: 
     return abs(gained - here) + max(there - here, 0.0)
 
 
-def _step(normal: Array, slope: Array, damping: float, x: Array, low: Array, high: Array) -> Array:
+def step(normal: Array, slope: Array, damping: float, x: Array, low: Array, high: Array) -> Array:
     """A damped step; values at a bound that it would cross stay."""
     size = np.sqrt(np.maximum(np.diag(normal), 1e-30))
     moving = ~(((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0)))

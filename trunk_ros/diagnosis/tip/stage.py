@@ -235,7 +235,7 @@ class ArmProblem:
         return float(step @ self.normal().curvature @ step)
 
     def run(self) -> ArmFit:
-        """What pays, with spreads; these as ``evidence.spreads`` has them."""
+        """What pays, with spreads."""
         keys: list[Key] = []
         for _ in range(TURNS):
             before, keys = self.origin, self._chosen()

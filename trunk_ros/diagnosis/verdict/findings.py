@@ -99,7 +99,8 @@ def _touched(context: Context, kind: type[Effect], term: Term) -> list[int]:
 
 def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
     """1 where the effect's size, or that of one of a bank's shapes, is well above its spread on its surest
-    joint, less where it is not.
+    joint, less where it is not. Beside what the arm's description states a size is as uncertain as that is,
+    and it is enough that it is above its spread.
     """
     own = kind.own_parameters(term.form)
     sizes = [
@@ -109,7 +110,7 @@ def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
         for c, values in term.own.items()
         if lead.name in values and lead.name not in term.given
     ]
-    return 1.0 if not sizes or max(sizes) > SURE else 0.5
+    return 1.0 if not sizes or max(sizes) > (1.0 if term.given else SURE) else 0.5
 
 
 def believable(kind: type[Effect], term: Term, joints: Sequence[str], told: Determined) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
-from trunk_ros.diagnosis.evidence.evidence import Spread, spreads
+from trunk_ros.diagnosis.evidence.spreads import Spread, spreads
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.search.fit import Fit, refit

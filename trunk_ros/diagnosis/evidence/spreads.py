@@ -1,0 +1,132 @@
+"""How far each value may be off: by noise, by what is off for longer than a sample, and by what the fit was
+not allowed to move.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
+from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
+from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, ROUGH
+from trunk_ros.diagnosis.search.candidates import given
+from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, step
+from trunk_ros.effects import effect
+from trunk_ros.guards import BLIND, ROUNDED
+
+Spread = dict[tuple[str, str, int | None], float]
+WIDER = 1.5  # times: timing is in no noise, and part of what is off hides in the values that it moves
+
+
+class _Seen(NamedTuple):
+    """What the residuals of a fit and their slopes J tell of its values, all on the scales of the fit."""
+
+    slope: Array
+    """(n,) J^T r."""
+    normal: Array
+    """(n, n) J^T J."""
+    alone: Array
+    """(n, n) variance of ``slope`` if each sample were off by itself."""
+    blocks: Array
+    """(n, n) the same if all that is in one of BLOCKS of time were off together."""
+
+
+def spreads(state: Fit) -> Spread:
+    """Standard deviation of each fitted value, in its own unit, by (effect, parameter, column). What the
+    arm's description states is as uncertain as the recordings leave it, and all beside it with that.
+    """
+    out: Spread = {}
+    context, hypothesis = state.context, _with_what_is_stated_free(state)
+    for group in groups(context, hypothesis):
+        residuals = Residuals(context, hypothesis, group)
+        if residuals.free:
+            x = np.clip(hypothesis.get(residuals.free), *bounds(residuals.free))
+            out |= _no_flatter(residuals, x, _deviations(residuals, x, _seen(residuals, x)))
+    return out
+
+
+def _with_what_is_stated_free(state: Fit) -> Hypothesis:
+    out = state.hypothesis.copy()
+    for name, term in out.items():
+        if name not in state.context.known:
+            term.given -= given(effect(name), state.context).keys()
+    return out
+
+
+def _seen(residuals: Residuals, x: Array) -> _Seen:
+    n = len(x)
+    blocks = np.zeros((BLOCKS, n))
+    normal, alone = np.zeros((2, n, n))
+    for (free, slopes), rest in zip(residuals.slopes(x), residuals.parts(x), strict=True):
+        square, here = slopes.T @ slopes, np.ix_(free, free)
+        normal[here] += square
+        alone[here] += max(float(np.mean(rest**2)), 1.0) * square
+        ends = pairwise(np.arange(BLOCKS + 1) * len(rest) // BLOCKS)
+        blocks[:, free] += [slopes[begin:end].T @ rest[begin:end] for begin, end in ends]
+    return _Seen(blocks.sum(axis=0), normal, alone, BLOCKS / (BLOCKS - 1) * blocks.T @ blocks)
+
+
+def _deviations(residuals: Residuals, x: Array, seen: _Seen) -> Spread:
+    size = np.sqrt(np.diag(seen.normal))
+    told = size > BLIND
+    inverse = np.zeros_like(seen.normal)
+    here, scale = np.ix_(told, told), np.outer(size[told], size[told])
+    inverse[here] = np.linalg.inv(seen.normal[here] / scale + ROUNDED * np.eye(len(scale))) / scale
+    alone, together = (_std(inverse, m) for m in (seen.alone, seen.blocks))
+    ahead = step(seen.normal + np.diag(residuals.scale**-2.0), seen.slope, 0.0, x, *bounds(residuals.free))
+    std = np.hypot(WIDER * np.maximum(alone, together), ahead)
+    std[~told] = np.inf
+    late = HARDLY * residuals.context.step
+    return {
+        (f.effect, f.parameter.name, f.column): _natural(f, residuals.hypothesis, float(s), late)
+        for f, s in zip(residuals.free, std, strict=True)
+    }
+
+
+def _std(inverse: Array, variance: Array) -> Array:
+    """(n,) of values, from the variance (n, n) of the slope that they follow."""
+    out: Array = np.sqrt(np.maximum(np.diag(inverse @ variance @ inverse), 0.0))
+    return out
+
+
+def _natural(f: Free, hypothesis: Hypothesis, std: float, late: float) -> float:
+    """From the fitted scale to the parameter's own unit."""
+    term = hypothesis[f.effect]
+    value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
+    if f.parameter.scale != "linear":
+        return float(value * np.hypot(std, ROUGH))
+    if f.parameter.unit == "s" and not f.parameter.moment:
+        return float(np.hypot(std, late))
+    return std if f.parameter.moment else float(np.hypot(std, ROUGH * value))
+
+
+def _no_flatter(residuals: Residuals, x: Array, found: Spread) -> Spread:
+    """Spreads of moments, widened until the data tell their ends apart: near its best a moment may be moved
+    for nothing.
+    """
+    out = dict(found)
+    longest = max(float(np.ptp(view.span.stamp)) for view in residuals.context.views)
+    for k, f in enumerate(residuals.free):
+        key = (f.effect, f.parameter.name, f.column)
+        if f.parameter.moment and f.column is not None:
+            least = HARDLY * residuals.context.step
+            std = float(np.clip(out[key], least, longest)) if np.isfinite(out[key]) else least
+            best = float(np.sum(residuals(x) ** 2))
+            while std < longest and _moved(residuals, x, k, std) - best < NOTABLE**2:
+                std *= 1.5
+            out[key] = std
+    return out
+
+
+def _moved(residuals: Residuals, x: Array, k: int, off: float) -> float:
+    """Squared residuals with a value moved by ``off``, to the side where that is cheaper."""
+    costs = []
+    for side in (-off, off):
+        moved = x.copy()
+        moved[k] = max(moved[k] + side, 0.0)
+        costs.append(float(np.sum(residuals(moved) ** 2)))
+    return min(costs)
