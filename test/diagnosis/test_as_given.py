@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from test.diagnosis.arms import TRUNK, of_the_wires, recorded
 from test.diagnosis.search.looks import context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.discrepancy.curves import curves_beside
 from trunk_ros.diagnosis.evidence.as_given import as_given
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
+from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.wire import WireStage
 
 
 @pytest.mark.parametrize(("half_width", "stays"), [(1e-6, True), (1e-3, False)])
@@ -23,3 +30,15 @@ def test_an_effect_of_the_model_is_left_out_only_where_the_recording_tells_it(
     stage = type(clean.stage)([view.span for view in clean.views], model)
     left_out = costed(replace(clean, stage=stage), Hypothesis())
     assert ("backlash" in as_given(left_out).hypothesis) == stays
+
+
+def test_an_effect_of_the_model_stays_where_a_curve_stands_for_it() -> None:
+    soft = {"load_elasticity": {"compliance": np.full(5, 0.03)}}
+    model, made = replace(TRUNK, effects=soft), of_the_wires(recorded(soft, 40.0))
+    now = begun(first_look(WireStage([wire_span(made, model)], model))).context
+    bare = now.known.without("load_elasticity", 1)
+    over_load = next(
+        drawn for drawn in curves_beside(now, bare, 1) if drawn["unknown"].words[1] == {"on": "load"}
+    )
+    given = as_given(costed(now, over_load)).hypothesis
+    assert given["load_elasticity"].own == now.known["load_elasticity"].own

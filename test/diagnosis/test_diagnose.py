@@ -134,6 +134,13 @@ def test_a_stop_that_is_hardly_touched_is_a_stop() -> None:
     assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
 
 
+def test_a_stop_as_soft_as_the_wire_is_a_stop() -> None:
+    free = recorded(seed=3, noise=0.0).series["joint_states"].position[:, 1].max()
+    stop = {"hard_stop": {"upper": np.where(on(2, 1.0) > 0, 0.5 * free, np.inf), "give": 0.55 * on(2, 1.0)}}
+    result = diagnose([of_the_wires(recorded(stop, seed=3))])
+    assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
+
+
 def test_a_late_sensor_is_one_delay_of_the_whole_arm() -> None:
     result = diagnose([of_the_wires(recorded({"sensor_delay": {"delay": 0.02}}))])
     (found,) = result.findings

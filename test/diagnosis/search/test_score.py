@@ -8,9 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import TRUNK, recorded
 from test.diagnosis.search.looks import context, fitted
+from trunk_ros.diagnosis.data.align import servo_span
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.score import (
     BETTER,
     CURVE,
@@ -26,6 +30,7 @@ from trunk_ros.diagnosis.search.score import (
     price,
     score,
 )  # fmt: skip
+from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import STANDING
 
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
@@ -62,6 +67,13 @@ def test_readings_that_are_late_have_no_formula_to_be_off_by() -> None:
     late, loose = context("late and loose"), context("backlash")
     assert sum(late.formed_misfit.values()) < 0.1 * sum(late.misfit.values())
     assert loose.formed_misfit[2] > 0.5 * loose.misfit[2]
+
+
+def test_nor_have_setpoints_that_take_effect_late() -> None:
+    """A loop that is slower is a delay and a rest, which the delay must not hide."""
+    slow = recorded({"servo_delay": {"delay": 0.025}, "servo_bandwidth": {"relative": -0.3}}, 20.0)
+    late = begun(first_look(ServoStage([servo_span(slow, TRUNK)], TRUNK))).context
+    assert sum(late.formed_misfit.values()) < 0.1 * sum(late.misfit.values())
 
 
 def test_a_zero_that_is_far_off_does_not_make_readings_late() -> None:

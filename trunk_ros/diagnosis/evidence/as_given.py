@@ -11,6 +11,7 @@ from functools import reduce
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.swap_all import alike
@@ -106,9 +107,11 @@ def back(now: Term, known: Term, column: int | None) -> Term:
 
 
 def _held(state: Fit, name: str, term: Term, values: Iterable[Parameter]) -> Fit:
-    """All else fitted beside some values of an effect that stay exactly so, also in what is fitted later."""
+    """All else fitted beside some values of an effect that stay exactly so, also in what is fitted later, and
+    curves drawn anew: they may have stood for it.
+    """
     held = replace(term.copy(), given=frozenset(p.name for p in values))
-    return refit(state.context, Hypothesis({**state.hypothesis, name: held}))
+    return followed(refit(state.context, Hypothesis({**state.hypothesis, name: held})), term.columns)
 
 
 def _need(state: Fit, column: int | None) -> float:

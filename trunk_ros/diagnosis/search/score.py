@@ -244,11 +244,9 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
     """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
     unit-noise residuals, with the right zero, as a constant has no formula; where the ratio is FAR_OFF, with
     the right one of that as well; and where one lag of all joints leaves hardly a PART of that, without it:
-    readings that are late have no formula either.
+    what is late, a reading or a setpoint, has no formula either.
     """
     context = fit.context
-    if context.stage.name != "wire":
-        return {c: fit.rest(c) for c in fit.cost}
     seen = {c: (context.whitened(fit.hypothesis, c), _line(fit, c)) for c in fit.cost}
     left = {c: min(fit.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
     if len(seen) < SEVERAL:
@@ -273,7 +271,8 @@ def _right_line(context: Context, column: int, rest: Array, line: Array) -> floa
 
 def _line(fit: Fit, column: int) -> Array:
     """What another ratio, zero and time of reading change (rows, 3), whitened: per 1, rad and s."""
-    context, ratio = fit.context, fit.context.arm.ratio[column]
+    context = fit.context
+    ratio = context.arm.ratio[column] if context.stage.name == "wire" else 1.0
     spans = [view.span for view in context.views]
     angles = [span.gearbox[span.rows, column] * ratio for span in spans]
     zeros = [np.ones_like(angle) for angle in angles]

@@ -11,7 +11,7 @@ from trunk_ros.parameter import Parameter
 FREE = 100.0  # rad: no stop
 LEVELS = (0.6, 0.75, 0.85, 0.92, 0.97)  # of the samples that a fit starts from as free
 DEPTHS = (0.03, 0.01, 0.003, 0.001)  # of the motion that a fit starts from as beyond
-YIELDING = 0.4  # share of the motion into it that goes on: beyond that nothing stands in the way
+YIELDING = 2.0 / 3.0  # share of the motion into it that goes on: of what is half as stiff as the wire
 
 
 class HardStop(Effect):

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from trunk_ros.diagnosis.discrepancy.curves import curve_fit, promised
+from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised
 from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
 from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
@@ -20,6 +20,8 @@ from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_a
 from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.diagnosis.search.state import state_of
 from trunk_ros.effects import effect
+from trunk_ros.effects.bank import Bank
+from trunk_ros.effects.curve import ON
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -83,8 +85,8 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
 
 
 def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
-    """Whether a curve may explain what says several things, by a linear look."""
-    if _claims(now, column, local) < SEVERAL:
+    """Whether a curve may explain what says several things, or is a curve itself, by a linear look."""
+    if _claims(now, column, local) < SEVERAL and not _followed(now, column, local):
         return False
     bare = now.hypothesis.less(local, column)
     saved = priced(replace(now, cost={})) - priced(Fit(bare, {}, now.context))
@@ -93,11 +95,22 @@ def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
 
 
 def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:
-    """Whether a curve explains clearly more than what says one or two things, if it is to take its place."""
+    """Whether a curve explains clearly more than what says one or two things, if it is to take its place:
+    their forms may be a little off. A name that is a curve has no form, but over the same joint it is one.
+    """
     if not local or _claims(now, column, local) > SEVERAL:
+        return True
+    along, drawn = _followed(now, column, local), drawn_on(now.context, trial.hypothesis, column)
+    if along and all(term.words[column][ON] not in along for term in drawn):
         return True
     without = fit(now.context, now.hypothesis.less(local, column), [column]).cost[column]
     return now.cost[column] - trial.cost[column] > LITTLE * (without - now.cost[column])
+
+
+def _followed(now: Fit, column: int, local: list[str]) -> set[str]:
+    """Over which other joints the names of a joint draw curves."""
+    curves = [name for name in local if issubclass(effect(name), Bank)]
+    return {word for name in curves for word in now.hypothesis.get_words(name, column)}
 
 
 def _claims(now: Fit, column: int, local: list[str]) -> int:
