@@ -156,13 +156,13 @@ def apart(one: Fit, other: Fit, columns: Iterable[int]) -> float:
     return float(np.sqrt(np.mean(power))) if power else 0.0
 
 
-def likely(limit: float, gain: float, losses: list[float]) -> float:
+def likely(limit: float, gain: float, losses: list[float], tied: float = TIED) -> float:
     """Probability that a name or one of its equivalents is right, from its gain and its rivals' losses, both
-    against the ``limit`` that an effect must gain: ``TIED`` where the best rival does as well, less where it
+    against the ``limit`` that an effect must gain: ``tied`` where the best rival does as well, less where it
     does better.
     """
     margin = min(losses, default=FAR * limit) / limit
     surplus = gain / limit
     sure = 1.0 - np.exp(-0.5 * max(surplus, 0.0) - 0.3)
-    ahead = 1.0 / (1.0 + (1.0 / TIED - 1.0) * np.exp(-4.0 * margin))
+    ahead = 1.0 / (1.0 + (1.0 / tied - 1.0) * np.exp(-4.0 * margin))
     return float(np.clip(sure * ahead, 0.02, SUREST))

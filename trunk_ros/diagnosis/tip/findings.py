@@ -19,6 +19,7 @@ from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
 
 FRAMES = "a camera's frame, a marker's place or a joint sensor's zero makes one"
+EITHER = 0.77  # confidence in a value that may as well be another link's: no equivalent says so
 Losses = dict[str, float]
 
 
@@ -139,8 +140,8 @@ def _elsewhere(problem: ArmProblem, done: ArmFit, mine: list[Key]) -> Losses:
 
 
 def _confidence(problem: ArmProblem, done: ArmFit, mine: list[Key], losses: list[float]) -> float:
-    """As in the wires; less where no value is well above its spread."""
-    sure = likely(problem.need * len(mine), sum(done.gain[k] for k in mine), losses)
+    """As in the wires; less where the same may be on another joint, or no value is well above its spread."""
+    sure = likely(problem.need * len(mine), sum(done.gain[k] for k in mine), losses, EITHER)
     sizes = [abs(done.values[k] - problem.known.get(k, 0.0)) / max(done.std[k], TINY) for k in mine]
     return round(min(sure, 1.0 if max(sizes) > SURE else 0.5), 3)
 
