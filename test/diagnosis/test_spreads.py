@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.evidence.spreads import spreads
+from trunk_ros.diagnosis.evidence.spreads import _ahead, _pulled, _Seen, spreads
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.verdict.findings import settled
 from trunk_ros.diagnosis.wire import WireStage
@@ -61,3 +63,18 @@ def test_what_is_stated_is_as_uncertain_as_the_recording_leaves_it() -> None:
         assert 0.1 * stated[c] < 3.0 * std["load_elasticity", "compliance", c] < stated[c]
     term = state.hypothesis["load_elasticity"]
     assert settled(effect("load_elasticity"), term, std) == 1.0, "that it gives way is as sure as before"
+
+
+def test_what_only_two_values_together_do_is_told_of_neither() -> None:
+    seen = _Seen(np.zeros(2), *(power * np.ones((2, 2)) for power in (1e4, 1e4, 4e4)))
+    assert np.all(_pulled(seen) > 1e3)
+    apart = _Seen(np.zeros(2), *(power * np.eye(2) for power in (1e4, 1e4, 4e4)))
+    np.testing.assert_allclose(_pulled(apart), 0.02, rtol=1e-6)
+
+
+def test_a_fit_would_go_on_no_further_than_to_a_bound() -> None:
+    give = effect("hard_stop").own_parameters("upper")[1]
+    fit = cast(Any, SimpleNamespace(free=[Free("hard_stop", give, 0)], scale=np.array([0.1])))
+    for slope, most in ((1e6, -0.01), (-1e6, 0.94)):
+        seen = _Seen(np.array([slope]), *np.full((3, 1, 1), 1e4))
+        np.testing.assert_allclose(_ahead(fit, np.array([0.01]), seen), most)

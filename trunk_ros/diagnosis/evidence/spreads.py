@@ -71,15 +71,7 @@ def _seen(residuals: Residuals, x: Array) -> _Seen:
 
 
 def _deviations(residuals: Residuals, x: Array, seen: _Seen) -> Spread:
-    size = np.sqrt(np.diag(seen.normal))
-    told = size > BLIND
-    inverse = np.zeros_like(seen.normal)
-    here, scale = np.ix_(told, told), np.outer(size[told], size[told])
-    inverse[here] = np.linalg.inv(seen.normal[here] / scale + ROUNDED * np.eye(len(scale))) / scale
-    alone, together = (_std(inverse, m) for m in (seen.alone, seen.blocks))
-    ahead = step(seen.normal + np.diag(residuals.scale**-2.0), seen.slope, 0.0, x, *bounds(residuals.free))
-    std = np.hypot(WIDER * np.maximum(alone, together), ahead)
-    std[~told] = np.inf
+    std = np.hypot(WIDER * _pulled(seen), _ahead(residuals, x, seen))
     late = HARDLY * residuals.context.step
     return {
         (f.effect, f.parameter.name, f.column): _natural(f, residuals.hypothesis, float(s), late)
@@ -87,9 +79,28 @@ def _deviations(residuals: Residuals, x: Array, seen: _Seen) -> Spread:
     }
 
 
-def _std(inverse: Array, variance: Array) -> Array:
-    """(n,) of values, from the variance (n, n) of the slope that they follow."""
-    out: Array = np.sqrt(np.maximum(np.diag(inverse @ variance @ inverse), 0.0))
+def _pulled(seen: _Seen) -> Array:
+    """(n,) standard deviations, the larger ones of what each sample and what each block says apart. What
+    rounding leaves of ``normal`` is in its variance as well: of values that only do the same together it
+    would say that each is half of it.
+    """
+    size = np.sqrt(np.diag(seen.normal))
+    told = size > BLIND
+    here, scale = np.ix_(told, told), np.outer(size[told], size[told])
+    rounded = ROUNDED * np.eye(len(scale))
+    inverse = np.linalg.inv(seen.normal[here] / scale + rounded)
+    variances = seen.alone[here] / scale + rounded, seen.blocks[here] / scale
+    power = [np.diag(inverse @ variance @ inverse) for variance in variances]
+    out = np.full(len(size), np.inf)
+    out[told] = np.sqrt(np.max(power, axis=0, initial=0.0)) / size[told]
+    return out
+
+
+def _ahead(residuals: Residuals, x: Array, seen: _Seen) -> Array:
+    """(n,) by how much the fit would still move its values, within their bounds."""
+    low, high = bounds(residuals.free)
+    normal = seen.normal + np.diag(residuals.scale**-2.0)
+    out: Array = np.clip(x - step(normal, seen.slope, 0.0, x, low, high), low, high) - x
     return out
 
 
