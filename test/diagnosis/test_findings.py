@@ -37,6 +37,16 @@ def test_a_size_that_the_data_do_not_tell_is_not_sure_beside_what_a_description_
     assert settled(kind, term, {(kind.id, "moment", 0): spread}) == sure
 
 
+@pytest.mark.parametrize(("stated", "sure"), [("compliance", 1.0), ("damping", 0.5)])
+def test_only_beside_what_a_description_states_a_size_may_be_near_its_spread(
+    stated: str, sure: float
+) -> None:
+    """Also what a model has and what a curve is drawn over is not fitted."""
+    kind = effect("wire_stiffening")
+    term = Term(kind.id, "tangent", {}, {0: {"moment": 0.1}}, given=frozenset({stated}))
+    assert settled(kind, term, {(kind.id, "moment", 0): 0.05}) == sure
+
+
 def test_a_value_as_uncertain_as_it_is_large_is_not_said() -> None:
     """A wire that hardens on one joint at a moment, on the other past all that it bore."""
     kind, context = (

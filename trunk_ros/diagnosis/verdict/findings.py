@@ -110,7 +110,8 @@ def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
         for c, values in term.own.items()
         if lead.name in values and lead.name not in term.given
     ]
-    return 1.0 if not sizes or max(sizes) > (1.0 if term.given else SURE) else 0.5
+    stated = any(p.stated and p.name in term.given for p in kind.parameters)
+    return 1.0 if not sizes or max(sizes) > (1.0 if stated else SURE) else 0.5
 
 
 def believable(kind: type[Effect], term: Term, joints: Sequence[str], told: Determined) -> float:
