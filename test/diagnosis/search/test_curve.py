@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
+import pytest
 
 from test.diagnosis.arms import NOISE, TRUNK, recorded, reshaped
 from test.diagnosis.search.looks import best_of
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.discrepancy.curves import Place, ends, with_curve
 from trunk_ros.diagnosis.discrepancy.memory import in_banks, source_of
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import LITTLE
-from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.moves import CURVE
+from trunk_ros.diagnosis.search.moves.curve import _is_clear
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects.bank import WEIGHTS
+from trunk_ros.effects.curve import KNOTS
 from trunk_ros.effects.wire.coupling_curve import CouplingCurve
 from trunk_ros.recording.recording import Recording
 
@@ -33,15 +40,32 @@ def _worn() -> Recording:
     return reshaped(made, "joint_states", position=angles)
 
 
-def test_a_curve_of_the_joint_itself_wins_over_one_of_a_joint_that_moves_nearly_alike() -> None:
-    """Neither has a form to be off by: what explains more is said."""
+@cache
+def _bent() -> Fit:
+    """What a curve over joint 3 leaves of that."""
     first = begun(first_look(WireStage([wire_span(_worn(), TRUNK)], TRUNK)))
     source = source_of(first.context, 3, CouplingCurve, "joint_3")
     assert source is not None
     bent = in_banks(Hypothesis(), 3, [source], [np.zeros(WEIGHTS)])
     bent["coupling_curve"].given = frozenset()
-    now = refit(first.context, bent)
+    return refit(first.context, bent)
+
+
+def test_a_curve_of_the_joint_itself_wins_over_one_of_a_joint_that_moves_nearly_alike() -> None:
+    """Neither has a form to be off by: what explains more is said."""
+    now = _bent()
     assert now.rest(3) < LITTLE * now.context.misfit[3]
     drawn = best_of(CURVE, now)
     assert drawn is not None
     assert drawn.hypothesis["unknown"].words == {3: {"on": "position"}}
+
+
+@pytest.mark.parametrize(("gone", "clear"), [("coupling_curve", True), ("ratio_error", False)])
+def test_a_formula_is_not_replaced_since_a_curve_stands_beside_it(gone: str, clear: bool) -> None:
+    bent = _bent()
+    ratio = {"ratio_error": Term("ratio_error", own={3: {"relative": 1e-4}})}
+    now = replace(bent, hypothesis=Hypothesis({**bent.hypothesis, **ratio}))
+    own = Place("unknown", "position", *ends(now.context, 3, "position"))
+    there = with_curve(now.hypothesis.without(gone), own, 3, np.zeros(KNOTS))
+    trial = replace(now, hypothesis=there, cost=now.cost | {3: now.cost[3] - 1.0})
+    assert _is_clear(now, trial, 3, ["coupling_curve", "ratio_error"]) == clear

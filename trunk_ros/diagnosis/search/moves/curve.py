@@ -100,8 +100,10 @@ def _is_clear(now: Fit, trial: Fit, column: int, local: list[str]) -> bool:
     """
     if not local or _claims(now, column, local) > SEVERAL:
         return True
-    along, drawn = _followed(now, column, local), drawn_on(now.context, trial.hypothesis, column)
-    if along and all(term.words[column][ON] not in along for term in drawn):
+    kept = {term.effect for term in trial.hypothesis.on(column)}
+    along = _followed(now, column, [name for name in local if name not in kept])
+    drawn = drawn_on(now.context, trial.hypothesis, column)
+    if along and drawn and all(term.words[column][ON] not in along for term in drawn):
         return True
     without = fit(now.context, now.hypothesis.less(local, column), [column]).cost[column]
     return now.cost[column] - trial.cost[column] > LITTLE * (without - now.cost[column])
