@@ -10,11 +10,12 @@ import pytest
 
 from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
+from trunk_ros.diagnosis.evidence.evidence import TIED, Evidence, likely, one_evidence
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.tip.findings import EITHER
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import confused, registry
 from trunk_ros.model import load_model
@@ -36,6 +37,17 @@ def judged(
     context = first_look(stage) if exact else begun(first_look(stage)).context
     context = context.seen_with(truth).weighed(truth)
     return one_evidence(refit(context, truth), name)
+
+
+def test_a_name_is_as_sure_as_its_best_rival_lets_it_be() -> None:
+    margins = (-1.0, -0.3, 0.0, 0.3, 2.0)
+    sure = [likely(100.0, 5e3, [500.0, 100.0 * margin]) for margin in margins]
+    assert sure == sorted(sure)
+    assert sure[2] == pytest.approx(TIED), "one that does as well"
+    assert sure[0] < 0.2
+    assert sure[-1] == likely(100.0, 5e3, [])
+    assert likely(100.0, 100.0, [0.0]) < 0.6, "little gain"
+    assert likely(100.0, 5e3, [0.0], EITHER) == pytest.approx(EITHER)
 
 
 def test_a_lag_of_all_joints_is_a_late_sensor_where_none_pulls_at_another() -> None:
