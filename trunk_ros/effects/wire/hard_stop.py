@@ -42,6 +42,7 @@ class HardStop(Effect):
         return free + self["give"] * (x - free), None
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
+        """Up to the stop and no further, also where it yields: no wire is pulled harder into an obstacle."""
         return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
 
     def credible(self, now: Now, beside: bool = False) -> bool:
