@@ -216,21 +216,23 @@ def speeds(setpoints: Array, stamps: Array) -> Array:
 def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
     """Step the loops, side by side where that pays and nothing of them changes."""
     numbers = core.kp, core.tau_v, core.v_max, core.delay, core.pull, core.load, core.torque, core.rub
-    kp, tau_v, v_max, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)  # compiled once
-    reached = np.where(rub.any(axis=0), np.maximum(core.reach, np.abs(rub).max(axis=0)), 0.0)
-    zone = core.dead_zone
+    reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
+    steady = all(len(one) == 1 for one in (*numbers[:4], core.torque, core.rub, core.cogging))
     cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
-    steady = all(len(one) == 1 for one in (kp, tau_v, v_max, delay, torque, rub, core.cogging))
     if out.shape[1] < SEVERAL or not steady:
+        kp, tau_v, v_max, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)  # compiled once
         servo_loop(
-            setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, zone, cogging, skip,
-            state, out,
+            setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, core.dead_zone,
+            cogging, skip, state, out,
         )  # fmt: skip
         return
-    pull, load, zone = (np.zeros_like(out) + number for number in (pull, load, zone))
+    kp, tau_v, v_max, delay, _, _, torque, rub = (number[0] for number in numbers)
+    over_time = core.pull, core.load, core.dead_zone
+    pull, load, zone = (np.zeros_like(out) + number for number in over_time)
+    cogging = np.ascontiguousarray(cogging[:, 0])
     servo_loops(
-        setpoints, stamps, kp[0], tau_v[0], v_max[0], delay[0], pull, load, torque[0], rub[0], reached, zone,
-        np.ascontiguousarray(cogging[:, 0]), skip, state, out,
+        setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, zone, cogging, skip,
+        state, out,
     )  # fmt: skip
 
 

@@ -1,6 +1,4 @@
-"""How sure a finding is: what it gains, and the rivals that explain the data as
-well.
-"""
+"""How sure a finding is: what it gains, and the rivals that explain the data as well."""
 
 from __future__ import annotations
 

@@ -120,16 +120,17 @@ def _no_flatter(residuals: Residuals, x: Array, found: Spread) -> Spread:
     for nothing.
     """
     out = dict(found)
+    moments = [(k, f) for k, f in enumerate(residuals.free) if f.parameter.moment and f.column is not None]
+    if not moments:
+        return out
+    best, least = float(np.sum(residuals(x) ** 2)), HARDLY * residuals.context.step
     longest = max(float(np.ptp(view.span.stamp)) for view in residuals.context.views)
-    for k, f in enumerate(residuals.free):
+    for k, f in moments:
         key = (f.effect, f.parameter.name, f.column)
-        if f.parameter.moment and f.column is not None:
-            least = HARDLY * residuals.context.step
-            std = float(np.clip(out[key], least, longest)) if np.isfinite(out[key]) else least
-            best = float(np.sum(residuals(x) ** 2))
-            while std < longest and _moved(residuals, x, k, std) - best < NOTABLE**2:
-                std *= 1.5
-            out[key] = std
+        std = float(np.clip(out[key], least, longest)) if np.isfinite(out[key]) else least
+        while std < longest and _moved(residuals, x, k, std) - best < NOTABLE**2:
+            std *= 1.5
+        out[key] = std
     return out
 
 

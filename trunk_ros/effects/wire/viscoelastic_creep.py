@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array, compiled
+from trunk_ros.compiled import Array, compiled, copied
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.filters import kept, lag_step, lowpass
@@ -195,8 +195,7 @@ def creep(x: Array, dt: Array, gain: Array, constant: Array, before: Array, out:
     steps, columns = x.shape
     low = np.empty((steps, columns))
     for j in range(columns):
-        for k in range(steps):
-            out[k, j] = x[k, j]
+        copied(x[:, j], out[:, j])
     for m in range(len(gain)):
         lowpass(x, dt, constant[m], before[m], low)
         for j in range(columns):
