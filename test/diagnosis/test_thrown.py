@@ -79,7 +79,8 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     predicted = context.predict(0, there, column)
     more = thrown(view, there, column, predicted) - predicted
     ((_, rest),) = rests(view, there, column)
-    way = np.maximum(rest.ahead, rest.back)
+    path = view.span.gearbox[view.span.rows[rest.first - 1 :], column] * model.arm.ratio[column]
+    way = np.maximum.accumulate(np.abs(path[1:] - path[0]))
     stamp, band = view.span.stamp, 2.0 * model.arm.dead_band[column]
     assert not more[stamp < at - 0.1].any()
     assert 2e-4 < np.abs(more[rest.still]).mean() < band

@@ -22,16 +22,13 @@ from trunk_ros.parameter import GROWN
 
 
 class Rest(NamedTuple):
-    """A joint that rests from a moment on: the rows of the target at which it does, the first one after the
-    moment, and of all from that on (rows,) how much of what happens has happened by then, and by how many rad
-    at most the gearbox would have moved it ahead and back since.
+    """A joint that rests from a moment [s] on: the rows of the target at which it does, and the first one
+    after the moment.
     """
 
     still: slice
     first: int
-    happened: Array
-    ahead: Array
-    back: Array
+    at: float
 
 
 def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[float, Rest]]:
@@ -56,12 +53,7 @@ def _rest(view: View, column: int, at: float) -> Rest | None:
         return None
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
     still = slice(done, goes_on(path, rows, first, ratio, PART * float(view.arm.dead_band[column])))
-    if np.count_nonzero(valid[still]) < FEWEST:
-        return None
-    path = path[rows[first - 1 :]]
-    moved = (path[1:] - path[0]) * ratio
-    ahead, back = (np.maximum.accumulate(np.maximum(way, 0.0)) for way in (moved, -moved))
-    return Rest(still, first, np.minimum((stamp[first:] - at) / RISE + 0.5, 1.0), ahead, back)
+    return None if np.count_nonzero(valid[still]) < FEWEST else Rest(still, first, at)
 
 
 @compiled
@@ -77,18 +69,47 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
 
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
-    out, seen, band = predicted, view.columns[column], 2.0 * view.arm.dead_band[column]
-    for size, (still, first, happened, ahead, behind) in rests(view, hypothesis, column):
-        rest = (seen.target - out)[still][seen.valid[still]]
+    out, seen, band = predicted, view.columns[column], 2.0 * float(view.arm.dead_band[column])
+    path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
+    for size, (still, first, at) in rests(view, hypothesis, column):
         pushed = predicted[still.start] - predicted[first - 1]
         held = size != 0.0 and abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
-        way, most = np.sign(size if held else pushed), abs(size) if held else band
-        far = float(np.clip(way * rest.mean(), 0.0, min(most, band)))
+        way, most = float(np.sign(size if held else pushed)), abs(size) if held else band
+        far = float(
+            np.clip(way * mean_off(seen.target[still], out[still], seen.valid[still]), 0.0, min(most, band))
+        )
         if far > 0.0:
-            on, back = (ahead, behind) if way > 0.0 else (behind, ahead)
-            left = np.clip(np.minimum(far - on, band - back), 0.0, far)
-            out = np.concatenate([out[:first], out[first:] + way * happened * left])
+            out = out.copy() if out is predicted else out
+            throw(out, view.span.stamp, path, view.span.rows, first, at, way * ratio, far, band, way)
     return out
+
+
+@compiled
+def mean_off(target: Array, predicted: Array, valid: np.ndarray) -> float:
+    """The mean of what is left where it counts, each (n,)."""
+    total, count = 0.0, 0
+    for k in range(len(target)):
+        if valid[k]:
+            total, count = total + target[k] - predicted[k], count + 1
+    return total / count
+
+
+@compiled
+def throw(
+    out: Array, stamp: Array, path: Array, rows: np.ndarray, first: int, at: float, ratio: float, far: float,
+    band: float, way: float,
+) -> None:  # fmt: skip
+    """Throw a joint ``far`` rad at a moment, in ``out`` (n,), until its motor, by ``ratio`` the way of the
+    throw, has moved on by as much or back by the rest of the band.
+    """
+    on, back = 0.0, 0.0
+    for k in range(first, len(out)):
+        moved = (path[rows[k]] - path[rows[first - 1]]) * ratio
+        on, back = max(on, moved), max(back, -moved)
+        left = min(far - on, band - back, far)
+        if left <= 0.0:
+            return
+        out[k] += way * left * min((stamp[k] - at) / RISE + 0.5, 1.0)
 
 
 def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:

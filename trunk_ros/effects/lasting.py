@@ -65,12 +65,14 @@ def share(stamp: Array, values: Mapping[str, Any], columns: int) -> Array:
     said = [first, *(names for names in later if names[0] in values)]
 
     def of(name: str) -> Array:
-        return np.broadcast_to(np.asarray(values.get(name, NULLS[name]), dtype=float), (columns,))
+        out = np.empty(columns)
+        out[:] = values.get(name, NULLS[name])
+        return out
 
     begin, until = (np.array([of(names[which]) for names in said]) for which in (0, 1))
     times = np.array([np.ones(columns), *(of(times) for *_, times in said[1:])])
     out = np.empty((columns, len(stamp))).T
-    _share(stamp, begin, until, times, of(GROWN.name).copy(), out)
+    _share(stamp, begin, until, times, of(GROWN.name), out)
     return out
 
 
