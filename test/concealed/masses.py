@@ -43,7 +43,10 @@ HUB = 1e-7  # kg m², of a joint
     LAG,
 ) = range(19)  # of a table; fmt: skip
 PAYLOAD, LIGHT, BALANCED, GAIN, GIVES = range(5)  # of what is shared
-ANGLE, RATE, CABLE, CABLE_RATE, CREPT, BENT, CALM = range(7)  # of a state
+ANGLE, RATE, CABLE, CABLE_RATE, CREPT, CALM, BENT = range(7)  # of a state; from BENT on, what each element of a joint's friction holds
+ELEMENTS = 12
+FIRST_TO_SLIDE = -np.log(1.0 - (np.arange(ELEMENTS) + 0.5) / ELEMENTS)  # of a law that falls exponentially
+SHARE = FIRST_TO_SLIDE / FIRST_TO_SLIDE.sum()
 
 
 @njit(cache=True)
@@ -103,11 +106,17 @@ def _over(stretch: float, gap: float) -> float:
 
 
 @njit(cache=True)
-def _bends(p: Array, j: int, rate: float, bent: float) -> float:
-    """Stiffness of bristles (Dahl) that are bent to a moment: none in the direction in which they slide."""
+def _bends(p: Array, j: int, rate: float, at: Array) -> float:
+    """Stiffness of bristles: elements that each give until they slide (Maxwell slip), alike but for when. The
+    loop of a whole slide is Dahl's; small ones close, so that shaking does not make a joint relax.
+    """
     if p[BRISTLE, j] == 0:
         return 0.0
-    return float(p[BRISTLE, j] * max(1 - np.sign(rate) * bent / p[JOINT, j], 0.0))
+    each, stiff = 2 * p[BRISTLE, j] / ELEMENTS, 0.0
+    for i in range(ELEMENTS):
+        if np.sign(rate) * at[BENT + i, j] < p[JOINT, j] * SHARE[i]:
+            stiff += each
+    return stiff
 
 
 @njit(cache=True)
@@ -122,6 +131,9 @@ def _holds(p: Array, j: int, calm: float) -> float:
 def _pushes(u: Array, du: Array, at: Array, moment: Array, p: Array, act: Array) -> None:
     """What acts in a step. act: rows push, hold and weight of capstans, the same of joints, their link."""
     for j in range(COUNT):
+        bent = 0.0
+        for i in range(ELEMENTS):
+            bent += at[BENT + i, j]
         stretch = u[j] - at[CABLE, j]
         k1 = 0.0 if abs(stretch) < p[GAP, j] else 1 / p[BEFORE, j]
         pull, k2 = _pull(at[CABLE, j] - at[ANGLE, j] - at[CREPT, j], p[AFTER, j], p[HARD, j], p[SLACK, j])
@@ -131,9 +143,9 @@ def _pushes(u: Array, du: Array, at: Array, moment: Array, p: Array, act: Array)
         act[0, j] = H * (_over(stretch, p[GAP, j]) / p[BEFORE, j] + damped * k1 * du[j] - pull)
         act[1, j] = H * (p[CAPSTAN, j] + p[GRIP, j] * abs(pull))
         act[2, j] = H * (H + damped) * k1 + act[6, j]
-        act[3, j] = H * (pull + moment[j] - p[SKIN, j] * at[ANGLE, j] - at[BENT, j]) + HUB * at[RATE, j]
+        act[3, j] = H * (pull + moment[j] - p[SKIN, j] * at[ANGLE, j] - bent) + HUB * at[RATE, j]
         act[4, j] = H * _holds(p, j, at[CALM, j])
-        bends = _bends(p, j, at[RATE, j], at[BENT, j])
+        bends = _bends(p, j, at[RATE, j], at)
         act[5, j] = act[6, j] + H * p[DRAG, j] + H * H * (p[SKIN, j] + bends) + HUB
 
 
@@ -168,8 +180,10 @@ def _solve(at: Array, mass: Array, act: Array) -> None:
 def _advance(at: Array, p: Array) -> None:
     """Angles, and what friction and wires remember, at the end of the step."""
     for j in range(COUNT):
-        bent = at[BENT, j] + H * _bends(p, j, at[RATE, j], at[BENT, j]) * at[RATE, j]
-        at[BENT, j] = min(max(bent, -p[JOINT, j]), p[JOINT, j])
+        for i in range(ELEMENTS):
+            most = p[JOINT, j] * SHARE[i]
+            bent = at[BENT + i, j] + H * 2 * p[BRISTLE, j] / ELEMENTS * at[RATE, j]
+            at[BENT + i, j] = min(max(bent, -most), most)
         at[ANGLE, j] += H * at[RATE, j]
         at[CABLE, j] += H * at[CABLE_RATE, j]
         pull, _ = _pull(at[CABLE, j] - at[ANGLE, j] - at[CREPT, j], p[AFTER, j], p[HARD, j], p[SLACK, j])
@@ -185,8 +199,8 @@ def _wheel(shaft: Array, at: Array, p: Array, route: Array) -> Array:
 
 @njit(cache=True)
 def _begin(shaft: Array, p: Array, route: Array, one: Array, own: Array) -> Array:
-    """State (7, 5) at rest, the weight on linear wires, no friction; the settling does the rest."""
-    at, pull = np.zeros((7, COUNT)), np.zeros(COUNT)
+    """State at rest, the weight on linear wires, no friction; the settling does the rest."""
+    at, pull = np.zeros((BENT + ELEMENTS, COUNT)), np.zeros(COUNT)
     for _ in range(30):
         turned, carried = np.cumsum(at[ANGLE]), 0.0
         for j in range(COUNT - 1, -1, -1):
