@@ -73,14 +73,14 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
     for size, (still, first, at) in rests(view, hypothesis, column):
         pushed = predicted[still.start] - predicted[first - 1]
-        held = size != 0.0 and abs(pushed) < PART * band / 2  # by friction: it goes on a part of the way
-        way, most = float(np.sign(size if held else pushed)), abs(size) if held else band
-        far = float(
-            np.clip(way * mean_off(seen.target[still], out[still], seen.valid[still]), 0.0, min(most, band))
-        )
+        mean = mean_off(seen.target[still], out[still], seen.valid[still])
+        way, most = np.sign(pushed), band
+        if abs(pushed) < PART * band / 2:  # held by friction, it goes on a part of the way, if that is said
+            way, most = np.sign(size or mean), abs(size) or band
+        far = float(np.clip(way * mean, 0.0, min(most, band)))
         if far > 0.0:
             out = out.copy() if out is predicted else out
-            throw(out, view.span.stamp, path, view.span.rows, first, at, way * ratio, far, band, way)
+            throw(out, view.span.stamp, path, view.span.rows, first, at, float(way) * ratio, far, band, float(way))
     return out
 
 
