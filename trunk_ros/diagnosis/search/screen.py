@@ -199,7 +199,7 @@ class Screen:
         found = self._scaled(begun, column)
         most = max((c.gain for c in found), default=0.0)
         near = [c for c in found if c.gain > NEARLY * most]
-        again = self._scaled(near, column) if len(near) > 1 else near
+        again = self._scaled(near, column)
         return max(again or near, key=lambda c: c.gain, default=None)
 
     def _scaled(self, trials: list[Candidate], column: int) -> list[Candidate]:
