@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from test.effects.example import COMPENSABLE, arm_of, everything, in_plane, model_of, motion, stamps
+from test.effects.example import COMPENSABLE, alike, arm_of, everything, in_plane, model_of, motion, stamps
 from trunk_ros.chain import Chain, State, tip_pass, wire_pass
 from trunk_ros.compiled import Array
 from trunk_ros.effects import registry
@@ -36,7 +36,7 @@ def test_the_nominal_wire_is_a_play() -> None:
     model = load_model("trunk")
     phi = motion(stamps(30, 100)) / model.arm.ratio
     got, _ = Chain(model, "wire").run(phi, stamps(30, 100))
-    assert got == pytest.approx(nominal_play(phi, model.arm.ratio, model.arm.dead_band), abs=1e-15)
+    alike(got, nominal_play(phi, model.arm.ratio, model.arm.dead_band), 1e-15)
 
 
 def test_a_direct_transmission_hands_on_what_it_gets() -> None:
@@ -82,7 +82,7 @@ def test_all_effects_at_once_work_block_by_block(
         for part in np.split(np.arange(600), sorted(cuts)):
             out, state = way(wanted[part], stamp[part], state)
             parts.append(out)
-        assert np.concatenate(parts) == pytest.approx(expected, abs=AGREED)
+        alike(np.concatenate(parts), expected, AGREED)
 
 
 def test_a_long_recording_is_cut_into_blocks_that_do_not_show() -> None:
@@ -91,7 +91,7 @@ def test_a_long_recording_is_cut_into_blocks_that_do_not_show() -> None:
     by_tens = [chain.run(x[:12_345], stamp[:12_345])]
     by_tens.append(chain.run(x[12_345:], stamp[12_345:], by_tens[0][1]))
     whole = chain.run(x, stamp)[0]
-    assert np.concatenate([part for part, _ in by_tens]) == pytest.approx(whole, abs=AGREED)
+    alike(np.concatenate([part for part, _ in by_tens]), whole, AGREED)
 
 
 def test_single_ticks_are_the_recording() -> None:
@@ -101,7 +101,7 @@ def test_single_ticks_are_the_recording() -> None:
     for k in range(len(stamp)):
         out, state = chain.run(x[k : k + 1], stamp[k : k + 1], state)
         ticks.append(out)
-    assert np.concatenate(ticks) == pytest.approx(chain.run(x, stamp)[0], abs=2 * AGREED)
+    alike(np.concatenate(ticks), chain.run(x, stamp)[0], 2 * AGREED)
 
 
 def test_a_state_can_be_used_twice() -> None:
@@ -138,7 +138,7 @@ def test_the_inverse_sees_the_load_at_the_true_angle_not_at_a_reading_with_an_of
     }
     chain, stamp = Chain(Model(arm_of(5), effects), "wire"), stamps(8, 100)
     wanted = motion(stamp) + 0.3
-    assert chain.run(chain.invert(wanted, stamp)[0], stamp)[0] == pytest.approx(wanted, abs=1e-7)
+    alike(chain.run(chain.invert(wanted, stamp)[0], stamp)[0], wanted, 1e-7)
 
 
 def test_rounding_in_a_reference_does_not_cross_the_dead_band() -> None:
@@ -171,7 +171,7 @@ def test_filters_and_delays_go_on_while_time_is_held() -> None:
     for k in range(len(stamp)):
         out, state = live.run(x[k : k + 1], stamp[k : k + 1], state)
         ticks.append(out)
-    assert np.concatenate(ticks) == pytest.approx(Chain(model, "wire").run(x, stamp)[0], abs=1e-9)
+    alike(np.concatenate(ticks), Chain(model, "wire").run(x, stamp)[0], 1e-9)
 
 
 def test_the_chain_and_one_pass_over_its_columns_agree() -> None:
@@ -204,7 +204,7 @@ def test_the_chain_and_one_pass_over_its_columns_agree() -> None:
             Core(nominal_width=width, width=width),
             None,
         )
-        assert got[:, 0] == pytest.approx(shown[:, column], abs=AGREED)
+        alike(got[:, 0], shown[:, column], AGREED)
 
 
 def test_the_nominal_tip_is_the_arms_forward_kinematics() -> None:

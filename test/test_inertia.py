@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from test.effects.example import arm_of, motion, stamps
+from test.effects.example import alike, arm_of, motion, stamps
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain, State
 from trunk_ros.compiled import Array
@@ -172,7 +172,7 @@ def test_inertia_carries_its_memory_from_block_to_block(way: str, cuts: set[int]
     for part in np.split(np.arange(800), sorted(cuts | set(range(1, ticks)))):
         out, state = go(x[part], stamp[part], state)
         parts.append(out)
-    assert np.concatenate(parts) == pytest.approx(go(x, stamp)[0], abs=2 * AGREED)
+    alike(np.concatenate(parts), go(x, stamp)[0], 2 * AGREED)
 
 
 def test_a_joint_that_is_swung_gives_way_to_its_inertia() -> None:
@@ -198,7 +198,7 @@ def test_the_compensator_carries_the_inertia_as_well() -> None:
     wanted = motion(stamp, amplitude=0.2)
     chain = Chain(Model(loaded(payload=0.0), {"load_elasticity": EFFECTS["load_elasticity"]}), "wire")
     got, _ = chain.run(chain.invert(wanted, stamp)[0], stamp)
-    assert got == pytest.approx(wanted, abs=NOISE_FLOOR)
+    alike(got, wanted, NOISE_FLOOR)
 
 
 def test_the_sampling_rate_does_not_matter_to_inertia() -> None:

@@ -70,6 +70,14 @@ def motion(stamp: Array, joints: int = 5, amplitude: float = 0.3, pace: float = 
     )
 
 
+def alike(got: Array, wanted: Array, within: float) -> None:
+    """Assert that signals of one shape differ by no more. pytest.approx goes from number to number, which
+    takes as long as to compute them.
+    """
+    assert np.shape(got) == np.shape(wanted)
+    np.testing.assert_allclose(got, wanted, rtol=0.0, atol=within, equal_nan=False)
+
+
 def stamps(seconds: float, rate: float) -> Array:
     """Even stamps [s] from 0."""
     return np.arange(round(seconds * rate) + 1) / rate

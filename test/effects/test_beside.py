@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.effects.example import WIRE, arm_of, motion, run, stamps, values_of
+from test.effects.example import WIRE, alike, arm_of, motion, run, stamps, values_of
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import registry
@@ -49,8 +49,8 @@ def test_each_joint_does_what_its_own_effect_says(name: str, form: str) -> None:
     for other, its_form in ALONE:
         if other != name:
             both = shown(on_joint(name, form, 0) | on_joint(other, its_form, 2))
-            assert both[:, 0] == pytest.approx(alone(name, form, 0), abs=1e-9), (other, its_form)
-            assert both[:, 2] == pytest.approx(alone(other, its_form, 2), abs=1e-9), (other, its_form)
+            alike(both[:, 0], alone(name, form, 0), 1e-9)
+            alike(both[:, 2], alone(other, its_form, 2), 1e-9)
 
 
 def test_each_joint_is_compensated_as_its_own_effect_wants() -> None:
@@ -59,5 +59,5 @@ def test_each_joint_is_compensated_as_its_own_effect_wants() -> None:
     one, other, both = (
         Chain(Model(arm_of(JOINTS), effects), "wire").invert(THETA, STAMP)[0] for effects in each
     )
-    assert both[:, 0] == pytest.approx(one[:, 0], abs=1e-9)
-    assert both[:, 2] == pytest.approx(other[:, 2], abs=1e-9)
+    alike(both[:, 0], one[:, 0], 1e-9)
+    alike(both[:, 2], other[:, 2], 1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -14,6 +15,7 @@ from test.effects.example import (
     CASES,
     COMPENSABLE,
     WIRE,
+    alike,
     arm_of,
     input_of,
     model_of,
@@ -36,6 +38,13 @@ AGREED = 1e-6  # rad: what each block may be off by, where joints see each other
 REGIMES = {"always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"}
 OF_TIME = {"thermal_drift", "wire_slip", "friction_wear", "unknown_jumps", "unknown_slips"}
 every_effect = pytest.mark.parametrize(("name", "form"), CASES)
+
+
+@cache
+def plain(stage: str) -> Array:
+    """What 12 s of motion become in a stage without effects."""
+    stamp = stamps(12, 100)
+    return run(Model(arm_of(5)), stage, motion(stamp), stamp)
 
 
 @every_effect
@@ -82,10 +91,8 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
         with_lead_at_null |= {name: null for name, null in nulls.items() if name in values}
     if issubclass(kind, Bank):
         with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters if p.name.startswith("weight")}
-    without = run(Model(arm_of(5)), kind.stage, theta, stamp)
-    assert run(Model(arm_of(5), {name: with_lead_at_null}), kind.stage, theta, stamp) == pytest.approx(
-        without, abs=1e-12
-    )
+    with_it = run(Model(arm_of(5), {name: with_lead_at_null}), kind.stage, theta, stamp)
+    alike(with_it, plain(kind.stage), 1e-12)
     assert Model.from_parameters(Model(arm_of(5), {name: dict(kind.null())}).parameters()).effects == {}
 
 
@@ -93,7 +100,7 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
 def test_it_does_something(name: str, form: str) -> None:
     stamp, theta = stamps(12, 100), motion(stamps(12, 100))
     stage = registry()[name].stage
-    change = run(model_of(name, form), stage, theta, stamp) - run(Model(arm_of(5)), stage, theta, stamp)
+    change = run(model_of(name, form), stage, theta, stamp) - plain(stage)
     assert np.sqrt(np.mean(change**2)) > NOISE_FLOOR
 
 
@@ -155,7 +162,7 @@ def test_block_by_block_equals_all_at_once(name: str, form: str, cuts: set[int],
     for backward in (False, True) if (name, form) in COMPENSABLE else (False,):
         whole = in_blocks(Chain(model, stage), backward, x, stamp, [])
         got = in_blocks(Chain(model, stage), backward, x, stamp, sorted(cuts))
-        assert got == pytest.approx(whole, abs=AGREED * (1 + len(cuts)))
+        alike(got, whole, AGREED * (1 + len(cuts)))
 
 
 @pytest.mark.parametrize(("name", "form"), COMPENSABLE)
@@ -172,7 +179,7 @@ def test_what_its_inverse_asks_for_gives_what_was_wanted(name: str, form: str, j
     got, _ = chain.run(gearbox, stamp, velocity=speed)
     gives = 2.0 if name == "wire_slack" else 1.0  # half as stiff, it is pulled twice as far
     floor = gives * KNOCKED if form == "held" else NOISE_FLOOR
-    assert got == pytest.approx(wanted, abs=floor)
+    alike(got, wanted, floor)
 
 
 @pytest.mark.parametrize("form", ["exponential", "gaussian", "hyperbolic"])
@@ -242,7 +249,7 @@ def test_the_servo_does_not_care_how_often_it_is_looked_at(name: str, form: str)
     model = model_of(name, form)
     often, seldom = (Chain(model, "servo").run(x, t)[0] for x, t in ((held, fine), (setpoint, coarse)))
     looked_up = 4.0 if "on" in registry()[name].texts else 1.0  # a curve is, once a sample
-    assert often[::5] == pytest.approx(seldom, abs=looked_up * NOISE_FLOOR)
+    alike(often[::5], seldom, looked_up * NOISE_FLOOR)
 
 
 @pytest.mark.parametrize(("name", "form"), WIRE)

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from test.effects.example import arm_of, motion, stamps
+from test.effects.example import alike, arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import registry
@@ -74,13 +74,13 @@ def test_what_depends_on_angle_and_time_follows_its_formula(name: str) -> None:
     ],
 )
 def test_a_drift_is_exponential_or_straight(values: dict[str, Any], drift: Array) -> None:
-    assert wire("thermal_drift", **values) == pytest.approx(THETA + drift[:, None], abs=1e-12)
+    alike(wire("thermal_drift", **values), THETA + drift[:, None], 1e-12)
 
 
 def test_a_drift_with_travel_goes_by_the_way_to_and_fro() -> None:
     way = np.concatenate([np.zeros((1, 3)), np.cumsum(np.abs(np.diff(THETA, axis=0)), axis=0)])
     got = wire("thermal_drift", rate=1e-4, speed=0.1, form="travel")
-    assert got == pytest.approx(THETA + 1e-3 * way, abs=1e-5)
+    alike(got, THETA + 1e-3 * way, 1e-5)
 
 
 def test_a_coupling_adds_gain_times_the_sources_true_angle() -> None:
@@ -96,12 +96,12 @@ def test_joints_may_drag_each_other() -> None:
 
 
 def test_a_tension_error_scales_the_nominal_dead_band() -> None:
-    assert wire("tension_error", dead_band=2e-3, factor=1.5) == pytest.approx(play(THETA, 3e-3), abs=1e-12)
+    alike(wire("tension_error", dead_band=2e-3, factor=1.5), play(THETA, 3e-3), 1e-12)
 
 
 def test_friction_grows_with_the_load() -> None:
     got = wire("load_dependent_friction", dead_band=1e-3, gain=0.01)
-    assert got == pytest.approx(play(THETA, 1e-3 + 0.01 * np.abs(ARM.load(got))), abs=1e-7)
+    alike(got, play(THETA, 1e-3 + 0.01 * np.abs(ARM.load(got))), 1e-7)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_friction_grows_with_the_load() -> None:
 )
 def test_friction_is_wider_at_low_speed(form: str, fade: Callable[[Array], Array]) -> None:
     got = wire("stribeck_friction", dead_band=1e-3, form=form, amplitude=2e-3, velocity=0.1)
-    assert got == pytest.approx(play(THETA, 1e-3 + 2e-3 * fade(np.abs(SPEED) / 0.1)), abs=1e-12)
+    alike(got, play(THETA, 1e-3 + 2e-3 * fade(np.abs(SPEED) / 0.1)), 1e-12)
 
 
 def test_a_film_of_oil_sees_the_whole_dead_band_by_whatever_name() -> None:
@@ -138,20 +138,20 @@ def test_friction_of_a_film_falls_with_the_speed_that_the_joint_has_had_of_late(
                 late = late + (np.abs(theta - before) / 2.5e-3 - late) * (1.0 - np.exp(-2.5e-3 / 0.05))
         more.append(extra)
         last = u
-    assert got == pytest.approx(play(THETA, 1e-3 + np.array(more)), abs=1e-12)
+    alike(got, play(THETA, 1e-3 + np.array(more)), 1e-12)
 
 
 def test_a_load_stretches_the_wire_along_with_a_payload() -> None:
     got = wire("load_elasticity", compliance=0.05, payload=0.1)
     tau = ARM.load(got) + 0.1 * ARM.lever(got)
-    assert got == pytest.approx(THETA + 0.05 * tau, abs=1e-7)
+    alike(got, THETA + 0.05 * tau, 1e-7)
 
 
 def test_a_slack_wire_is_twice_as_soft_past_its_threshold() -> None:
     got = wire("wire_slack", threshold=0.03, compliance=0.05)
     tau = ARM.load(got)
     excess = np.sign(tau) * np.maximum(np.abs(tau) - 0.03, 0.0)
-    assert got == pytest.approx(THETA + 0.05 * (tau + excess), abs=1e-7)
+    alike(got, THETA + 0.05 * (tau + excess), 1e-7)
 
 
 def test_what_goes_slack_little_by_little_does_so_within_its_softness() -> None:
@@ -159,7 +159,7 @@ def test_what_goes_slack_little_by_little_does_so_within_its_softness() -> None:
     tau = ARM.load(got)
     beyond, before = (np.logaddexp(0.0, (size - 0.03) / 0.004) for size in (np.abs(tau), 0.0))
     excess = 0.004 * np.sign(tau) * (beyond - before)
-    assert got == pytest.approx(THETA + 0.05 * (tau + excess), abs=1e-7)
+    alike(got, THETA + 0.05 * (tau + excess), 1e-7)
 
 
 @pytest.mark.parametrize("form", ["tangent", "secant", "smooth"])
@@ -197,20 +197,20 @@ FINE = finely(THETA)
 
 def test_a_lag_is_a_first_order_low_pass() -> None:
     expected = euler(lambda x, row: (FINE[row] - x) / 0.05, THETA[0])
-    assert wire("viscous_lag", time_constant=0.05) == pytest.approx(expected, abs=2e-5)
+    alike(wire("viscous_lag", time_constant=0.05), expected, 2e-5)
 
 
 def test_a_creep_gives_back_a_share_of_the_slow_position() -> None:
     low = euler(lambda x, row: (FINE[row] - x) / 2.0, THETA[0])
     got = wire("viscoelastic_creep", gain=0.05, time_constant=np.full(3, 2.0))
-    assert got == pytest.approx(THETA - 0.05 * low, abs=2e-5)
+    alike(got, THETA - 0.05 * low, 2e-5)
 
 
 def test_a_wire_that_creeps_under_weight_goes_by_the_slow_load() -> None:
     got = wire("viscoelastic_creep", compliance=0.05, time_constant=np.full(3, 2.0), form="load")
     load = finely(ARM.load(got))
     low = euler(lambda x, row: (load[row] - x) / 2.0, load[0])
-    assert got == pytest.approx(THETA + 0.05 * low, abs=2e-5)
+    alike(got, THETA + 0.05 * low, 2e-5)
 
 
 def test_a_link_swings_as_a_damped_oscillator() -> None:
@@ -273,7 +273,7 @@ def test_without_masses_only_the_joint_itself_swings() -> None:
 
 def test_a_late_sensor_shows_the_past() -> None:
     past = np.column_stack([np.interp(STAMP - 0.013, STAMP, column) for column in THETA.T])
-    assert wire("sensor_delay", delay=0.013) == pytest.approx(past, abs=2e-5)
+    alike(wire("sensor_delay", delay=0.013), past, 2e-5)
 
 
 @pytest.mark.parametrize("form", ["spread", "bouc_wen", "bouc_wen_2", "dahl"])
@@ -324,10 +324,10 @@ def test_wear_with_travel_goes_on_where_it_stood_and_stops_with_the_joint() -> N
     theta = 0.2 * np.sin(np.minimum(stamp, 20.0))[:, None]
     width = 1e-4 * np.concatenate([[0.0], np.cumsum(np.abs(np.diff(theta[:, 0])))]) / 0.05
     whole, _ = chain.run(theta / 0.625, stamp)
-    assert whole == pytest.approx(play(theta, width[:, None]), abs=1e-12)
+    alike(whole, play(theta, width[:, None]), 1e-12)
     first, state = chain.run(theta[:1234] / 0.625, stamp[:1234])
     second, _ = chain.run(theta[1234:] / 0.625, stamp[1234:], state)
-    assert np.concatenate([first, second]) == pytest.approx(whole, abs=1e-12)
+    alike(np.concatenate([first, second]), whole, 1e-12)
     assert np.ptp(width[2000:]) == pytest.approx(0.0, abs=1e-12)
 
 

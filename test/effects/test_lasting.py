@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.effects.example import arm_of, motion, stamps
+from test.effects.example import alike, arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import effect, registry
@@ -65,7 +65,7 @@ def test_what_grows_does_so_in_proportion_to_the_time() -> None:
     grows = soft | {"from": np.full(3, 5.0), "grown": np.full(3, 15.0)}
     some, whole = (wire({"load_elasticity": values}, 0.0) - wire({}, 0.0) for values in (grows, soft))
     expected = np.clip((STAMP - 5.0) / 10.0, 0.0, 1.0)
-    assert some == pytest.approx(expected[:, None] * whole, abs=1e-5)
+    alike(some, expected[:, None] * whole, 1e-5)
 
 
 def test_a_payload_is_carried_from_when_it_is_taken_up_until_it_is_put_down() -> None:
