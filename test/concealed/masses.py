@@ -43,9 +43,7 @@ HUB = 1e-7  # kg m², of a joint
     LAG,
 ) = range(19)  # of a table; fmt: skip
 PAYLOAD, LIGHT, BALANCED, GAIN, GIVES = range(5)  # of what is shared
-ANGLE, RATE, CABLE, CABLE_RATE, CREPT, CALM, BENT = range(
-    7
-)  # of a state; from BENT on, what each element of a joint's friction holds
+ANGLE, RATE, CABLE, CABLE_RATE, CREPT, CALM, BENT = range(7)  # of a state; from BENT on its elements
 ELEMENTS = 12
 FIRST_TO_SLIDE = -np.log(1.0 - (np.arange(ELEMENTS) + 0.5) / ELEMENTS)  # of a law that falls exponentially
 SHARE = FIRST_TO_SLIDE / FIRST_TO_SLIDE.sum()

@@ -80,18 +80,8 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
         far = float(np.clip(way * mean, 0.0, min(most, band)))
         if far > 0.0:
             out = out.copy() if out is predicted else out
-            throw(
-                out,
-                view.span.stamp,
-                path,
-                view.span.rows,
-                first,
-                at,
-                float(way) * ratio,
-                far,
-                band,
-                float(way),
-            )
+            side = float(way)
+            throw(out, view.span.stamp, path, view.span.rows, first, at, side * ratio, far, band, side)
     return out
 
 
