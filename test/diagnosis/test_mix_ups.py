@@ -146,6 +146,17 @@ def test_one_swing_of_a_wide_dead_band_is_no_other_clock_at_whichever_side_it_be
     assert clock_offset(stamp, motor, stamp + 3.0, motor) == pytest.approx(3.0, abs=0.1)
 
 
+def test_a_joint_that_goes_one_way_only_tells_no_other_clock() -> None:
+    """A wire that is slack at first does the same."""
+    stamp = np.arange(400.0)
+    motor = -np.expm1(-stamp[:, None] / 400.0)
+    slack = -np.expm1(-np.clip(stamp[:, None] - 150.0, 0.0, None) / 400.0)
+    assert clock_offset(stamp, motor, stamp, slack) == 0.0
+    there_and_back, later = np.vstack([motor, motor[::-1]]), np.arange(800.0)
+    late = np.vstack([np.zeros((150, 1)), there_and_back[:-150]])
+    assert clock_offset(later, there_and_back, later, late) == pytest.approx(150.0, abs=1.0)
+
+
 def test_all_joints_moving_alike_are_not_swapped(good: Recording) -> None:
     alike = replace(
         good, series={k: replace(s, position=s.position[:, [0] * 5]) for k, s in good.series.items()}

@@ -7,7 +7,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, correlation
-from trunk_ros.diagnosis.levels import FEWEST, SOME
+from trunk_ros.diagnosis.levels import FEWEST, PART, SOME
 from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.signal.fill import fill
@@ -19,9 +19,12 @@ BANDS = np.linspace(0.02, 0.48, 16)  # half-widths of dead bands, of the motion
 
 def clock_offset(first: Array, source: Array, second: Array, target: Array) -> float:
     """Seconds by which ``target`` (m, joints) at stamps ``second`` (m,) is later than ``source`` (n, joints)
-    at ``first`` (n,); 0 where it fits as it is, or where no shift makes it fit.
+    at ``first`` (n,); 0 where it fits as it is, or where no shift makes it fit, or where no joint turns back:
+    one way a curve does the same.
     """
     if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > FOLLOWS:
+        return 0.0
+    if not any(map(_turns_back, fill(source).T)):
         return 0.0
     usual = max(float(np.median(np.diff(stamp))) for stamp in (first, second))
     step = max(COARSE, usual, np.ptp(first) / CELLS, np.ptp(second) / CELLS)
@@ -31,6 +34,12 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
         return 0.0
     least = max(FOLLOWS, _alike_by_a_play(first, source, second, target))
     return off if _alike(first + off, source, second, target) > least else 0.0
+
+
+def _turns_back(path: Array) -> bool:
+    """Whether (n,) of a joint goes back by more than a small part of its way."""
+    down, up = np.maximum.accumulate(path) - path, path - np.minimum.accumulate(path)
+    return bool(min(down.max(), up.max()) > PART * np.ptp(path))
 
 
 def _alike_by_a_play(first: Array, source: Array, second: Array, target: Array) -> float:
