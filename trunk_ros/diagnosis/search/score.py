@@ -105,14 +105,15 @@ def price(fit: Fit, term: Term) -> float:
     """What a term must gain, over all its joints; a further source counts as a further effect, and so does
     each moment at which it begins or ends.
 
-    What the model has already costs nothing.
+    What the model has already costs nothing, what it gets besides does.
     """
     context, kind = fit.context, effect(term.effect)
     name, source = naming(kind.stage), choice(len(context.joints) - 1)
     known = context.known[term.effect].columns if term.effect in context.known else []
     columns = [c for c in term.columns if c in context.columns and c not in known]
+    besides = _besides(fit, term) if known and kind.named else 0.0
     if not columns:
-        return 0.0
+        return besides
     needs = {c: need(context, c, fit.rest(c)) for c in columns}
     if not kind.named:
         return sum(_curve(fit, term, c, n) for c, n in needs.items())
@@ -122,18 +123,35 @@ def price(fit: Fit, term: Term) -> float:
         each = _further(context, free, columns, 1) - name * len(needs)
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
             usual, each = sum(needs.values()), _further(context, free, columns, len(needs))
-        return name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
+        return besides + name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
     values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
     said = {c: len(term.words.get(c, {})) for c in needs}
     words = sum(needs[c] * max(count - 1, 0) + source * count for c, count in said.items())
     further = _further(context, [f for f in free if f.column is not None], columns, len(needs))
     return (
-        name
+        besides
+        + name
         + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items())
         + words
         + further
         + _moments(fit, term, needs)
     )
+
+
+def _besides(fit: Fit, term: Term) -> float:
+    """Of what an effect that the model has gets besides: values, and moments at which it begins and ends."""
+    context, known = fit.context, fit.context.known[term.effect]
+    columns = [c for c in term.columns if c in known.own and c in context.columns]
+    own = {c: {n: v for n, v in term.own[c].items() if n not in known.own[c]} for c in columns}
+    shared = {n: v for n, v in term.shared.items() if n not in known.shared}
+    if not (columns and (shared or any(own.values()))):
+        return 0.0
+    more = replace(term, own=own, shared=shared)
+    free = Hypothesis({term.effect: more}).free(columns)
+    lost = sum(len(known.own[c].keys() - term.own[c].keys()) for c in columns)
+    gone = lost + len(known.shared.keys() - term.shared.keys())
+    needs = {c: need(context, c, fit.rest(c)) for c in columns}
+    return (_further(context, free, columns, gone) if free else 0.0) + _moments(fit, more, needs)
 
 
 def _further(context: Context, free: list[Free], columns: list[int], paid: int) -> float:

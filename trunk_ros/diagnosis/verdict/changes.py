@@ -91,10 +91,28 @@ def changes(
     there = dict(hypothesis)
     for name, term in named.items():
         found = next((f for f in every if f.effect == name), None)
-        changed = _changed(context, term, there.get(name), found, std, who)
+        now, spreads = _carried_on(term, there, std)
+        changed = _changed(context, term, now, found, spreads, who)
         if changed is not None:
             new.append(_beside(changed, [f for f in new if f.effect not in named]))
     return new
+
+
+def _carried_on(known: Term, there: dict[str, Term], std: Spreads) -> tuple[Term | None, Spreads]:
+    """An effect of the model as it is now, with standard deviations: also where another law, with its values
+    and more, has taken its place on a joint.
+    """
+    now, name = there.get(known.effect), known.effect
+    lead = effect(name).own_parameters(known.form)[0]
+    for other, term in there.items():
+        columns = [c for c in term.columns if c in known.own and (now is None or c not in now.own)]
+        if not columns or lead not in effect(other).used(term.form):
+            continue
+        now = Term(name, known.form, dict(term.shared)) if now is None else now.copy()
+        for c in columns:
+            now.have(c, term.own[c])
+        std = std | {(name, *key[1:]): value for key, value in std.items() if key[0] == other}
+    return now, std
 
 
 def _changed(
