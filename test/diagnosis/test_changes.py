@@ -75,6 +75,19 @@ def test_a_payload_that_changed_is_said_also_where_the_wires_are_as_they_were() 
     assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.15, abs=0.01)
 
 
+def test_a_fuller_law_in_the_place_of_what_the_model_has_is_told_once() -> None:
+    """A pair that goes slack stretches as the model has it up to there: nothing of that is gone."""
+    soft = np.full(3, 0.05)
+    slack = {"compliance": soft, "threshold": np.array([0.03, 0.01, 2e-3])}
+    result = told({"load_elasticity": {"compliance": soft}}, {"wire_slack": slack})
+    (only,) = result.findings
+    assert only.effect == "wire_slack"
+    other = told({"load_elasticity": {"compliance": 0.5 * soft}}, {"wire_slack": slack})
+    assert {f.effect for f in other.findings} == {"wire_slack", "load_elasticity"}
+    (changed,) = (f for f in other.findings if f.effect == "load_elasticity")
+    assert "the model has 0.025 rad/(N*m), the recording shows 0.05 rad/(N*m)" in changed.statement
+
+
 def test_a_weight_that_is_taken_up_for_a_time_is_said_also_where_the_model_has_only_the_wires() -> None:
     soft = {"compliance": np.full(3, 6e-3)}
     lifted = {"payload": 0.1, "payload_from": 4.5, "payload_until": 11.5}

@@ -54,13 +54,18 @@ def test_an_effect_costs_what_chance_or_relevance_ask_for() -> None:
     )
 
 
-def test_what_the_model_has_already_costs_nothing() -> None:
+def test_what_the_model_has_already_costs_nothing_and_what_it_gets_besides_does() -> None:
     now = fitted("backlash", BACKLASH)
     stage = now.context.stage
     known = type(stage)(
         [v.span for v in now.context.views], replace(stage.model, effects=now.hypothesis.model_effects(5))
     )
-    assert price(replace(now, context=replace(now.context, stage=known)), now.hypothesis["backlash"]) == 0.0
+    there = replace(now, context=replace(now.context, stage=known))
+    term = now.hypothesis["backlash"]
+    assert price(there, term) == 0.0
+    begins = replace(term, own={2: {**term.own[2], "from": 15.0}})
+    assert price(there, begins) >= need(now.context, 2)
+    assert price(now, begins) >= price(now, term) + need(now.context, 2)
 
 
 def test_readings_that_are_late_have_no_formula_to_be_off_by() -> None:
