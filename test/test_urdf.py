@@ -5,6 +5,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from trunk_ros.arm.description import Description
+from trunk_ros.arm.frames import Links
 from trunk_ros.arm.urdf import main, urdf
 from trunk_ros.model import load_model
 
@@ -42,3 +44,12 @@ def test_limits_are_those_of_the_arm():
 def test_an_unknown_model_is_refused_in_one_line(capsys):
     assert main(["nowhere"]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_joint_may_have_the_name_of_a_link():
+    theta, text = np.array([[0.1, -0.3, 0.2, 0.35, -0.05]]), urdf(ARM)
+    same = text.replace('"tip"', '"joint_5"')
+    assert same != text
+    found = Description(same, tip="joint_5").body(ARM.joints).poses(theta)
+    np.testing.assert_array_equal(found, Description(text, tip="tip").body(ARM.joints).poses(theta))
+    assert Links(same, ARM.joints).transforms(theta[0]).shape == (len(Links(same, ARM.joints).pairs), 7)

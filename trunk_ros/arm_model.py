@@ -77,6 +77,11 @@ class ArmModel:
         there = {name: at_end(name, v, self.duration, self.arm.joints) for name, v in self.in_order()}
         return replace(self, effects={name: values for name, values in there.items() if values})
 
+    @property
+    def says_its_servos(self) -> bool:
+        """Whether anything is known of its servos: otherwise they are those of the paper's arm."""
+        return self.arm.servo_stated or any(effect(name).stage == "servo" for name in self.effects)
+
     def loaded_arm(self) -> Arm:
         """The arm with the payload that was found."""
         return replace(self.arm, payload=self.payload)

@@ -56,12 +56,12 @@ def as_the_servo_went(
 ) -> Floats:
     """Gearbox angles (m, joints) on the grid (m,) s: ``phi``, but those of the model's servo where it
     passes, led by the recorded setpoints alone, all readings near by within their rounding or their noise. Of
-    what stops to measure the readings are all that is known.
+    what stops to measure, and of servos of which the model says nothing, the readings are all that is known.
 
     ``steps`` (joints,): those of the encoders, as ``counts`` has them.
     """
     stamp = gearbox.stamp
-    if len(stamp) < AGREES or stops_to_measure(stamp):
+    if len(stamp) < AGREES or stops_to_measure(stamp) or not model.says_its_servos:
         return phi
     setpoints = all_setpoints(recording, gearbox.joints, model)
     if setpoints is None:

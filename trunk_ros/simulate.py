@@ -91,7 +91,7 @@ def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: 
     if model.effects:
         gearbox = between_counts(gearbox, steps)
     setpoints = all_setpoints(recording, gearbox.joints, model)
-    if setpoints is None:
+    if setpoints is None or not model.says_its_servos:
         return bridged(gearbox, longest=LOST)
     lost = missing(gearbox.stamp, end=float(recording.series["setpoints"].stamp[-1]))
     if not len(lost):

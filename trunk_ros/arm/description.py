@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -14,6 +15,7 @@ from trunk_ros.arm.body import Body
 from trunk_ros.arm.pinocchio import library
 from trunk_ros.errors import ModelError
 
+LINK = "link "  # before the name of each in Pinocchio: a joint may have the same
 MOVING = ("revolute", "continuous", "prismatic")
 TIPS = ("tip", "tcp", "tool0", "tool", "ee_link", "ee", "end_effector", "flange")
 """Names by which a tip is known, where several links are as far from the base."""
@@ -217,17 +219,26 @@ def body_of(description: Description, joints: tuple[str, ...]) -> Body:
         told = followers.get(name)
         spread[row, joints.index(told.source if told else name)] = told.multiplier if told else 1.0
         offset[row] = told.offset if told else 0.0
-    base = model.frames[model.getFrameId(found.base)]
+    base, tip = model.frames[frame_of(model, found.base)], frame_of(model, found.tip)
     if base.parentJoint != 0:
         raise ModelError(f"a joint of the arm moves its base {found.base}: give another arm.base")
     ids = tuple(model.getJointId(joint.name) for joint in path if joint.name in free)
-    return Body(model, model.getFrameId(found.tip), base.placement, spread, offset, ids)
+    return Body(model, tip, base.placement, spread, offset, ids)
+
+
+def frame_of(model: Any, link: str) -> int:
+    """Pinocchio's number of a link's frame."""
+    return int(model.getFrameId(LINK + link))
 
 
 @lru_cache(maxsize=8)
 def _parsed(text: str) -> Any:
     """Pinocchio's model of a URDF, in which every joint that turns has one number."""
     robot = tree(text)
+    for link in robot.findall("link"):
+        link.set("name", LINK + str(link.get("name")))
+    for end in chain(robot.findall("joint/parent"), robot.findall("joint/child")):
+        end.set("link", LINK + str(end.get("link")))
     for joint in robot.findall("joint"):
         if joint.get("type") == "continuous":
             joint.set("type", "revolute")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.arm.arm import Arm
-from trunk_ros.arm.description import Description, read
+from trunk_ros.arm.description import Description, frame_of, read
 from trunk_ros.arm.pinocchio import library
 from trunk_ros.arm.urdf import urdf
 from trunk_ros.compiled import Array
@@ -20,7 +20,7 @@ class Links:
         """Parent and child link of each transform."""
         self._body = Description(text).found(joints).body(joints)
         model = self._body.model
-        ids = {link: model.getFrameId(link) for pair in self.pairs for link in pair}
+        ids = {link: frame_of(model, link) for pair in self.pairs for link in pair}
         self._ends = [ids[link] for pair in self.pairs for link in pair]
 
     def transforms(self, theta: Array) -> Array:

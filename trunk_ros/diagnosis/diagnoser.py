@@ -174,11 +174,11 @@ class Diagnoser:
 
     def _with_servos(self, recorded: list[Recording]) -> Model:
         """The model with what it does not say of its servos, from these recordings."""
-        told = any(effect(n).stage == "servo" for n in self.model.effects)
         if self.against is not None and self.against.learned:
             return replace(self.model, setpoints=with_its_servo(self.model, recorded).setpoints)
-        stated = self.model.arm.servo_stated or told
-        return self.model if stated else with_its_servo(self.model, recorded, self.servos)
+        if self.model.says_its_servos:
+            return self.model
+        return with_its_servo(self.model, recorded, self.servos)
 
     def wire(self) -> None:
         """Gearbox to joint, where the joints have sensors."""

@@ -18,7 +18,6 @@ from trunk_ros.diagnosis.data.described import described
 from trunk_ros.diagnosis.data.put_right import put_right
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.nominal_servo import Servos
-from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
 from trunk_ros.fleet.inputs.files import here
 from trunk_ros.fleet.inputs.listing import Job
@@ -36,7 +35,7 @@ def servos(client: Any, folder: Path, jobs: list[Job], model: Model) -> dict[str
     """By arm; empty where the model says what they are. Kept in the folder: they stay what they were when
     recordings come.
     """
-    if model.arm.servo_stated or any(effect(name).stage == "servo" for name in model.effects):
+    if model.says_its_servos:
         return {}
     file, setting = folder / FILE, model.hash()
     told = _kept(file, setting)
