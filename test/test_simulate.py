@@ -91,9 +91,15 @@ def test_a_fitted_model_is_run_between_the_encoder_s_counts(whole, model):
     assert np.std(off[T > 3]) < 0.6 * np.std(counts[T > 3])
 
 
-@pytest.mark.parametrize(("kp", "led"), [(20.0, True), (17.0, False)], ids=["the servo", "another servo"])
-def test_between_counts_the_shaft_goes_as_the_servo_does_if_that_passes_all_readings(whole, model, kp, led):
-    believed = dataclasses.replace(model, arm=dataclasses.replace(model.arm, kp=kp))
+@pytest.mark.parametrize(
+    ("kp", "stated", "led"),
+    [(20.0, True, True), (17.0, True, False), (20.0, False, False)],
+    ids=["the servo", "another servo", "of which nothing is said"],
+)
+def test_between_counts_the_shaft_goes_as_the_servo_does_if_that_passes_all_readings(
+    whole, model, kp, stated, led
+):
+    believed = dataclasses.replace(model, arm=dataclasses.replace(model.arm, kp=kp, servo_stated=stated))
     gearbox = whole.series["gearbox_states"]
     step = 2 * np.pi / 2**14
     seen = dataclasses.replace(gearbox, position=np.round(gearbox.position / step) * step)
