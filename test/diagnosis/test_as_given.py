@@ -42,3 +42,14 @@ def test_an_effect_of_the_model_stays_where_a_curve_stands_for_it() -> None:
     )
     given = as_given(costed(now, over_load)).hypothesis
     assert given["load_elasticity"].own == now.known["load_elasticity"].own
+
+
+def test_a_fuller_law_on_one_joint_takes_nothing_of_the_model_from_the_others() -> None:
+    """That the others do not stretch would be a claim; here they do, as the model has it."""
+    soft = {"load_elasticity": {"compliance": np.full(5, 0.03)}}
+    model, made = replace(TRUNK, effects=soft), of_the_wires(recorded(soft, 40.0))
+    now = begun(first_look(WireStage([wire_span(made, model)], model))).context
+    hardens = Term("wire_stiffening", "tangent", {"upstream": 0.0}, {1: {"moment": 50.0, "compliance": 0.03}})
+    given = as_given(costed(now, Hypothesis(wire_stiffening=hardens))).hypothesis
+    assert given["load_elasticity"].columns == [0, 2, 3, 4]
+    assert all(own == now.known["load_elasticity"].own[c] for c, own in given["load_elasticity"].own.items())

@@ -32,11 +32,12 @@ def as_given(state: Fit) -> Fit:
 
 def _there_again(state: Fit, name: str) -> Fit:
     """With an effect that was left out, where the recording does not tell that it is gone: that is a claim as
-    well. What includes it says something else of it.
+    well. On joints that have what includes it, that says something else of it.
     """
     known, kind = state.context.known[name], effect(name)
-    others = [effect(other) for other in state.hypothesis]
-    if not kind.named or issubclass(kind, Bank) or any(alike(kind, other) for other in others):
+    others = {c for other, term in state.hypothesis.items() if alike(kind, effect(other)) for c in term.own}
+    known = replace(known, own={c: own for c, own in known.own.items() if c not in others})
+    if not kind.named or issubclass(kind, Bank) or not known.own:
         return state
     trial = _held(state, name, known, kind.used(known.form))
     gone = naming(kind.stage) + sum(_need(state, c) for c in known.columns if c in state.context.columns)
