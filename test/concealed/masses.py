@@ -199,7 +199,7 @@ def _wheel(shaft: Array, at: Array, p: Array, route: Array) -> Array:
 
 @njit(cache=True)
 def _begin(shaft: Array, p: Array, route: Array, one: Array, own: Array) -> Array:
-    """State at rest, the weight on linear wires, no friction; the settling does the rest."""
+    """State (BENT + ELEMENTS, 5) at rest, weight on linear wires, no friction; settling does the rest."""
     at, pull = np.zeros((BENT + ELEMENTS, COUNT)), np.zeros(COUNT)
     for _ in range(30):
         turned, carried = np.cumsum(at[ANGLE]), 0.0

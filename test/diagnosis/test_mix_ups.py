@@ -152,6 +152,8 @@ def test_a_joint_that_goes_one_way_only_tells_no_other_clock() -> None:
     motor = -np.expm1(-stamp[:, None] / 400.0)
     slack = -np.expm1(-np.clip(stamp[:, None] - 150.0, 0.0, None) / 400.0)
     assert clock_offset(stamp, motor, stamp, slack) == 0.0
+    stands = np.random.default_rng(1).normal(0.0, 1e-4, motor.shape)
+    assert clock_offset(stamp, np.hstack([motor, stands]), stamp, np.hstack([slack, stands])) == 0.0
     there_and_back, later = np.vstack([motor, motor[::-1]]), np.arange(800.0)
     late = np.vstack([np.zeros((150, 1)), there_and_back[:-150]])
     assert clock_offset(later, there_and_back, later, late) == pytest.approx(150.0, abs=1.0)

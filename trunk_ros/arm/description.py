@@ -235,10 +235,11 @@ def frame_of(model: Any, link: str) -> int:
 def _parsed(text: str) -> Any:
     """Pinocchio's model of a URDF, in which every joint that turns has one number."""
     robot = tree(text)
-    for link in robot.findall("link"):
-        link.set("name", LINK + str(link.get("name")))
-    for end in chain(robot.findall("joint/parent"), robot.findall("joint/child")):
-        end.set("link", LINK + str(end.get("link")))
+    named = [(link, "name") for link in robot.findall("link")]
+    named += [(end, "link") for end in chain(robot.findall("joint/parent"), robot.findall("joint/child"))]
+    for element, attribute in named:
+        if attribute in element.attrib:
+            element.set(attribute, LINK + element.attrib[attribute])
     for joint in robot.findall("joint"):
         if joint.get("type") == "continuous":
             joint.set("type", "revolute")
@@ -250,4 +251,5 @@ def _parsed(text: str) -> Any:
     try:
         return library().buildModelFromXML(ElementTree.tostring(robot, encoding="unicode"))
     except (ValueError, RuntimeError) as error:
-        raise ModelError(f"Pinocchio cannot read the URDF: {' '.join(str(error).split())}") from None
+        said = " ".join(str(error).split()).replace(LINK, "")
+        raise ModelError(f"Pinocchio cannot read the URDF: {said}") from None

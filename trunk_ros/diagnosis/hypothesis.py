@@ -198,14 +198,14 @@ def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
     form = str(values.get("form", kind.forms[0]))
     used = [p for p in kind.used(form) if p.name in values]
     own = {p.name: np.broadcast_to(values[p.name], joints) for p in used if not p.shared}
-    nulls = {p.name: p.null for p in kind.used(form)}
+    nulls, may = {p.name: p.null for p in kind.used(form)}, {p.name for p in used if p.optional}
     on = [j for j in range(joints) if not own or any(v[j] != nulls[n] for n, v in own.items())]
     words = {j: {t: values[t][j] for t in kind.texts if t in values and values[t][j]} for j in on}
     return Term(
         kind.id,
         form,
         {p.name: float(values[p.name]) for p in used if p.shared},
-        {j: {n: float(v[j]) for n, v in own.items()} for j in on},
+        {j: {n: float(v[j]) for n, v in own.items() if n not in may or v[j] != nulls[n]} for j in on},
         {j: said for j, said in words.items() if said},
         frozenset(own) if not kind.named else frozenset(),
     )

@@ -80,14 +80,13 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
         far = float(np.clip(way * mean, 0.0, min(most, band)))
         if far > 0.0:
             out = out.copy() if out is predicted else out
-            side = float(way)
-            throw(out, view.span.stamp, path, view.span.rows, first, at, side * ratio, far, band, side)
+            throw(out, view.span.stamp, path, view.span.rows, first, at, ratio, far, band, float(way))
     return out
 
 
 @compiled
 def mean_off(target: Array, predicted: Array, valid: np.ndarray) -> float:
-    """The mean of what is left where it counts, each (n,)."""
+    """The mean of what is left where it counts, each (n,); NaN where nothing does."""
     total, count = 0.0, 0
     for k in range(len(target)):
         if valid[k]:
@@ -100,12 +99,13 @@ def throw(
     out: Array, stamp: Array, path: Array, rows: np.ndarray, first: int, at: float, ratio: float, far: float,
     band: float, way: float,
 ) -> None:  # fmt: skip
-    """Throw a joint ``far`` rad at a moment, in ``out`` (n,), until its motor, by ``ratio`` the way of the
-    throw, has moved on by as much or back by the rest of the band.
+    """Throw a joint ``far`` rad at a moment [s], ahead or back (``way``: 1 or -1), in ``out`` (n,) rad at
+    ``stamp`` (n,) s, until its motor has moved it on by as much or back by the rest of the ``band`` [rad].
+    ``path`` (m,) rad of the gearbox, at ``rows`` (n,).
     """
     on, back = 0.0, 0.0
     for k in range(first, len(out)):
-        moved = (path[rows[k]] - path[rows[first - 1]]) * ratio
+        moved = way * ratio * (path[rows[k]] - path[rows[first - 1]])
         on, back = max(on, moved), max(back, -moved)
         left = min(far - on, band - back, far)
         if left <= 0.0:

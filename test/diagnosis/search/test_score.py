@@ -66,6 +66,44 @@ def test_what_the_model_has_already_costs_nothing_and_what_it_gets_besides_does(
     begins = replace(term, own={2: {**term.own[2], "from": 15.0}})
     assert price(there, begins) >= need(now.context, 2)
     assert price(now, begins) >= price(now, term) + need(now.context, 2)
+    lately = Term("backlash", own={c: {"half_width": 1e-3} for c in (1, 2)})
+    lately.own[1]["from"] = 12.0
+    array = Hypothesis({"backlash": lately}).model_effects(5)
+    stage = type(stage)([v.span for v in now.context.views], replace(stage.model, effects=array))
+    there = replace(now, context=replace(now.context, stage=stage))
+    assert "from" not in there.context.known["backlash"].own[2], "an array has a null of joints without"
+    assert price(there, begins) >= need(now.context, 2)
+
+
+def test_a_further_source_beside_what_the_model_has_costs_a_further_effect() -> None:
+    now = fitted("clean")
+    one = Term("joint_coupling", "angle", {}, {2: {"gain": 0.01}}, {2: {"source": "joint_1"}})
+    stage = now.context.stage
+    known = replace(stage.model, effects=Hypothesis(joint_coupling=one).model_effects(5))
+    stage = type(stage)([v.span for v in now.context.views], known)
+    there = replace(now, context=replace(now.context, stage=stage))
+    two = replace(
+        one, own={2: {"gain": 0.01, "gain_2": 0.01}}, words={2: {**one.words[2], "source_2": "joint_4"}}
+    )
+    other = replace(one, words={2: {"source": "joint_4"}})
+    assert price(there, one) == 0.0
+    assert price(there, two) >= need(now.context, 2)
+    assert 0.0 < price(there, other) < price(there, two)
+
+
+def test_a_mass_that_comes_is_paid_once_whichever_joints_the_model_has() -> None:
+    now = fitted("clean")
+    soft = {c: {"compliance": 0.02} for c in range(5)}
+    lifted = Term("load_elasticity", "weight", {"payload": 0.1, "payload_from": 9.0}, soft)
+    prices = []
+    for count in (5, 4):
+        known = Term("load_elasticity", "weight", {}, {c: soft[c] for c in range(count)})
+        stage = now.context.stage
+        model = replace(stage.model, effects=Hypothesis(load_elasticity=known).model_effects(5))
+        stage = type(stage)([v.span for v in now.context.views], model)
+        there = replace(now, context=replace(now.context, stage=stage))
+        prices.append(price(there, lifted) - price(there, Term("load_elasticity", "weight", {}, soft)))
+    assert prices[1] == pytest.approx(prices[0], rel=0.2)
 
 
 def test_readings_that_are_late_have_no_formula_to_be_off_by() -> None:

@@ -36,7 +36,14 @@ def _there_again(state: Fit, name: str) -> Fit:
     """
     known, kind = state.context.known[name], effect(name)
     others = {c for other, term in state.hypothesis.items() if alike(kind, effect(other)) for c in term.own}
-    known = replace(known, own={c: own for c, own in known.own.items() if c not in others})
+    terms = [(effect(other).carried(), term.shared) for other, term in state.hypothesis.items()]
+    carried = {p.name for masses, shared in terms for p in masses if shared.get(p.name)}
+    known = replace(
+        known,
+        own={c: own for c, own in known.own.items() if c not in others},
+        words={c: said for c, said in known.words.items() if c not in others},
+        shared={n: v for n, v in known.shared.items() if n not in carried},
+    )
     if not kind.named or issubclass(kind, Bank) or not known.own:
         return state
     trial = _held(state, name, known, kind.used(known.form))

@@ -109,49 +109,42 @@ def price(fit: Fit, term: Term) -> float:
     """
     context, kind = fit.context, effect(term.effect)
     name, source = naming(kind.stage), choice(len(context.joints) - 1)
-    known = context.known[term.effect].columns if term.effect in context.known else []
-    columns = [c for c in term.columns if c in context.columns and c not in known]
-    besides = _besides(fit, term) if known and kind.named else 0.0
-    if not columns:
-        return besides
-    needs = {c: need(context, c, fit.rest(c)) for c in columns}
+    known = dict.get(context.known, term.effect, Term(term.effect))
+    more = _besides(term, known)
+    asked = [c for c in term.columns if c in context.columns]
+    columns = [c for c in asked if c not in known.own]
+    new = [c for c in asked if c in columns or more.own[c] or c in more.words]
+    needs = {c: need(context, c, fit.rest(c)) for c in new}
     if not kind.named:
-        return sum(_curve(fit, term, c, n) for c, n in needs.items())
-    free = Hypothesis({term.effect: term}).free(list(term.columns))
+        return sum(_curve(fit, term, c, needs[c]) for c in columns)
+    if not asked or not (new or more.shared):
+        return 0.0
+    free = Hypothesis({term.effect: more}).free(list(term.columns))
+    had = {c: len(known.words.get(c, {})) or c in columns for c in new}
+    words = sum(needs[c] * max(len(term.words.get(c, {})) - had[c], 0) for c in new)
+    words += source * sum(len(more.words.get(c, {})) for c in new)
+    moments = _moments(fit, more, needs)
+    if not columns:
+        lost = sum(len(known.own[c].keys() - term.own[c].keys()) for c in asked)
+        return words + moments + _further(context, free, asked, lost + len(known.shared.keys() - term.shared))
     if kind.everywhere:
         usual = _usual(fit)
-        each = _further(context, free, columns, 1) - name * len(needs)
+        each = _further(context, free, columns, 1) - name * len(columns)
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
-            usual, each = sum(needs.values()), _further(context, free, columns, len(needs))
-        return besides + name + max(usual + each, _shared_slice(fit, columns)) + _moments(fit, term, needs)
-    values = {c: max(sum(f.column == c for f in free), 1) for c in needs}
-    said = {c: len(term.words.get(c, {})) for c in needs}
-    words = sum(needs[c] * max(count - 1, 0) + source * count for c, count in said.items())
-    further = _further(context, [f for f in free if f.column is not None], columns, len(needs))
-    return (
-        besides
-        + name
-        + sum(max(n, _slice(fit, c, values[c])) for c, n in needs.items())
-        + words
-        + further
-        + _moments(fit, term, needs)
-    )
+            usual = sum(needs[c] for c in columns)
+            each = _further(context, free, columns, len(columns))
+        return name + max(usual + each, _shared_slice(fit, columns)) + moments
+    values = {c: max(sum(f.column == c for f in free), 1) for c in columns}
+    further = _further(context, [f for f in free if f.column is not None], columns, len(columns))
+    return name + sum(max(needs[c], _slice(fit, c, n)) for c, n in values.items()) + words + further + moments
 
 
-def _besides(fit: Fit, term: Term) -> float:
-    """Of what an effect that the model has gets besides: values, and moments at which it begins and ends."""
-    context, known = fit.context, fit.context.known[term.effect]
-    columns = [c for c in term.columns if c in known.own and c in context.columns]
-    own = {c: {n: v for n, v in term.own[c].items() if n not in known.own[c]} for c in columns}
+def _besides(term: Term, known: Term) -> Term:
+    """What a term has that the model has not."""
+    own = {c: {n: v for n, v in own.items() if n not in known.own.get(c, {})} for c, own in term.own.items()}
+    words = {c: set(said.items()) - known.words.get(c, {}).items() for c, said in term.words.items()}
     shared = {n: v for n, v in term.shared.items() if n not in known.shared}
-    if not (columns and (shared or any(own.values()))):
-        return 0.0
-    more = replace(term, own=own, shared=shared)
-    free = Hypothesis({term.effect: more}).free(columns)
-    lost = sum(len(known.own[c].keys() - term.own[c].keys()) for c in columns)
-    gone = lost + len(known.shared.keys() - term.shared.keys())
-    needs = {c: need(context, c, fit.rest(c)) for c in columns}
-    return (_further(context, free, columns, gone) if free else 0.0) + _moments(fit, more, needs)
+    return replace(term, own=own, shared=shared, words={c: dict(w) for c, w in words.items() if w})
 
 
 def _further(context: Context, free: list[Free], columns: list[int], paid: int) -> float:

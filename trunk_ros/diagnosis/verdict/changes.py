@@ -111,7 +111,7 @@ def _carried_on(known: Term, there: dict[str, Term], std: Spreads) -> tuple[Term
         now = Term(name, known.form, dict(term.shared)) if now is None else now.copy()
         for c in columns:
             now.have(c, term.own[c])
-        std = std | {(name, *key[1:]): value for key, value in std.items() if key[0] == other}
+        std = {(name, *key[1:]): value for key, value in std.items() if key[0] == other} | std
     return now, std
 
 

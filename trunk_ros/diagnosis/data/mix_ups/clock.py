@@ -6,6 +6,7 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.mix_ups.order import moves
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, correlation
 from trunk_ros.diagnosis.levels import FEWEST, PART, SOME
 from trunk_ros.diagnosis.machine import CELLS
@@ -24,7 +25,8 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
     """
     if min(len(first), len(second)) < FEWEST or _alike(first, source, second, target) > FOLLOWS:
         return 0.0
-    if not any(map(_turns_back, fill(source).T)):
+    drives = fill(source)
+    if not any(map(_turns_back, drives[:, moves(drives)].T)):
         return 0.0
     usual = max(float(np.median(np.diff(stamp))) for stamp in (first, second))
     step = max(COARSE, usual, np.ptp(first) / CELLS, np.ptp(second) / CELLS)

@@ -34,7 +34,7 @@ def swapped(pair: Pair) -> list[MixUp]:
 
 def turned_signs(pair: Pair) -> list[MixUp]:
     """Joints that turn against what drives them; a remark where the model knows no ratio."""
-    moved, turned = map(_moves, (pair.target, pair.driven))
+    moved, turned = map(moves, (pair.target, pair.driven))
     sign = np.where(moved & turned, own_correlation(pair), 0.0)
     against, along = sign < -FOLLOWS, sign > FOLLOWS
     if not against.any() or not (pair.ratio_known or along.any()):
@@ -54,7 +54,7 @@ def likeness(driven: Array, shown: Array) -> Array:
     is like what stands.
     """
     out = np.zeros((shown.shape[1], driven.shape[1]))
-    moved, turned = map(_moves, (shown, driven))
+    moved, turned = map(moves, (shown, driven))
     for i, reading in enumerate(shown.T):
         for j, drive in enumerate(driven.T):
             both = moved[i] and turned[j]
@@ -62,7 +62,7 @@ def likeness(driven: Array, shown: Array) -> Array:
     return out
 
 
-def _moves(angles: Array) -> np.ndarray:
+def moves(angles: Array) -> np.ndarray:
     """(joints,) whether each of them (n, joints) moves, beside the one that moves most."""
     span = np.ptp(angles, axis=0)
     return np.asarray(span > STILL * span.max())
