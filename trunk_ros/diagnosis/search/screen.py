@@ -192,14 +192,14 @@ class Screen:
         return kind.id, forms, shared, tuple(tuple(when.items()) for when in others)
 
     def local_form(self, kind: type[Effect], form: str, column: int) -> Candidate | None:
-        """The most promising start of an effect on one column; it and those that come near are looked at
-        again where that led them, as friction bends what a look takes for straight.
+        """The most promising start of an effect on one column; those that come near the best one are looked
+        at again where that led them, as friction bends what a look takes for straight.
         """
         begun = [Candidate(kind.id, form, column, start) for start in self.starts.on(kind, form, column)]
         found = self._scaled(begun, column)
         most = max((c.gain for c in found), default=0.0)
         near = [c for c in found if c.gain > NEARLY * most]
-        again = self._scaled(near, column)
+        again = self._scaled(near, column) if len(near) > 1 else near
         return max(again or near, key=lambda c: c.gain, default=None)
 
     def _scaled(self, trials: list[Candidate], column: int) -> list[Candidate]:
