@@ -52,4 +52,5 @@ def test_a_joint_may_have_the_name_of_a_link():
     assert same != text
     found = Description(same, tip="joint_5").body(ARM.joints).poses(theta)
     np.testing.assert_array_equal(found, Description(text, tip="tip").body(ARM.joints).poses(theta))
-    assert Links(same, ARM.joints).transforms(theta[0]).shape == (len(Links(same, ARM.joints).pairs), 7)
+    links = Links(same, ARM.joints)
+    assert links.transforms(theta[0]).shape == (len(links.pairs), 7)

@@ -131,9 +131,6 @@ def _holds(p: Array, j: int, calm: float) -> float:
 def _pushes(u: Array, du: Array, at: Array, moment: Array, p: Array, act: Array) -> None:
     """What acts in a step. act: rows push, hold and weight of capstans, the same of joints, their link."""
     for j in range(COUNT):
-        bent = 0.0
-        for i in range(ELEMENTS):
-            bent += at[BENT + i, j]
         stretch = u[j] - at[CABLE, j]
         k1 = 0.0 if abs(stretch) < p[GAP, j] else 1 / p[BEFORE, j]
         pull, k2 = _pull(at[CABLE, j] - at[ANGLE, j] - at[CREPT, j], p[AFTER, j], p[HARD, j], p[SLACK, j])
@@ -143,7 +140,9 @@ def _pushes(u: Array, du: Array, at: Array, moment: Array, p: Array, act: Array)
         act[0, j] = H * (_over(stretch, p[GAP, j]) / p[BEFORE, j] + damped * k1 * du[j] - pull)
         act[1, j] = H * (p[CAPSTAN, j] + p[GRIP, j] * abs(pull))
         act[2, j] = H * (H + damped) * k1 + act[6, j]
-        act[3, j] = H * (pull + moment[j] - p[SKIN, j] * at[ANGLE, j] - bent) + HUB * at[RATE, j]
+        act[3, j] = (
+            H * (pull + moment[j] - p[SKIN, j] * at[ANGLE, j] - at[BENT:, j].sum()) + HUB * at[RATE, j]
+        )
         act[4, j] = H * _holds(p, j, at[CALM, j])
         bends = _bends(p, j, at[RATE, j], at)
         act[5, j] = act[6, j] + H * p[DRAG, j] + H * H * (p[SKIN, j] + bends) + HUB

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import TRUNK, of_the_wires, recorded
-from test.diagnosis.search.looks import context
+from test.diagnosis.search.looks import context, knowing
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import curves_beside
 from trunk_ros.diagnosis.evidence.as_given import as_given
@@ -26,9 +26,7 @@ def test_an_effect_of_the_model_is_left_out_only_where_the_recording_tells_it(
     """A dead band of 1 µrad is far below what readings show, one of 1 mrad is surely not there."""
     clean = context("clean")
     known = Hypothesis(backlash=Term("backlash", own={2: {"half_width": half_width}}))
-    model = replace(clean.stage.model, effects=known.model_effects(5))
-    stage = type(clean.stage)([view.span for view in clean.views], model)
-    left_out = costed(replace(clean, stage=stage), Hypothesis())
+    left_out = costed(knowing(clean, known), Hypothesis())
     assert ("backlash" in as_given(left_out).hypothesis) == stays
 
 

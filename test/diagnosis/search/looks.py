@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -143,6 +144,12 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         }
     },
 }
+
+
+def knowing(now: Context, known: Hypothesis) -> Context:
+    """The same recordings, looked at by a model that has effects."""
+    model = replace(now.stage.model, effects=known.model_effects(len(now.joints)))
+    return replace(now, stage=type(now.stage)([view.span for view in now.views], model))
 
 
 @cache

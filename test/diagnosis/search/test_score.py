@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import TRUNK, recorded
-from test.diagnosis.search.looks import context, fitted
+from test.diagnosis.search.looks import context, fitted, knowing
 from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -56,11 +56,7 @@ def test_an_effect_costs_what_chance_or_relevance_ask_for() -> None:
 
 def test_what_the_model_has_already_costs_nothing_and_what_it_gets_besides_does() -> None:
     now = fitted("backlash", BACKLASH)
-    stage = now.context.stage
-    known = type(stage)(
-        [v.span for v in now.context.views], replace(stage.model, effects=now.hypothesis.model_effects(5))
-    )
-    there = replace(now, context=replace(now.context, stage=known))
+    there = replace(now, context=knowing(now.context, now.hypothesis))
     term = now.hypothesis["backlash"]
     assert price(there, term) == 0.0
     begins = replace(term, own={2: {**term.own[2], "from": 15.0}})
@@ -68,9 +64,7 @@ def test_what_the_model_has_already_costs_nothing_and_what_it_gets_besides_does(
     assert price(now, begins) >= price(now, term) + need(now.context, 2)
     lately = Term("backlash", own={c: {"half_width": 1e-3} for c in (1, 2)})
     lately.own[1]["from"] = 12.0
-    array = Hypothesis({"backlash": lately}).model_effects(5)
-    stage = type(stage)([v.span for v in now.context.views], replace(stage.model, effects=array))
-    there = replace(now, context=replace(now.context, stage=stage))
+    there = replace(now, context=knowing(now.context, Hypothesis(backlash=lately)))
     assert "from" not in there.context.known["backlash"].own[2], "an array has a null of joints without"
     assert price(there, begins) >= need(now.context, 2)
 
@@ -78,10 +72,7 @@ def test_what_the_model_has_already_costs_nothing_and_what_it_gets_besides_does(
 def test_a_further_source_beside_what_the_model_has_costs_a_further_effect() -> None:
     now = fitted("clean")
     one = Term("joint_coupling", "angle", {}, {2: {"gain": 0.01}}, {2: {"source": "joint_1"}})
-    stage = now.context.stage
-    known = replace(stage.model, effects=Hypothesis(joint_coupling=one).model_effects(5))
-    stage = type(stage)([v.span for v in now.context.views], known)
-    there = replace(now, context=replace(now.context, stage=stage))
+    there = replace(now, context=knowing(now.context, Hypothesis(joint_coupling=one)))
     two = replace(
         one, own={2: {"gain": 0.01, "gain_2": 0.01}}, words={2: {**one.words[2], "source_2": "joint_4"}}
     )
@@ -98,10 +89,7 @@ def test_a_mass_that_comes_is_paid_once_whichever_joints_the_model_has() -> None
     prices = []
     for count in (5, 4):
         known = Term("load_elasticity", "weight", {}, {c: soft[c] for c in range(count)})
-        stage = now.context.stage
-        model = replace(stage.model, effects=Hypothesis(load_elasticity=known).model_effects(5))
-        stage = type(stage)([v.span for v in now.context.views], model)
-        there = replace(now, context=replace(now.context, stage=stage))
+        there = replace(now, context=knowing(now.context, Hypothesis(load_elasticity=known)))
         prices.append(price(there, lifted) - price(there, Term("load_elasticity", "weight", {}, soft)))
     assert prices[1] == pytest.approx(prices[0], rel=0.2)
 

@@ -35,16 +35,18 @@ def _there_again(state: Fit, name: str) -> Fit:
     well. On joints that have what includes it, that says something else of it.
     """
     known, kind = state.context.known[name], effect(name)
-    others = {c for other, term in state.hypothesis.items() if alike(kind, effect(other)) for c in term.own}
-    terms = [(effect(other).carried(), term.shared) for other, term in state.hypothesis.items()]
-    carried = {p.name for masses, shared in terms for p in masses if shared.get(p.name)}
+    if not kind.named or issubclass(kind, Bank):
+        return state
+    terms = state.hypothesis.values()
+    others = {c for t in terms if alike(kind, effect(t.effect)) for c in t.own}
+    carried = {p.name for t in terms for p in effect(t.effect).carried() if t.shared.get(p.name)}
     known = replace(
         known,
         own={c: own for c, own in known.own.items() if c not in others},
         words={c: said for c, said in known.words.items() if c not in others},
         shared={n: v for n, v in known.shared.items() if n not in carried},
     )
-    if not kind.named or issubclass(kind, Bank) or not known.own:
+    if not known.own:
         return state
     trial = _held(state, name, known, kind.used(known.form))
     gone = naming(kind.stage) + sum(_need(state, c) for c in known.columns if c in state.context.columns)

@@ -110,7 +110,7 @@ def price(fit: Fit, term: Term) -> float:
     context, kind = fit.context, effect(term.effect)
     name, source = naming(kind.stage), choice(len(context.joints) - 1)
     known = dict.get(context.known, term.effect, Term(term.effect))
-    more = _besides(term, known)
+    more = _besides(term, known) if term.effect in context.known else term
     asked = [c for c in term.columns if c in context.columns]
     columns = [c for c in asked if c not in known.own]
     new = [c for c in asked if c in columns or more.own[c] or c in more.words]
