@@ -13,12 +13,14 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import FEWEST, PART
+from trunk_ros.diagnosis.levels import FEWEST, PART, TOGETHER
 from trunk_ros.diagnosis.machine import make_room
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import RISE
 from trunk_ros.parameter import GROWN
+
+BAND = 2.0  # of the dead band: it is as wide to both sides
 
 
 class Rest(NamedTuple):
@@ -32,11 +34,15 @@ class Rest(NamedTuple):
 
 
 def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[float, Rest]]:
-    """Where a joint with a dead band rests from a moment of its effects on, one after the other, with how
-    many rad what happens moves it where nothing holds it, if it says so.
+    """Where a joint with a dead band rests from a moment of its effects on, or from one at which it was
+    knocked, one after the other, with how many rad what happens moves it where nothing holds it, if it says so.
     """
-    banded = view.arm.dead_band[column] > 0.0
-    for at, size in sorted(_moments(hypothesis, column).items()) if banded else []:
+    if view.arm.dead_band[column] <= 0.0:
+        return
+    moments = _moments(hypothesis, column)
+    knocks = [at for c, at in view.span.knocks if c == column]
+    moments |= {at: 0.0 for at in knocks if all(abs(at - told) > TOGETHER for told in moments)}
+    for at, size in sorted(moments.items()):
         if (column, at) not in view.rests:  # a fit asks again and again
             make_room(view.rests, len(view.span.rows), view.rests)
             view.rests[column, at] = _rest(view, column, at)
@@ -69,11 +75,15 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
 
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
-    out, seen, band = predicted, view.columns[column], 2.0 * float(view.arm.dead_band[column])
+    out, seen, band = predicted, view.columns[column], BAND * float(view.arm.dead_band[column])
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-    for size, (still, first, at) in rests(view, hypothesis, column):
+    found = list(rests(view, hypothesis, column))
+    ends = [*(rest.first for _, rest in found), len(out)][1:]
+    for (size, (still, first, at)), end in zip(found, ends, strict=False):
         pushed = predicted[still.start] - predicted[first - 1]
-        mean = mean_off(seen.target[still], out[still], seen.valid[still])
+        before = slice(still.start, min(still.stop, end))  # the next one moves it on
+        part = before if np.any(seen.valid[before]) else still
+        mean = mean_off(seen.target[part], out[part], seen.valid[part])
         way, most = np.sign(pushed), band
         if abs(pushed) < PART * band / 2:  # held by friction, it goes on a part of the way, if that is said
             way, most = np.sign(size or mean), abs(size) or band
@@ -82,6 +92,14 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
             out = out.copy() if out is predicted else out
             throw(out, view.span.stamp, path, view.span.rows, first, at, ratio, far, band, float(way))
     return out
+
+
+def throws(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Iterator[tuple[float, int]]:
+    """How many rad each throw takes a joint on, and for how many samples it rests then."""
+    change = thrown(view, hypothesis, column, predicted) - predicted
+    for _, (still, first, _) in rests(view, hypothesis, column):
+        far = float(change[still.start] - change[first - 1])
+        yield far, int(np.count_nonzero(view.columns[column].valid[still]))
 
 
 @compiled

@@ -56,6 +56,8 @@ class Effect(ABC):
     """In a wide loop: another effect that is its flat part, and has to be there first."""
     named: ClassVar[bool] = True
     """It is known physics; curves that stand in for what nobody has named are not."""
+    exact: ClassVar[bool] = False
+    """Whether its formula is geometry or a time, which no material bends."""
     compensable: ClassVar[bool] = True
     remembers: ClassVar[bool] = False
     """What moved before a recording began shows in it, however long ago; the friction element always does."""

@@ -49,6 +49,8 @@ class Span:
     """(n, joints): what counts as well once it is told how wide loops lay as the recording began."""
     pace: tuple[float, float] = (0.0, 0.0)
     """By how much it is taken to run faster [s/s] and to be further ahead [s] than it was found to."""
+    knocks: tuple[tuple[int, float], ...] = ()
+    """Columns and moments [s]: a joint that rests is moved there within its dead band, by what shakes it."""
     unseen: float = 0.0
     """Standard deviation [s/s] of how fast it may run without that it shows before the physics is known."""
 

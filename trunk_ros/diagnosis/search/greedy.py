@@ -14,10 +14,11 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, NAMED, PLAINER
 from trunk_ros.diagnosis.search.moves.add import additions
-from trunk_ros.diagnosis.search.score import STRONG, beats, measured, score
+from trunk_ros.diagnosis.search.score import STRONG, beats, score
 from trunk_ros.effects import effect
 
 

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, SEVERAL
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, costed, refit
-from trunk_ros.diagnosis.search.score import measured
+from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.recording.signal.resample import SLOW
 
 

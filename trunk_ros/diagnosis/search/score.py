@@ -8,14 +8,13 @@ from math import log
 
 import numpy as np
 
-from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
-from trunk_ros.diagnosis.levels import FAR_OFF, HALF, PART, SEVERAL, SLIGHT, TOGETHER
+from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.stage import STANDING
-from trunk_ros.diagnosis.thrown import rests
+from trunk_ros.diagnosis.thrown import BAND, rests, throws
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.curve import OVER_TIME, Curve
 from trunk_ros.guards import ROUNDED
@@ -52,7 +51,8 @@ def score(fit: Fit) -> float:
 def priced(fit: Fit) -> float:
     """The same, whether the motion can show it or not."""
     if not fit.priced:  # asked for again with each trial that it is compared with
-        fit.priced.append(fit.total + sum(price(fit, term) for term in fit.hypothesis.values()))
+        prices = sum(price(fit, term) for term in fit.hypothesis.values())
+        fit.priced.append(fit.total + prices + _throws(fit))
     return fit.priced[0]
 
 
@@ -184,7 +184,7 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
     left = {c: for_a_time(context, c, fit.cost.get(c, 0.0)) for c in needs}
     names = sorted({name for c in needs for name in term.moments(c)})
     times = [[(term.own[c][name], n) for c, n in needs.items() if name in term.own[c]] for name in names]
-    own = sum(map(_apart, times)) + sum(left[c] for c in needs if term.moments(c)) + _throws(context, term)
+    own = sum(map(_apart, times)) + sum(left[c] for c in needs if term.moments(c))
     shared = sum(m.moment and m.name in term.shared for m in kind.moments())
     if not shared:
         return own
@@ -201,11 +201,23 @@ def _usual(fit: Fit) -> float:
     return max(usual, FORMULAS * mean)
 
 
-def _throws(context: Context, term: Term) -> float:
-    """Of how far what happens at once throws joints that rest: each is a value that was fitted."""
-    alone = Hypothesis({term.effect: term})
-    found = [c for view in context.views for c in term.columns for _ in rests(view, alone, c)]
-    return FURTHER * sum(chance(context, c) for c in found)
+def _throws(fit: Fit) -> float:
+    """Of how far joints that rest were thrown: each is a value that was fitted, and one more for each small
+    part of the dead band, as what shakes an arm moves them little; none costs more than it gains.
+    """
+    context, total = fit.context, 0.0
+    for c in fit.cost:
+        dear, noise, part = (
+            FURTHER * chance(context, c),
+            context.noise[c].std,
+            PART * BAND * context.arm.dead_band[c],
+        )
+        for index, view in enumerate(context.views):
+            if any(rests(view, fit.hypothesis, c)):
+                predicted = context.stage.predict(context, index, fit.hypothesis, c)
+                thrown = throws(view, fit.hypothesis, c, predicted)
+                total += sum(min(n * (far / noise) ** 2, dear * (1.0 + abs(far) / part)) for far, n in thrown)
+    return total
 
 
 def _apart(times: list[tuple[float, float]]) -> float:
@@ -243,49 +255,3 @@ def _shared_slice(fit: Fit, columns: list[int]) -> float:
     rest = sum(map(fit.rest, columns))
     strong = fit.context.claims and rest > STRONG * sum(map(fit.context.count, columns))
     return HALF * rest if strong else 0.0
-
-
-def measured(first: Fit) -> Context:
-    """The context of a first fit, in which all else is measured by what that leaves."""
-    misfit = {c: first.rest(c) for c in first.cost}
-    return replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first))
-
-
-def formed_misfits(fit: Fit) -> dict[int, float]:
-    """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
-    unit-noise residuals, with the right zero, as a constant has no formula; where the ratio is FAR_OFF, with
-    the right one of that as well; and where one lag of all joints leaves hardly a PART of that, without it:
-    what is late, a reading or a setpoint, has no formula either.
-    """
-    context = fit.context
-    seen = {c: (context.whitened(fit.hypothesis, c), _line(fit, c)) for c in fit.cost}
-    left = {c: min(fit.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
-    if len(seen) < SEVERAL:
-        return left
-    lag = np.median([np.linalg.lstsq(line, rest, rcond=None)[0][2] for rest, line in seen.values()])
-    prompt = {c: _right_line(context, c, rest - lag * line[:, 2], line) for c, (rest, line) in seen.items()}
-    late = sum(prompt.values()) < PART * sum(left.values())
-    return {c: min(left[c], prompt[c]) for c in left} if late else left
-
-
-def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:
-    """What a ``rest`` (rows,) has above the noise with the right zero, and the right ratio where that was
-    not known.
-    """
-    line = line[:, :2]
-    found = np.linalg.lstsq(line, rest, rcond=None)[0]
-    if abs(found[0]) <= FAR_OFF:
-        line = line[:, 1:]
-        found = np.linalg.lstsq(line, rest, rcond=None)[0]
-    return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)
-
-
-def _line(fit: Fit, column: int) -> Array:
-    """What another ratio, zero and time of reading change (rows, 3), whitened: per 1, rad and s."""
-    context = fit.context
-    ratio = context.arm.ratio[column] if context.stage.name == "wire" else 1.0
-    spans = [view.span for view in context.views]
-    angles = [span.gearbox[span.rows, column] * ratio for span in spans]
-    zeros = [np.ones_like(angle) for angle in angles]
-    lags = [-span.velocity[span.rows, column] * ratio for span in spans]
-    return np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros, lags)])

@@ -21,7 +21,8 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds, usable
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
-from trunk_ros.diagnosis.search.score import CURVE, FURTHER, measured, need, score
+from trunk_ros.diagnosis.search.formed import measured
+from trunk_ros.diagnosis.search.score import CURVE, FURTHER, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.trial import PROMISING, looks, on_all_joints
 from trunk_ros.effects import effect

@@ -33,6 +33,7 @@ class JointCoupling(Effect):
     id = "joint_coupling"
     sizes = ("gain", "gain_2", "gain_3", "drag")
     stage, place, regime = "wire", 30, "posture"
+    exact = True
     begins = True
     signature = "The residual follows another joint's angle, whether this joint moves or not."
     remembers = True

@@ -16,6 +16,7 @@ class RatioError(Effect):
     id = "ratio_error"
     sizes = ("relative",)
     stage, place, regime = "wire", 10, "posture"
+    exact = True
     begins = of_every_joint = True
     changes = "ratio"
     signature = "The residual grows in proportion to the joint angle."

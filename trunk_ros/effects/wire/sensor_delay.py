@@ -15,6 +15,7 @@ class SensorDelay(Effect):
 
     id = "sensor_delay"
     stage, place, regime = "wire", 700, "high_speed"
+    exact = True
     signature = "The residual follows speed on all joints alike: the whole curve is shifted in time."
     source = "Constant transport delay; whatever its cause, a lag of the readings."
     parameters = (

@@ -21,6 +21,7 @@ class WireSlip(Effect):
     id = "wire_slip"
     sizes = ("step",)
     stage, place, regime = "wire", 50, "time"
+    exact = True
     signature = "The residual's mean jumps at one moment and stays there."
     source = (
         "Euler-Eytelwein: beyond exp(mu alpha) the wire slides on its wheel at once and does not come back."

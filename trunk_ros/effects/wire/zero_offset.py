@@ -14,6 +14,7 @@ class ZeroOffset(Effect):
 
     id = "zero_offset"
     stage, place, regime = "wire", 800, "always"
+    exact = True
     of_every_joint = shifts_readings = True
     signature = "The residual has a mean that nothing changes."
     source = "Calibration of the zeros."

@@ -1,0 +1,86 @@
+"""What a first fit leaves, by which all else is measured: of it what formulas of effects may be off by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import FAR_OFF, PART, SEVERAL
+from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.effects import effect
+from trunk_ros.guards import ROUNDED
+
+
+def measured(first: Fit) -> Context:
+    """The context of a first fit, in which all else is measured by what that leaves."""
+    misfit, left, laws = {c: first.rest(c) for c in first.cost}, formed_misfits(first), known_laws(first)
+    return replace(first.context, misfit=misfit, formed_misfit={c: left[c] + laws[c] for c in left})
+
+
+def formed_misfits(fit: Fit) -> dict[int, float]:
+    """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
+    unit-noise residuals, with the right zero, as a constant has no formula; where the ratio is FAR_OFF, with
+    the right one of that as well; and where one lag of all joints leaves hardly a PART of that, without it:
+    what is late, a reading or a setpoint, has no formula either.
+    """
+    context = fit.context
+    seen = {c: (context.whitened(fit.hypothesis, c), _line(fit, c)) for c in fit.cost}
+    left = {c: min(fit.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
+    if len(seen) < SEVERAL:
+        return left
+    lag = np.median([np.linalg.lstsq(line, rest, rcond=None)[0][2] for rest, line in seen.values()])
+    prompt = {c: _right_line(context, c, rest - lag * line[:, 2], line) for c, (rest, line) in seen.items()}
+    late = sum(prompt.values()) < PART * sum(left.values())
+    return {c: min(left[c], prompt[c]) for c in left} if late else left
+
+
+def known_laws(fit: Fit) -> dict[int, float]:
+    """What the laws of the model itself make of each column, in squared unit-noise residuals with the right
+    zero: the play of its dead band and the effects that it has, but for geometry. They are formulas as those
+    of what is missing are.
+    """
+    context = fit.context
+    if context.stage.name != "wire":
+        return dict.fromkeys(fit.cost, 0.0)
+    exact = Hypothesis({name: term for name, term in context.known.items() if effect(name).exact})
+    return {c: _law(context, c, exact) for c in fit.cost}
+
+
+def _law(context: Context, column: int, exact: Hypothesis) -> float:
+    changes, ratio = [], context.arm.ratio[column]
+    for index, view in enumerate(context.views):
+        all_of_it, geometry, played = (
+            context.stage.predict(context, index, one, column) for one in (context.known, exact, Hypothesis())
+        )
+        taken = view.span.measured(view.span.gearbox[:, column]) * ratio
+        changes.append(all_of_it - geometry + played - taken)
+    zeros = context.whiten_change([np.ones_like(change) for change in changes], column)
+    law = context.whiten_change(changes, column)
+    return float(law @ law - (law @ zeros) ** 2 / max(zeros @ zeros, ROUNDED))
+
+
+def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:
+    """What a ``rest`` (rows,) has above the noise with the right zero, and the right ratio where that was
+    not known.
+    """
+    line = line[:, :2]
+    found = np.linalg.lstsq(line, rest, rcond=None)[0]
+    if abs(found[0]) <= FAR_OFF:
+        line = line[:, 1:]
+        found = np.linalg.lstsq(line, rest, rcond=None)[0]
+    return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)
+
+
+def _line(fit: Fit, column: int) -> Array:
+    """What another ratio, zero and time of reading change (rows, 3), whitened: per 1, rad and s."""
+    context = fit.context
+    ratio = context.arm.ratio[column] if context.stage.name == "wire" else 1.0
+    spans = [view.span for view in context.views]
+    angles = [span.gearbox[span.rows, column] * ratio for span in spans]
+    zeros = [np.ones_like(angle) for angle in angles]
+    lags = [-span.velocity[span.rows, column] * ratio for span in spans]
+    return np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros, lags)])
