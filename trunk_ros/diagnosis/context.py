@@ -49,6 +49,8 @@ class Context:
     """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
     """The same but for a zero, and a ratio that was not known."""
+    off: Mapping[int, float] = field(default_factory=dict)
+    """Likewise, what the laws that the model has may be off by."""
     wanders: Mapping[int, Noise] = field(default_factory=dict)
     """The noise of columns that show nothing else than one that wanders."""
     claims: bool = False
@@ -151,7 +153,8 @@ class Context:
 
     def rest(self, column: int) -> float:
         """Share of the noise power above which a residual is more than noise."""
-        return self.stage.least_rest(self, column)
+        least, off = self.stage.least_rest(self, column), self.off.get(column, 0.0)
+        return max(least, off / max(self.count(column), 1))
 
     def usual_rest(self, column: int) -> float:
         """By how well the noise is known, and by an encoder's steps: a joint at rest shows one of them."""
@@ -184,9 +187,7 @@ class Context:
 
     @property
     def speed_tells(self) -> bool:
-        """Whether effects of speed and of holds can be seen: not in wide loops, nor where nothing is known
-        of what lies between two samples.
-        """
+        """Whether what speed and holds do can be seen: not in wide loops, nor between readings far apart."""
         return self.step < SLOW and not set(self.columns) <= self.wide
 
     # Predictions and residuals.

@@ -1,5 +1,5 @@
-"""Where a joint at rest is knocked: what its neighbours do shakes it elsewhere within its dead band, and there
-it lies until its own motor moves it on. That says where it happened to lie, and nothing of its wire.
+"""Where a joint at rest is knocked: what its neighbours do shakes it elsewhere within its dead band, and it
+lies there until its own motor moves it on. That says where it happened to lie, and nothing of its wire.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _is_at_once(rest: Array, cut: int) -> bool:
         return False
     before, now, after = np.diff([np.median(part) for part in parts])
     other = max(abs(before), abs(after))
-    return abs(now) > max(THREEFOLD * other, SURE / np.sqrt(BESIDE))
+    return bool(abs(now) > max(THREEFOLD * other, SURE / np.sqrt(BESIDE)))
 
 
 @compiled

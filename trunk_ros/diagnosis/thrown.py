@@ -34,8 +34,8 @@ class Rest(NamedTuple):
 
 
 def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[float, Rest]]:
-    """Where a joint with a dead band rests from a moment of its effects on, or from one at which it was
-    knocked, one after the other, with how many rad what happens moves it where nothing holds it, if it says so.
+    """Where a joint with a dead band rests from a moment of its effects on, or from a knock on, one after the
+    other, with how many rad what happens moves it where nothing holds it, if it says so.
     """
     if view.arm.dead_band[column] <= 0.0:
         return

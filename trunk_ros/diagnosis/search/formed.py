@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import FAR_OFF, PART, SEVERAL
+from trunk_ros.diagnosis.levels import FAR_OFF, PART, SEVERAL, SLIGHT
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
@@ -17,8 +17,9 @@ from trunk_ros.guards import ROUNDED
 
 def measured(first: Fit) -> Context:
     """The context of a first fit, in which all else is measured by what that leaves."""
-    misfit, left, laws = {c: first.rest(c) for c in first.cost}, formed_misfits(first), known_laws(first)
-    return replace(first.context, misfit=misfit, formed_misfit={c: left[c] + laws[c] for c in left})
+    misfit = {c: first.rest(c) for c in first.cost}
+    off = {c: SLIGHT**2 * law for c, law in known_laws(first).items()}
+    return replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first), off=off)
 
 
 def formed_misfits(fit: Fit) -> dict[int, float]:
@@ -40,8 +41,8 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
 
 def known_laws(fit: Fit) -> dict[int, float]:
     """What the laws of the model itself make of each column, in squared unit-noise residuals with the right
-    zero: the play of its dead band and the effects that it has, but for geometry. They are formulas as those
-    of what is missing are.
+    zero: the play of its dead band and the effects that it has, but for geometry. Arms keep to them roughly,
+    and who describes an arm rounds.
     """
     context = fit.context
     if context.stage.name != "wire":
@@ -60,7 +61,7 @@ def _law(context: Context, column: int, exact: Hypothesis) -> float:
         changes.append(all_of_it - geometry + played - taken)
     zeros = context.whiten_change([np.ones_like(change) for change in changes], column)
     law = context.whiten_change(changes, column)
-    return float(law @ law - (law @ zeros) ** 2 / max(zeros @ zeros, ROUNDED))
+    return float(law @ law - (law @ zeros) ** 2 / max(float(zeros @ zeros), ROUNDED))
 
 
 def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:
