@@ -50,7 +50,7 @@ class Context:
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
     """The same but for a zero, and a ratio that was not known."""
     off: Mapping[int, float] = field(default_factory=dict)
-    """Likewise, what the laws that the model has may be off by."""
+    """Squared rad, over all rows, by which the model's own laws may be off, by column."""
     wanders: Mapping[int, Noise] = field(default_factory=dict)
     """The noise of columns that show nothing else than one that wanders."""
     claims: bool = False
@@ -153,8 +153,7 @@ class Context:
 
     def rest(self, column: int) -> float:
         """Share of the noise power above which a residual is more than noise."""
-        least, off = self.stage.least_rest(self, column), self.off.get(column, 0.0)
-        return max(least, off / max(self.count(column), 1))
+        return self.stage.least_rest(self, column)
 
     def usual_rest(self, column: int) -> float:
         """By how well the noise is known, and by an encoder's steps: a joint at rest shows one of them."""

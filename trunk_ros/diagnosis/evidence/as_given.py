@@ -13,12 +13,16 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.formed import off_by
 from trunk_ros.diagnosis.search.moves.swap_all import alike
 from trunk_ros.diagnosis.search.score import FURTHER, naming, need
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.parameter import Parameter
+
+BY_SPEED = "high_speed"
+"""The regime of what a loop that lags otherwise does."""
 
 
 def as_given(state: Fit) -> Fit:
@@ -27,7 +31,33 @@ def as_given(state: Fit) -> Fit:
     """
     for name in state.context.known:
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
+    while (name := _rounded(state)) is not None:
+        left = state.hypothesis.without(name)
+        state = refit(state.context, left) if _by_speed(state.context, left) else costed(state.context, left)
     return state
+
+
+def _by_speed(context: Context, hypothesis: Hypothesis) -> list[str]:
+    """What a servo's loop is found to do otherwise than it is described."""
+    new = hypothesis.keys() - context.known.keys() if context.stage.name == "servo" else ()
+    return sorted(name for name in new if effect(name).regime == BY_SPEED)
+
+
+def _rounded(state: Fit) -> str | None:
+    """The least of that, where it is no more than who describes a loop rounds, and steps of time make."""
+    context = state.context
+    for name in _by_speed(context, state.hypothesis):
+        less = state.hypothesis.without(name)
+        if all(_change(context, state.hypothesis, less, c) < off_by(context, c) for c in context.columns):
+            return name
+    return None
+
+
+def _change(context: Context, one: Hypothesis, other: Hypothesis, column: int) -> float:
+    """What tells two hypotheses apart on a column, in squared unit-noise residuals."""
+    pairs = zip(context.predictions(one, column), context.predictions(other, column), strict=True)
+    change = context.whiten_change([a - b for a, b in pairs], column)
+    return float(change @ change)
 
 
 def _there_again(state: Fit, name: str) -> Fit:

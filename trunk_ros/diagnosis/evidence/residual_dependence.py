@@ -11,14 +11,18 @@ from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, SURE
+from trunk_ros.diagnosis.search.formed import off_by
 from trunk_ros.effects.curve import abscissa, words_of
 from trunk_ros.recording.signal.resample import SLOW
 
 
 def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
-    """Columns whose residual is above the noise: power over the noise's, less one."""
+    """Columns whose residual is above the noise, and what the model's own laws may be off by: power over the
+    noise's, less one.
+    """
     power = {c: float(np.mean(context.whitened(hypothesis, c) ** 2)) - 1.0 for c in context.columns}
-    return {c: p for c, p in power.items() if p > context.rest(c) and _coherent(context, hypothesis, c)}
+    least = {c: max(context.rest(c), off_by(context, c) / context.count(c)) for c in power}
+    return {c: p for c, p in power.items() if p > least[c] and _coherent(context, hypothesis, c)}
 
 
 def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:

@@ -18,7 +18,7 @@ from trunk_ros.guards import ROUNDED
 def measured(first: Fit) -> Context:
     """The context of a first fit, in which all else is measured by what that leaves."""
     misfit = {c: first.rest(c) for c in first.cost}
-    off = {c: SLIGHT**2 * law for c, law in known_laws(first).items()}
+    off = {c: SLIGHT**2 * law * first.context.noise[c].std ** 2 for c, law in known_laws(first).items()}
     return replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first), off=off)
 
 
@@ -39,26 +39,28 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
     return {c: min(left[c], prompt[c]) for c in left} if late else left
 
 
+def off_by(context: Context, column: int) -> float:
+    """Squared unit-noise residual of a column by which the model's own laws may be off."""
+    return context.off.get(column, 0.0) / context.noise[column].std ** 2
+
+
 def known_laws(fit: Fit) -> dict[int, float]:
     """What the laws of the model itself make of each column, in squared unit-noise residuals with the right
     zero: the play of its dead band and the effects that it has, but for geometry. Arms keep to them roughly,
     and who describes an arm rounds.
     """
     context = fit.context
-    if context.stage.name != "wire":
-        return dict.fromkeys(fit.cost, 0.0)
     exact = Hypothesis({name: term for name, term in context.known.items() if effect(name).exact})
     return {c: _law(context, c, exact) for c in fit.cost}
 
 
 def _law(context: Context, column: int, exact: Hypothesis) -> float:
-    changes, ratio = [], context.arm.ratio[column]
+    changes, ratio = [], context.arm.ratio[column] if context.stage.name == "wire" else 1.0
     for index, view in enumerate(context.views):
-        all_of_it, geometry, played = (
+        known, geometry, bare = (
             context.stage.predict(context, index, one, column) for one in (context.known, exact, Hypothesis())
         )
-        taken = view.span.measured(view.span.gearbox[:, column]) * ratio
-        changes.append(all_of_it - geometry + played - taken)
+        changes.append(known - geometry + bare - view.span.measured(view.span.source[:, column]) * ratio)
     zeros = context.whiten_change([np.ones_like(change) for change in changes], column)
     law = context.whiten_change(changes, column)
     return float(law @ law - (law @ zeros) ** 2 / max(float(zeros @ zeros), ROUNDED))

@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
 from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.formed import off_by
 from trunk_ros.diagnosis.stage import STANDING
 from trunk_ros.diagnosis.thrown import BAND, rests, throws
 from trunk_ros.effects import effect, registry
@@ -75,8 +76,9 @@ def _least_need(context: Context, column: int) -> float:
     stage, noise = context.stage, context.noise[column]
     steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
-    formulas = FORMULAS * context.formed_misfit.get(column, 0.0) + context.off.get(column, 0.0)
-    return max(SIGNIFICANT * chance(context, column), least, formulas)
+    formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
+    off = off_by(context, column) if stage.name == "wire" else 0.0  # play is off wherever a joint turns
+    return max(SIGNIFICANT * chance(context, column), least, formulas, off)
 
 
 def choice(among: int) -> float:
