@@ -18,7 +18,6 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT, chance
 from trunk_ros.diagnosis.thrown import goes_on
 
 BESIDE = 8  # samples on each side of a moment: a knock is over within a few
-MOST = 30  # knocks of a joint
 
 
 def told_from_knocks(context: Context) -> Context:
@@ -48,7 +47,7 @@ def _knocks(context: Context, index: int, column: int) -> Iterator[float]:
         if len(rows) < 2 * FEWEST:
             continue
         rest = off[rows] / noise
-        for at in jumps(span.stamp[rows], rest, worth, MOST):
+        for at in jumps(span.stamp[rows], rest, worth, len(rest)):
             if _is_at_once(rest, int(np.searchsorted(span.stamp[rows], at))):
                 yield float(at)
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -19,8 +20,6 @@ from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects import effect
 from trunk_ros.effects.lasting import RISE
 from trunk_ros.parameter import GROWN
-
-BAND = 2.0  # of the dead band: it is as wide to both sides
 
 
 class Rest(NamedTuple):
@@ -75,7 +74,7 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
 
 def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
-    out, seen, band = predicted, view.columns[column], BAND * float(view.arm.dead_band[column])
+    out, seen, band = predicted, view.columns[column], room(view.arm, column)
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
     found = list(rests(view, hypothesis, column))
     ends = [*(rest.first for _, rest in found), len(out)][1:]
@@ -92,6 +91,11 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
             out = out.copy() if out is predicted else out
             throw(out, view.span.stamp, path, view.span.rows, first, at, ratio, far, band, float(way))
     return out
+
+
+def room(arm: Arm, column: int) -> float:
+    """How many rad a joint has from one end of its dead band to the other."""
+    return 2.0 * float(arm.dead_band[column])
 
 
 def throws(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Iterator[tuple[float, int]]:

@@ -31,8 +31,8 @@ def as_given(state: Fit) -> Fit:
     """
     for name in state.context.known:
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
-    while (name := _rounded(state)) is not None:
-        left = state.hypothesis.without(name)
+    while (rounded := _rounded(state)) is not None:
+        left = state.hypothesis.without(rounded)
         state = refit(state.context, left) if _by_speed(state.context, left) else costed(state.context, left)
     return state
 

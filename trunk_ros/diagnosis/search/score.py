@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.formed import off_by
 from trunk_ros.diagnosis.stage import STANDING
-from trunk_ros.diagnosis.thrown import BAND, rests, throws
+from trunk_ros.diagnosis.thrown import rests, room, throws
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.curve import OVER_TIME, Curve
 from trunk_ros.guards import ROUNDED
@@ -209,16 +209,13 @@ def _throws(fit: Fit) -> float:
     """
     context, total = fit.context, 0.0
     for c in fit.cost:
-        dear, noise, part = (
-            FURTHER * chance(context, c),
-            context.noise[c].std,
-            PART * BAND * context.arm.dead_band[c],
-        )
+        dear, noise = FURTHER * chance(context, c), context.noise[c].std
+        part = PART * room(context.arm, c)
         for index, view in enumerate(context.views):
             if any(rests(view, fit.hypothesis, c)):
                 predicted = context.stage.predict(context, index, fit.hypothesis, c)
-                thrown = throws(view, fit.hypothesis, c, predicted)
-                total += sum(min(n * (far / noise) ** 2, dear * (1.0 + abs(far) / part)) for far, n in thrown)
+                for far, n in throws(view, fit.hypothesis, c, predicted):
+                    total += min(n * (far / noise) ** 2, dear * (1.0 + abs(far) / part))
     return total
 
 
