@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from trunk_ros.diagnosis.data.sensing.readings import taken_out
+from trunk_ros.diagnosis.knocks import knocks_told
 from trunk_ros.diagnosis.pace import skew_told
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.recording.recording import Recording
@@ -21,5 +22,5 @@ def _put_right(recording: Recording, state: Fit, index: int) -> Recording:
     context = state.context
     for columns, hum in context.views[index].hums:
         recording = taken_out(recording, [context.joints[c] for c in columns], hum)
-    skew = skew_told(context, state.hypothesis, index)
-    return recording if skew is None else replace(recording, observed=(*recording.observed, skew))
+    told = skew_told(context, state.hypothesis, index), knocks_told(context, state.hypothesis, index)
+    return replace(recording, observed=(*recording.observed, *filter(None, told)))

@@ -11,13 +11,17 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.discrepancy.jumps import jumps
-from trunk_ros.diagnosis.levels import FEWEST, PART, SURE, THREEFOLD
+from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, PART, SURE, THREEFOLD
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, chance
-from trunk_ros.diagnosis.thrown import goes_on
+from trunk_ros.diagnosis.thrown import goes_on, throws
+from trunk_ros.recording.observed import Observed
+from trunk_ros.recording.topics import TOPICS
 
-BESIDE = 8  # samples on each side of a moment: a knock is over within a few
+BESIDE = 8  # samples, twice, on each side of a knock: it is over within a few
 
 
 def told_from_knocks(context: Context) -> Context:
@@ -28,6 +32,25 @@ def told_from_knocks(context: Context) -> Context:
     if all(new is old for new, old in zip(views, context.views, strict=True)):
         return context
     return replace(context, views=views, shown_before={}, _cache={}).weighed(context.known)
+
+
+def knocks_told(context: Context, hypothesis: Hypothesis, index: int) -> Observed | None:
+    """What to say of the knocks in a recording that are none of what a hypothesis says happened."""
+    view, far = context.views[index], dict[int, list[float]]()
+    for c in sorted({c for c, _ in view.span.knocks}):
+        predicted = context.stage.predict(context, index, hypothesis, c)
+        moved = (abs(far) for far, _ in throws(view, hypothesis, c, predicted))
+        far[c] = [one for one in moved if one > context.noise[c].std]
+    most = max((max(each) for each in far.values() if each), default=0.0)
+    if not most:
+        return None
+    joints = tuple(context.joints[c] for c, each in far.items() if each)
+    said = (
+        f"{', '.join(joints)}: shaken elsewhere within the dead band while at rest, by what moved beside it, "
+        f"{sum(map(len, far.values()))} times, by up to {1e3 * most:.2g} mrad. Where a joint lies in its dead "
+        "band says nothing of its wire, and was fitted"
+    )
+    return told("knocks", (TOPICS["joint_states"], joints), most, None, "rad", said)
 
 
 def _knocked(context: Context, index: int, view: View) -> View:
@@ -46,22 +69,27 @@ def _knocks(context: Context, index: int, column: int) -> Iterator[float]:
         rows = first + np.flatnonzero(span.valid[first:last, column])
         if len(rows) < 2 * FEWEST:
             continue
-        rest = off[rows] / noise
-        for at in jumps(span.stamp[rows], rest, worth, len(rest)):
-            if _is_at_once(rest, int(np.searchsorted(span.stamp[rows], at))):
+        rest, stamp = off[rows] / noise, span.stamp[rows]
+        found = jumps(stamp, rest, worth, len(rest))
+        cuts = [0, *stamp.searchsorted(found).tolist(), len(rest)]
+        for before, cut, after, at in zip(cuts, cuts[1:], cuts[2:], found, strict=False):
+            if _is_at_once(rest[before:cut], rest[cut:after]):
                 yield float(at)
 
 
-def _is_at_once(rest: Array, cut: int) -> bool:
-    """Whether a residual (n,) of unit noise moves there by far more than in as many samples before and after:
-    what goes by the angles of other joints moves on with them.
+def _is_at_once(before: Array, after: Array) -> bool:
+    """Whether a residual of unit noise, flat (n,) and flat (m,) but for a jump in between, moves there by far
+    more than before and after: what goes by the angles of other joints moves on with them.
     """
-    parts = [rest[max(cut + k * BESIDE, 0) : max(cut + (k + 1) * BESIDE, 0)] for k in (-2, -1, 0, 1)]
-    if min(map(len, parts)) < BESIDE:
+    size = min(len(before) // 2, len(after) // 2, ENOUGH)
+    if size < BESIDE:
         return False
-    before, now, after = np.diff([np.median(part) for part in parts])
-    other = max(abs(before), abs(after))
-    return bool(abs(now) > max(THREEFOLD * other, SURE / np.sqrt(BESIDE)))
+    means = [
+        part.mean()
+        for part in (before[-2 * size : -size], before[-size:], after[:size], after[size : 2 * size])
+    ]
+    left, now, right = np.abs(np.diff(means))
+    return bool(now > THREEFOLD * max(left, right) + SURE * np.sqrt(2.0 / size))
 
 
 @compiled

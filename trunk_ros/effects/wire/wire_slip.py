@@ -30,7 +30,7 @@ class WireSlip(Effect):
         Parameter("step", "rad", (-0.5, 0.5), "jump of the zero", typical=1e-3),
         Parameter("onset", "s", (0.0, 1e6), "moment of the jump", typical=2.0, moment=True),
     )
-    imitated_by = ("wrap",)
+    imitated_by = ("knocks", "wrap")
     confused_with = (
         ("thermal_drift", "record longer: a drift goes on"),
         ("zero_offset", "look at the start, while the joint moves: before a slip its zero was right"),
