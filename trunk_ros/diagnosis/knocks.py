@@ -47,8 +47,8 @@ def knocks_told(context: Context, hypothesis: Hypothesis, index: int) -> Observe
     joints = tuple(context.joints[c] for c, each in far.items() if each)
     said = (
         f"{', '.join(joints)}: shaken elsewhere within the dead band while at rest, by what moved beside it, "
-        f"{sum(map(len, far.values()))} times, by up to {1e3 * most:.2g} mrad. Where a joint lies in its dead "
-        "band says nothing of its wire, and was fitted"
+        f"{sum(map(len, far.values()))} times, by up to {1e3 * most:.2g} mrad. Where a joint lies in it says "
+        "nothing of its wire, and was fitted"
     )
     return told("knocks", (TOPICS["joint_states"], joints), most, None, "rad", said)
 
