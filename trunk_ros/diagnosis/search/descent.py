@@ -89,6 +89,7 @@ class Desk:
     been: dict[Hashable, Hypothesis] = field(default_factory=dict)
     """By structure: how the search last stood on it."""
     _trials: dict[Hashable, dict[Hashable, list[Fit]]] = field(default_factory=dict)
+    _spare: tuple[Fit, Move, Fit] | None = None
 
     def is_vain(self, move: Move, group: Group, best: Fit) -> bool:
         """Whether a group was tried in a state that is nearly the same, and gained too little."""
@@ -116,6 +117,18 @@ class Desk:
     def stands_on(self, best: Fit) -> None:
         """The search has come to a structure."""
         self.been[structure(best.hypothesis), best.context.claims] = best.hypothesis
+
+    def puts_aside(self, move: Move, trial: Fit, best: Fit) -> None:
+        """A trial that is better than the best, but not by enough as yet."""
+        before = self._spare[2] if self._spare is not None and self._spare[0] is best else best
+        if beats(trial, before):
+            self._spare = best, move, trial
+
+    def put_aside(self, best: Fit) -> tuple[Move, Fit] | None:
+        """The best of these, where the work ends before its turn would come."""
+        if self.share > 0.0 or self._spare is None or self._spare[0] is not best:
+            return None
+        return self._spare[1:] if _is_new(self._spare[2], best, self) else None
 
     @property
     def inner_share(self) -> float:
@@ -220,7 +233,7 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
     for move in moves:
         for group in move.groups(best, desk):
             if best.context.work.over:
-                return None
+                return desk.put_aside(best)
             if desk.is_vain(move, group, best) or not desk.in_reach(group, best):
                 continue
             promised = group.promise()
@@ -235,6 +248,7 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             for trial in (_plainest(found, trials, best, desk), found):
                 if desk.pays(score(best) - score(trial), best) and _is_new(trial, best, desk):
                     return move, trial
+            desk.puts_aside(move, found, best)
             if not best.context.work.over:  # else not all was tried
                 desk.note(move, group, best, score(best) - score(found))
     return None
@@ -277,9 +291,7 @@ def _includes(fit: Fit, other: Fit) -> bool:
 
 
 def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
-    """Whether the search has not stood on a structure, or not as well: noise that is estimated anew could
-    lead it round in circles.
-    """
+    """Whether the search has not stood on a structure, or not as well: new noise could lead it in circles."""
     there = structure(trial.hypothesis)
     if there == structure(best.hypothesis):
         return True
