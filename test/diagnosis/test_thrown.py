@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,6 +89,10 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     assert rest.still.stop == rest.first + int(np.argmax(way > PART * band / 2.0))
     moves = rest.first + int(np.argmax(way > band))
     assert not more[moves:].any()
+    knocked = thrown(view, Hypothesis(), column, predicted) - predicted  # it jumps, whatever made it
+    assert [at for c, at in view.span.knocks if c == column] == pytest.approx([at], abs=0.05)
+    assert not knocked[stamp < at - 0.1].any()
+    view = replace(view, span=replace(view.span, knocks=()))
     assert not (thrown(view, Hypothesis(), column, predicted) - predicted).any()
     motor = Hypothesis(servo_bandwidth=Term("servo_bandwidth", own={column: {"relative": 0.1, "from": at}}))
     assert not list(rests(view, motor, column))  # motors lie in no band

@@ -298,3 +298,14 @@ def test_no_further_trial_of_a_group_is_made_once_the_work_is_done() -> None:
     assert made == [LITTLE, HALF]
     assert found is not None
     assert found[1].hypothesis["backlash"].own[2]["half_width"] == HALF
+
+
+def test_the_best_that_was_tried_is_made_where_the_work_ends_before_its_turn() -> None:
+    best = fitted("backlash")
+    spent = replace(best, context=replace(best.context, work=Work(1.0)))
+    tried: list[tuple[str, float]] = []
+    late = noting(tried, "after the work is done", grows=True)
+    done = descend(spent, [to(LITTLE, grows=True), late], Desk())
+    assert with_width(best, LITTLE).total > (1.0 - COARSE[0]) * best.total  # less than was asked for
+    assert not tried
+    assert "backlash" in done.hypothesis
