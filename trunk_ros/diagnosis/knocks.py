@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.thrown import goes_on, throws
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.topics import TOPICS
 
-BESIDE = 8  # samples, twice, on each side of a knock: it is over within a few
+BRIEF = 8  # samples: a knock is over in fewer, and at least twice as many tell what is on each side
 
 
 def told_from_knocks(context: Context) -> Context:
@@ -82,7 +82,7 @@ def _is_at_once(before: Array, after: Array) -> bool:
     more than before and after: what goes by the angles of other joints moves on with them.
     """
     size = min(len(before) // 2, len(after) // 2, ENOUGH)
-    if size < BESIDE:
+    if size < BRIEF:
         return False
     means = [
         part.mean()
