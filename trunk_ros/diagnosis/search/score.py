@@ -194,13 +194,15 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
 
 
 def _usual(fit: Fit) -> float:
-    """What is needed of all joints together: what the middle one needs, and that formulas are off by in the
-    mean, so that what explains few joints is not cheaper on all, nor dearer on few.
+    """What is needed of all joints together: what the middle one needs, and what formulas are off by on the
+    joints that there is most to explain of, so that what explains few joints is not cheaper on all, nor
+    dearer on few.
     """
     context = fit.context
-    mean = sum(context.formed_misfit.get(c, 0.0) for c in context.columns) / len(context.columns)
+    misfits = np.array([context.formed_misfit.get(c, 0.0) for c in context.columns])
+    most = float(misfits @ misfits) / max(float(misfits.sum()), ROUNDED)
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
-    return max(usual, FORMULAS * mean)
+    return max(usual, FORMULAS * most)
 
 
 def _throws(fit: Fit) -> float:
