@@ -1,5 +1,5 @@
-"""What clocks and sensors did to a recording that showed only beside the physics: it is said, and the tones
-are taken out of what else is compared.
+"""What clocks, sensors and knocks did to a recording that showed only beside the physics: it is said, and the
+tones are taken out of what else is compared.
 """
 
 from __future__ import annotations

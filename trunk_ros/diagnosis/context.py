@@ -50,7 +50,7 @@ class Context:
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
     """The same but for a zero, and a ratio that was not known."""
     off: Mapping[int, float] = field(default_factory=dict)
-    """Squared rad, over all rows, by which the model's own laws may be off, by column."""
+    """Mean squared rad by which the model's own laws may be off, by column."""
     wanders: Mapping[int, Noise] = field(default_factory=dict)
     """The noise of columns that show nothing else than one that wanders."""
     claims: bool = False

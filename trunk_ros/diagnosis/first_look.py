@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder, growth
 from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.knocks import told_from_knocks
+from trunk_ros.diagnosis.knocks import with_knocks
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.recording.signal.resample import SLOW
@@ -24,7 +24,7 @@ def first_look(stage: Stage, work: Work | None = None) -> Context:
     wide = frozenset(c for c, (is_always_alike, _) in loops.items() if is_always_alike)
     once = frozenset(c for c, (_, is_gone_through_once) in loops.items() if is_gone_through_once)
     first = replace(blank, wide=wide, once=once)
-    return told_from_knocks(replace(first, louder=_louder(first)).weighed(stage.known))
+    return with_knocks(replace(first, louder=_louder(first)).weighed(stage.known))
 
 
 def _louder(context: Context) -> Louder:

@@ -15,18 +15,19 @@ from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.discrepancy.jumps import jumps
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, PART, SURE, THREEFOLD
-from trunk_ros.diagnosis.search.score import SIGNIFICANT, chance
+from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, PART
+from trunk_ros.diagnosis.search.score import BETTER, SIGNIFICANT, chance, choice
 from trunk_ros.diagnosis.thrown import goes_on, throws
 from trunk_ros.recording.observed import Observed
+from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.recording.topics import TOPICS
 
-BRIEF = 8  # samples: a knock is over in fewer, and at least twice as many tell what is on each side
+BRIEF = 8  # samples in which a knock is over; twice as many at least tell what is on each side
 
 
-def told_from_knocks(context: Context) -> Context:
+def with_knocks(context: Context) -> Context:
     """With the moments at which joints that rest are knocked within their dead bands."""
-    if context.stage.name != "wire":
+    if context.stage.name != "wire" or context.step >= SLOW:
         return context
     views = tuple(_knocked(context, index, view) for index, view in enumerate(context.views))
     if all(new is old for new, old in zip(views, context.views, strict=True)):
@@ -38,13 +39,13 @@ def knocks_told(context: Context, hypothesis: Hypothesis, index: int) -> Observe
     """What to say of the knocks in a recording that are none of what a hypothesis says happened."""
     view, far = context.views[index], dict[int, list[float]]()
     for c in sorted({c for c, _ in view.span.knocks}):
-        predicted = context.stage.predict(context, index, hypothesis, c)
-        moved = (abs(far) for far, _ in throws(view, hypothesis, c, predicted))
-        far[c] = [one for one in moved if one > context.noise[c].std]
-    most = max((max(each) for each in far.values() if each), default=0.0)
-    if not most:
+        knocks = {at for column, at in view.span.knocks if column == c}
+        moved = throws(view, hypothesis, c, context.stage.predict(context, index, hypothesis, c))
+        own = [abs(throw.far) for throw in moved if throw.at in knocks]
+        far |= {c: seen} if (seen := [one for one in own if one > context.noise[c].std]) else {}
+    if not far:
         return None
-    joints = tuple(context.joints[c] for c, each in far.items() if each)
+    joints, most = tuple(context.joints[c] for c in far), max(map(max, far.values()))
     said = (
         f"{', '.join(joints)}: shaken elsewhere within the dead band while at rest, by what moved beside it, "
         f"{sum(map(len, far.values()))} times, by up to {1e3 * most:.2g} mrad. Where a joint lies in it says "
@@ -65,35 +66,50 @@ def _knocks(context: Context, index: int, column: int) -> Iterator[float]:
     span, worth = view.span, SIGNIFICANT * chance(context, column)
     ratio, least = float(view.arm.ratio[column]), PART * float(view.arm.dead_band[column])
     off = context.residual(index, context.known, column)
-    for first, last in rests(view.span.gearbox[:, column], span.rows, ratio, least):
+    for first, last in standing(view.span.gearbox[:, column], span.rows, ratio, least):
         rows = first + np.flatnonzero(span.valid[first:last, column])
         if len(rows) < 2 * FEWEST:
             continue
         rest, stamp = off[rows] / noise, span.stamp[rows]
-        found = jumps(stamp, rest, worth, len(rest))
-        cuts = [0, *stamp.searchsorted(found).tolist(), len(rest)]
-        for before, cut, after, at in zip(cuts, cuts[1:], cuts[2:], found, strict=False):
-            if _is_at_once(rest[before:cut], rest[cut:after]):
-                yield float(at)
+        cuts = stamp.searchsorted(jumps(stamp, rest, worth, ENOUGH))
+        if 0 < len(cuts) < ENOUGH:  # else it goes by something
+            yield from (float(stamp[at]) for at in _at_once(rest, cuts))
 
 
-def _is_at_once(before: Array, after: Array) -> bool:
-    """Whether a residual of unit noise, flat (n,) and flat (m,) but for a jump in between, moves there by far
-    more than before and after: what goes by the angles of other joints moves on with them.
+def _at_once(rest: Array, cuts: np.ndarray) -> Iterator[int]:
+    """Where a residual (n,) of unit noise, flat between cuts (k,), jumps at once: no passage that takes
+    longer explains it as well. What goes by the angles of other joints moves on with them.
     """
-    size = min(len(before) // 2, len(after) // 2, ENOUGH)
-    if size < BRIEF:
-        return False
-    means = [
-        part.mean()
-        for part in (before[-2 * size : -size], before[-size:], after[:size], after[size : 2 * size])
-    ]
-    left, now, right = np.abs(np.diff(means))
-    return bool(now > THREEFOLD * max(left, right) + SURE * np.sqrt(2.0 / size))
+    groups = np.split(cuts, np.flatnonzero(np.diff(cuts) >= BRIEF) + 1)  # a reading in between is a piece
+    ends = [0, *(int(group[-1]) for group in groups)], [*(int(group[0]) for group in groups), len(rest)]
+    for group, before, after in zip(groups, ends[0], ends[1][1:], strict=False):
+        near = range(max(group[0] - BRIEF, 0), min(group[-1] + BRIEF, len(rest)))
+        middle = max(near, key=lambda k: _step(rest, k))
+        size = min(middle - before, after - middle, ENOUGH)
+        if size >= 2 * BRIEF and _is_brief(rest[middle - size : middle + size], BETTER + choice(len(groups))):
+            yield middle
+
+
+def _step(rest: Array, at: int) -> float:
+    """How far a residual (n,) moves within ``BRIEF`` samples."""
+    return abs(float(rest[at : at + BRIEF].mean() - rest[max(at - BRIEF, 0) : max(at, 1)].mean()))
+
+
+def _is_brief(rest: Array, better: float) -> bool:
+    """Whether a change in the middle of a residual (n,) is over within ``BRIEF`` samples: that explains it
+    ``better``.
+    """
+    apart = np.arange(len(rest)) - (len(rest) - 1) / 2
+    gains = {}
+    for lasts in (1, BRIEF // 2, *range(2 * BRIEF, len(rest) + 1, BRIEF)):
+        passage = np.clip(apart / lasts, -0.5, 0.5)
+        gains[lasts] = float(rest @ passage) ** 2 / float(passage @ passage)
+    longer = max(gain for lasts, gain in gains.items() if lasts > BRIEF)
+    return max(gain for lasts, gain in gains.items() if lasts <= BRIEF) > longer + better
 
 
 @compiled
-def rests(path: Array, rows: np.ndarray, ratio: float, least: float) -> list[tuple[int, int]]:
+def standing(path: Array, rows: np.ndarray, ratio: float, least: float) -> list[tuple[int, int]]:
     """First and last of ``rows`` (n,), the last one excluded, between which a path (m,) of a gearbox moves
     its joint by no more than ``least`` rad, for ``FEWEST`` rows and longer.
     """

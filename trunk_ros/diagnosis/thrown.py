@@ -32,6 +32,14 @@ class Rest(NamedTuple):
     at: float
 
 
+class Throw(NamedTuple):
+    """When [s] and how far [rad] a joint was thrown, and for how many samples that was seen."""
+
+    at: float
+    far: float
+    seen: int
+
+
 def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[float, Rest]]:
     """Where a joint with a dead band rests from a moment of its effects on, or from a knock on, one after the
     other, with how many rad what happens moves it where nothing holds it, if it says so.
@@ -43,7 +51,7 @@ def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[flo
     moments |= {at: 0.0 for at in knocks if all(abs(at - told) > TOGETHER for told in moments)}
     for at, size in sorted(moments.items()):
         if (column, at) not in view.rests:  # a fit asks again and again
-            make_room(view.rests, len(view.span.rows), view.rests)
+            make_room(view.rests, 1, view.rests)
             view.rests[column, at] = _rest(view, column, at)
         rest = view.rests[column, at]
         if rest is not None:
@@ -76,21 +84,31 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
     """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
     out, seen, band = predicted, view.columns[column], room(view.arm, column)
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-    found = list(rests(view, hypothesis, column))
-    ends = [*(rest.first for _, rest in found), len(out)][1:]
-    for (size, (still, first, at)), end in zip(found, ends, strict=False):
+    for rest, end, size in _with_ends(view, hypothesis, column):
+        still, first, at = rest
         pushed = predicted[still.start] - predicted[first - 1]
-        before = slice(still.start, min(still.stop, end))  # the next one moves it on
-        part = before if np.any(seen.valid[before]) else still
+        part = slice(still.start, end)
         mean = mean_off(seen.target[part], out[part], seen.valid[part])
         way, most = np.sign(pushed), band
         if abs(pushed) < PART * band / 2:  # held by friction, it goes on a part of the way, if that is said
             way, most = np.sign(size or mean), abs(size) or band
-        far = float(np.clip(way * mean, 0.0, min(most, band)))
+        gone = way * (out[first - 1] - predicted[first - 1])  # by knocks before
+        far = float(np.clip(way * mean, 0.0, max(min(most, band - gone), 0.0)))
         if far > 0.0:
             out = out.copy() if out is predicted else out
             throw(out, view.span.stamp, path, view.span.rows, first, at, ratio, far, band, float(way))
     return out
+
+
+def _with_ends(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[Rest, int, float]]:
+    """The rests with the row at which each ends, or the next one begins where enough is seen until then, and
+    what happens moves it by where nothing holds it.
+    """
+    found, valid = list(rests(view, hypothesis, column)), view.columns[column].valid
+    for k, (size, rest) in enumerate(found):
+        end = min([rest.still.stop, *(later.first for _, later in found[k + 1 : k + 2])])
+        enough = np.count_nonzero(valid[rest.still.start : end]) >= FEWEST
+        yield rest, end if enough else rest.still.stop, size
 
 
 def room(arm: Arm, column: int) -> float:
@@ -98,12 +116,17 @@ def room(arm: Arm, column: int) -> float:
     return 2.0 * float(arm.dead_band[column])
 
 
-def throws(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Iterator[tuple[float, int]]:
-    """How many rad each throw takes a joint on, and for how many samples it rests then."""
-    change = thrown(view, hypothesis, column, predicted) - predicted
-    for _, (still, first, _) in rests(view, hypothesis, column):
-        far = float(change[still.start] - change[first - 1])
-        yield far, int(np.count_nonzero(view.columns[column].valid[still]))
+def throws(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> list[Throw]:
+    """How far each throw takes a joint on beside what is ``predicted`` (n,) rad."""
+    change, valid = thrown(view, hypothesis, column, predicted) - predicted, view.columns[column].valid
+    return [
+        Throw(
+            rest.at,
+            float(change[rest.still.start] - change[rest.first - 1]),
+            int(np.count_nonzero(valid[rest.still.start : end])),
+        )
+        for rest, end, _ in _with_ends(view, hypothesis, column)
+    ]
 
 
 @compiled

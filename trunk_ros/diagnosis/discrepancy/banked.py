@@ -17,8 +17,9 @@ from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, SLIGHT
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
+from trunk_ros.diagnosis.search.formed import FORMULAS
 from trunk_ros.diagnosis.search.moves.form import refinements
-from trunk_ros.diagnosis.search.score import CURVE, FORMULAS, STRONG
+from trunk_ros.diagnosis.search.score import CURVE, STRONG
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HALF
 

@@ -10,19 +10,19 @@ from functools import reduce
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import Fit, costed, refit
-from trunk_ros.diagnosis.search.formed import off_by
+from trunk_ros.diagnosis.levels import HALF
+from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.formed import law_of, off_by
 from trunk_ros.diagnosis.search.moves.swap_all import alike
 from trunk_ros.diagnosis.search.score import FURTHER, naming, need
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
+from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
-
-BY_SPEED = "high_speed"
-"""The regime of what a loop that lags otherwise does."""
 
 
 def as_given(state: Fit) -> Fit:
@@ -31,33 +31,45 @@ def as_given(state: Fit) -> Fit:
     """
     for name in state.context.known:
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
-    while (rounded := _rounded(state)) is not None:
-        left = state.hypothesis.without(rounded)
-        state = refit(state.context, left) if _by_speed(state.context, left) else costed(state.context, left)
+    while rounded := _rounded(state):
+        left = reduce(lambda found, name: found.without(name), rounded, state.hypothesis)
+        state = refit(state.context, left)
     return state
 
 
-def _by_speed(context: Context, hypothesis: Hypothesis) -> list[str]:
-    """What a servo's loop is found to do otherwise than it is described."""
-    new = hypothesis.keys() - context.known.keys() if context.stage.name == "servo" else ()
-    return sorted(name for name in new if effect(name).regime == BY_SPEED)
+def _rounded(state: Fit) -> list[str]:
+    """What makes a servo's loop lag otherwise than it is described by no more than that may be off: all of it
+    together, or the least.
+    """
+    context, found = state.context, state.hypothesis
+    if context.stage.name != "servo":
+        return []
+    new = sorted(found.keys() - context.known.keys())
+    lags = [name for name in new if _is_lag(context, found, found.without(name))]
+    without = reduce(lambda left, name: left.without(name), lags, found)
+    share = {name: _share(context, found, found.without(name)) for name in lags}
+    if lags and _share(context, found, without) < 1.0:
+        return lags
+    return [name for name in lags if share[name] < 1.0 and share[name] == min(share.values())][:1]
 
 
-def _rounded(state: Fit) -> str | None:
-    """The least of that, where it is no more than who describes a loop rounds, and steps of time make."""
-    context = state.context
-    for name in _by_speed(context, state.hypothesis):
-        less = state.hypothesis.without(name)
-        if all(_change(context, state.hypothesis, less, c) < off_by(context, c) for c in context.columns):
-            return name
-    return None
+def _share(context: Context, one: Hypothesis, other: Hypothesis) -> float:
+    """The difference of two hypotheses over what the model's laws may be off by, on the joint with most."""
+    changes = {c: _change(context, one, other, c) for c in context.columns}
+    return max(float(d @ d) / max(off_by(context, c), ROUNDED) for c, d in changes.items())
 
 
-def _change(context: Context, one: Hypothesis, other: Hypothesis, column: int) -> float:
-    """What tells two hypotheses apart on a column, in squared unit-noise residuals."""
+def _is_lag(context: Context, one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two hypotheses differ mostly by how far a loop lags."""
+    pairs = [(_change(context, one, other, c), law_of(context, c)) for c in context.columns]
+    along = sum(float(d @ law) ** 2 / max(float(law @ law), ROUNDED) for d, law in pairs)
+    return bool(along > HALF * sum(float(d @ d) for d, _ in pairs) > 0.0)
+
+
+def _change(context: Context, one: Hypothesis, other: Hypothesis, column: int) -> Array:
+    """(rows,) what tells two hypotheses apart on a column, whitened."""
     pairs = zip(context.predictions(one, column), context.predictions(other, column), strict=True)
-    change = context.whiten_change([a - b for a, b in pairs], column)
-    return float(change @ change)
+    return context.whiten_change([a - b for a, b in pairs], column)
 
 
 def _there_again(state: Fit, name: str) -> Fit:

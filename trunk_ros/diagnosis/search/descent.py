@@ -119,14 +119,14 @@ class Desk:
         self.been[structure(best.hypothesis), best.context.claims] = best.hypothesis
 
     def puts_aside(self, move: Move, trial: Fit, best: Fit) -> None:
-        """A trial that is better than the best, but not by enough as yet."""
+        """A trial that is better, but not by enough as yet."""
         before = self._spare[2] if self._spare is not None and self._spare[0] is best else best
         if beats(trial, before):
             self._spare = best, move, trial
 
     def put_aside(self, best: Fit) -> tuple[Move, Fit] | None:
         """The best of these, where the work ends before its turn would come."""
-        if self.share > 0.0 or self._spare is None or self._spare[0] is not best:
+        if self._spare is None or self._spare[0] is not best:
             return None
         return self._spare[1:] if _is_new(self._spare[2], best, self) else None
 
@@ -136,9 +136,7 @@ class Desk:
         return max(self.share, COARSE[1])
 
     def in_reach(self, group: Group, best: Fit) -> bool:
-        """Whether a group would pay if it explained all that is left on its columns, and all names were
-        free.
-        """
+        """Whether a group would pay if it explained all that is left there, and all names were free."""
         left = sum(best.cost[c] - best.context.least_noise(c) for c in group.columns if c in best.cost)
         return self.pays(left + score(best) - best.total, best)
 
@@ -165,6 +163,8 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
         best = told_from_clocks(best) if steady and desk.share == 0.0 else best
         while _is_large(best, desk.share):
             better = _next(best, _ordered(now, best, desk.share, newest), moves, desk)
+            if better is None and best.context.work.over:
+                better = desk.put_aside(best)
             if better is None and stale and not best.context.work.over:
                 best, stale = renewed(best), False  # what was mended may have been most of the noise
                 continue
@@ -233,7 +233,7 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
     for move in moves:
         for group in move.groups(best, desk):
             if best.context.work.over:
-                return desk.put_aside(best)
+                return None
             if desk.is_vain(move, group, best) or not desk.in_reach(group, best):
                 continue
             promised = group.promise()

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
 from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.formed import off_by
+from trunk_ros.diagnosis.search.formed import FORMULAS, off_by
 from trunk_ros.diagnosis.stage import STANDING
 from trunk_ros.diagnosis.thrown import rests, room, throws
 from trunk_ros.effects import effect, registry
@@ -32,10 +32,6 @@ STRONG = 1.0
 """Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
 FURTHER = SIGNIFICANT / 3.0
 """Price of each further value of an effect, in white noise."""
-FORMULAS = 0.001
-"""Of a joint's misfit: what the formulas of named effects may be off by, 3 % of their size. On arms that go
-by other laws, what was said beside the right names explained up to 0.0008.
-"""
 CURVE = 2.5
 """Price of a curve without a name, in effects."""
 BETTER = 2.0
@@ -77,7 +73,7 @@ def _least_need(context: Context, column: int) -> float:
     steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
-    off = off_by(context, column) if stage.name == "wire" else 0.0  # play is off wherever a joint turns
+    off = off_by(context, column) if stage.name == "wire" else 0.0  # what a loop is off by goes with its lag
     return max(SIGNIFICANT * chance(context, column), least, formulas, off)
 
 
@@ -194,9 +190,8 @@ def _moments(fit: Fit, term: Term, needs: dict[int, float]) -> float:
 
 
 def _usual(fit: Fit) -> float:
-    """What is needed of all joints together: what the middle one needs, and what formulas are off by on the
-    joints that there is most to explain of, so that what explains few joints is not cheaper on all, nor
-    dearer on few.
+    """What is needed of all joints together: what the middle one needs, and what formulas are off by in the
+    mean, each joint counting by what is to explain of it: what explains one joint is not cheaper on all.
     """
     context = fit.context
     misfits = np.array([context.formed_misfit.get(c, 0.0) for c in context.columns])
@@ -210,14 +205,14 @@ def _throws(fit: Fit) -> float:
     part of the dead band, as what shakes an arm moves them little; none costs more than it gains.
     """
     context, total = fit.context, 0.0
-    for c in fit.cost:
-        dear, noise = FURTHER * chance(context, c), context.noise[c].std
-        part = PART * room(context.arm, c)
+    for c in (c for c, left in fit.cost.items() if left > 0.0):
+        part, likely = PART * room(context.arm, c), chance(context, c)
         for index, view in enumerate(context.views):
-            if any(rests(view, fit.hypothesis, c)):
+            if any(rests(view, fit.hypothesis, c)):  # no work of the search, see credible._jumps
                 predicted = context.stage.predict(context, index, fit.hypothesis, c)
-                for far, n in throws(view, fit.hypothesis, c, predicted):
-                    total += min(n * (far / noise) ** 2, dear * (1.0 + abs(far) / part))
+                for throw in throws(view, fit.hypothesis, c, predicted):
+                    gain = throw.seen * (throw.far / context.noise[c].std) ** 2 / likely
+                    total += min(gain, FURTHER * likely * (1.0 + abs(throw.far) / part))
     return total
 
 

@@ -92,8 +92,9 @@ def _dated(now: Fit, name: str, on: int | None) -> tuple[Fit, bool]:
 def _nearby(best: Fit, name: str, column: int | None, moment: str) -> Iterator[Fit]:
     """Nearby, or where the joint was seen to be moved as it rested: it may have been this that moved it."""
     yield moved(best, name, column, moment, _roughly(best, name, column, moment) + NEARBY)
-    knocks = {at for view in best.context.views for c, at in view.span.knocks if c == column}
-    yield from (moved(best, name, column, moment, np.array([at])) for at in sorted(knocks))
+    knocks = [at for view in best.context.views for c, at in view.span.knocks if c == column]
+    if knocks:
+        yield moved(best, name, column, moment, np.array(sorted(knocks)))
 
 
 def _nearest(now: Fit, name: str, column: int | None, moment: str) -> float:
