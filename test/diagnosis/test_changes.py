@@ -210,3 +210,15 @@ def test_a_value_that_a_form_does_not_have_is_refused() -> None:
             SHORT.parameters()
             | {"effects.presliding_hysteresis.width": [1e-3], "effects.presliding_hysteresis.through": [0.5]}
         )
+
+
+def test_what_the_model_has_is_as_it_was_where_nothing_is_said_of_it() -> None:
+    joints = ("lift", "bend")
+    had = {"load_elasticity": {"form": "weight", "compliance": np.array([0.01, 0.02]), "upstream": 0.5}}
+    fitted = {
+        "load_elasticity": {"form": "held", "compliance": np.array([0.01, 0.02]), "damping": np.ones(2)}
+    }
+    assert on_the_arm(fitted, had, joints, joints, set()) == had
+    told = on_the_arm(fitted, had, joints, joints, {"load_elasticity"})["load_elasticity"]
+    assert told["form"] == "held"
+    assert told["damping"].tolist() == [1.0, 1.0]

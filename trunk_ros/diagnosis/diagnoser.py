@@ -208,9 +208,6 @@ class Diagnoser:
         state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
         context.forget()
         give_back()
-        effects = state.hypothesis.model_effects(len(stage.joints))
-        had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
-        self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints)
         if stage.name == "wire":
             self.left = {stage.joints[c]: e for c, e in errors.items()}
         self.result.stages[stage.name] = {
@@ -231,6 +228,9 @@ class Diagnoser:
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
         new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION)
+        effects, said = state.hypothesis.model_effects(len(stage.joints)), {f.effect for f in new}
+        had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
+        self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > STRONG}

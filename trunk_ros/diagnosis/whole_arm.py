@@ -11,11 +11,17 @@ from trunk_ros.effects import effect
 
 
 def on_the_arm(
-    effects: dict[str, Values], had: dict[str, Values], seen: tuple[str, ...], joints: tuple[str, ...]
+    effects: dict[str, Values],
+    had: dict[str, Values],
+    seen: tuple[str, ...],
+    joints: tuple[str, ...],
+    said: set[str],
 ) -> dict[str, Values]:
     """Effects with values for the joints ``seen`` in the recordings, as effects of all ``joints``: the others
-    keep what they ``had``, where that is of the same form.
+    keep what they ``had``, where that is of the same form. What the model had of which nothing is ``said`` is
+    as it was.
     """
+    same = {n: v for n, v in had.items() if n in effects.keys() - said and effect(n).named}
     unseen = [k for k, joint in enumerate(joints) if joint not in seen]
 
     def spread(name: str, key: str, value: Any) -> Any:
@@ -35,10 +41,11 @@ def on_the_arm(
         for name, values in had.items()
         if name not in effects and any(_acts(name, values, k) for k in unseen)
     }
-    return {
+    whole = {
         name: {key: spread(name, key, v) for key, v in values.items()}
         for name, values in {**effects, **gone}.items()
     }
+    return whole | same
 
 
 def _acts(name: str, values: Values, joint: int) -> bool:
