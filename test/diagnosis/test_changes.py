@@ -14,6 +14,7 @@ from test.diagnosis import arms
 from test.diagnosis.arms import SHORT, of_the_wires
 from trunk_ros.diagnosis import Diagnosis, diagnose
 from trunk_ros.diagnosis.report.page import render
+from trunk_ros.diagnosis.whole_arm import on_the_arm
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model, save_model
 
