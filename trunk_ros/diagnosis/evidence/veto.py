@@ -27,13 +27,14 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     to, or than a rival gains beyond them, and the evidence for the others. One at a time, the weakest first.
     A rival that turns out to be better takes the place of the name: a search that ended early may not have
     come to it. After each change evidence is gathered anew for what it touched; once the work that is granted
-    for that is spent, only for names that are new, and those that it touched are left as they are.
+    for that is spent, only for names that are new or that a rival had beaten, and the others are left as they
+    are.
     """
     work, found, before = state.context.work.besides(), dict[str, Evidence](), part
     old = set[str]()
     while True:
         touched = {n for n in found if not _is_untouched(before, part, n)}
-        stands = {n: e for n, e in found.items() if work.over or n not in touched}
+        stands = {n: e for n, e in found.items() if n not in touched or (work.over and not _is_beaten(e))}
         old = {n for n in stands if n in touched or n in old}
         found, before = evidence(part, state, work, stands), part
         better, both = _better(part, found), part is state
@@ -52,6 +53,11 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
 
 def _is_claimed(state: Fit, name: str) -> bool:
     return effect(name).named and name not in state.context.known
+
+
+def _is_beaten(told: Evidence) -> bool:
+    """Whether a rival explains more than a name: that may have been put in since."""
+    return min(told.rivals.values(), default=0.0) < 0.0
 
 
 def _is_untouched(before: Fit, now: Fit, name: str) -> bool:
@@ -91,11 +97,12 @@ def _in_its_place(now: Hypothesis, name: str, rival: str, there: Hypothesis) -> 
 
 
 def _is_shown(context: Context, term: Term) -> bool:
-    """Whether the motion can show an effect, on each joint of which it says something by itself."""
+    """Whether the motion can show an effect, on one of the joints of which it says something by itself: one
+    that does not show it may have it beside one that does.
+    """
     kind, said = effect(term.effect), [c for c in term.columns if term.own[c]]
-    return kind in usable(context) and all(
-        c in context.columns and kind.forms_shown(context.motion(c)) for c in said
-    )
+    shown = [c in context.columns and kind.forms_shown(context.motion(c)) for c in said]
+    return kind in usable(context) and any(shown or [True])
 
 
 def harmless(state: Fit) -> Fit:
