@@ -73,12 +73,8 @@ def _least_need(context: Context, column: int) -> float:
     steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
-    return max(SIGNIFICANT * chance(context, column), least, formulas, _off(context, column))
-
-
-def _off(context: Context, column: int) -> float:
-    """What any name may look like on a column; what a loop is off by goes with its lag alone."""
-    return off_by(context, column) if context.stage.name == "wire" else 0.0
+    off = off_by(context, column) if stage.name == "wire" else 0.0  # what a loop is off by goes with its lag
+    return max(SIGNIFICANT * chance(context, column), least, formulas, off)
 
 
 def choice(among: int) -> float:
@@ -135,8 +131,7 @@ def price(fit: Fit, term: Term) -> float:
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
             usual = sum(needs[c] for c in columns)
             each = _further(context, free, columns, len(columns))
-        off = sum(_off(context, c) for c in columns)  # it is all that explains them
-        return name + max(usual + each, _shared_slice(fit, columns), off) + moments
+        return name + max(usual + each, _shared_slice(fit, columns)) + moments
     values = {c: max(sum(f.column == c for f in free), 1) for c in columns}
     further = _further(context, [f for f in free if f.column is not None], columns, len(columns))
     return name + sum(max(needs[c], _slice(fit, c, n)) for c, n in values.items()) + words + further + moments
