@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.levels import HALF
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.formed import law_of, off_by
 from trunk_ros.diagnosis.search.moves.swap_all import alike
-from trunk_ros.diagnosis.search.score import FURTHER, naming, need
+from trunk_ros.diagnosis.search.score import FURTHER, asked, naming
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.guards import ROUNDED
@@ -170,5 +170,5 @@ def _need(state: Fit, column: int | None) -> float:
     """What an effect has to explain on a joint, or on the usual one."""
     context: Context = state.context
     if column in context.columns:
-        return need(context, column, state.rest(column))
-    return float(np.median([need(context, c, state.rest(c)) for c in context.columns]))
+        return asked(context, column, state.rest(column))
+    return float(np.median([asked(context, c, state.rest(c)) for c in context.columns]))

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import need
+from trunk_ros.diagnosis.search.score import asked, need
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
@@ -88,7 +88,7 @@ def banks_evidence(state: Fit, found: Mapping[str, Evidence]) -> dict[str, Evide
 
 def needed(state: Fit, columns: Iterable[int]) -> float:
     """What a name on some columns has to gain."""
-    return sum(need(state.context, c, state.rest(c)) for c in columns)
+    return sum(asked(state.context, c, state.rest(c)) for c in columns)
 
 
 def doubt(state: Fit, columns: Iterable[int]) -> float:

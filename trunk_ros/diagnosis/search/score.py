@@ -68,13 +68,20 @@ def need(context: Context, column: int, rest: float = 0.0) -> float:
     return max(context.least_needs[column], SLIGHT * rest)
 
 
+def asked(context: Context, column: int, rest: float = 0.0) -> float:
+    """The gain on a column below which nothing is said there: it is also what the model's own laws may be off
+    by. What a loop is off by goes with its lag, and is no measure for names of other shapes.
+    """
+    off = off_by(context, column) if context.stage.name == "wire" else 0.0
+    return max(need(context, column, rest), off)
+
+
 def _least_need(context: Context, column: int) -> float:
     stage, noise = context.stage, context.noise[column]
     steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
-    off = off_by(context, column) if stage.name == "wire" else 0.0  # what a loop is off by goes with its lag
-    return max(SIGNIFICANT * chance(context, column), least, formulas, off)
+    return max(SIGNIFICANT * chance(context, column), least, formulas)
 
 
 def choice(among: int) -> float:
