@@ -81,11 +81,12 @@ def _at_once(rest: Array, cuts: np.ndarray) -> Iterator[int]:
     longer explains it as well. What goes by the angles of other joints moves on with them.
     """
     groups = np.split(cuts, np.flatnonzero(np.diff(cuts) >= BRIEF) + 1)  # a reading in between is a piece
-    ends = [0, *(int(group[-1]) for group in groups)], [*(int(group[0]) for group in groups), len(rest)]
-    for group, before, after in zip(groups, ends[0], ends[1][1:], strict=False):
+    before = [0, *(int(group[-1]) for group in groups[:-1])]
+    after = [*(int(group[0]) for group in groups[1:]), len(rest)]
+    for group, first, last in zip(groups, before, after, strict=True):
         near = range(max(group[0] - BRIEF, 0), min(group[-1] + BRIEF, len(rest)))
         middle = max(near, key=lambda k: _step(rest, k))
-        size = min(middle - before, after - middle, ENOUGH)
+        size = min(middle - first, last - middle, ENOUGH)
         if size >= 2 * BRIEF and _is_brief(rest[middle - size : middle + size], BETTER + choice(len(groups))):
             yield middle
 

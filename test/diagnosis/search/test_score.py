@@ -185,7 +185,7 @@ def test_a_further_joint_makes_no_moment_cheaper() -> None:
     """What happens on several joints at once is one event, at the price of the dearest of them."""
     own = {c: {"compliance": 0.03, "from": 15.0} for c in (1, 4)}
     both = fitted("two give way", Term("load_elasticity", own=own))
-    dear = replace(both.context, formed_misfit={1: 1e6, 4: 0.0}, off={})
+    dear = replace(both.context, formed_misfit={1: 1e6, 4: 0.0})
     needs = {c: need(dear, c, both.rest(c)) for c in own}
     assert needs[1] > 2 * needs[4]
     one = Fit(both.hypothesis.without("load_elasticity", 4), both.cost, dear)

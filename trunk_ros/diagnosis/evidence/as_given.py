@@ -32,9 +32,12 @@ def as_given(state: Fit) -> Fit:
     for name in state.context.known:
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
     while rounded := _rounded(state):
-        left = reduce(lambda found, name: found.without(name), rounded, state.hypothesis)
-        state = refit(state.context, left)
+        state = refit(state.context, _without(state.hypothesis, rounded))
     return state
+
+
+def _without(found: Hypothesis, names: Iterable[str]) -> Hypothesis:
+    return reduce(lambda left, name: left.without(name), names, found)
 
 
 def _rounded(state: Fit) -> list[str]:
@@ -44,26 +47,31 @@ def _rounded(state: Fit) -> list[str]:
     context, found = state.context, state.hypothesis
     if context.stage.name != "servo":
         return []
-    new = sorted(found.keys() - context.known.keys())
-    lags = [name for name in new if _is_lag(context, found, found.without(name))]
-    without = reduce(lambda left, name: left.without(name), lags, found)
-    share = {name: _share(context, found, found.without(name)) for name in lags}
-    if lags and _share(context, found, without) < 1.0:
+    laws = {c: law_of(context, c) for c in context.columns}
+    changes = {n: _changes(context, found, [n]) for n in sorted(found.keys() - context.known.keys())}
+    lags = [name for name, each in changes.items() if _is_lag(each, laws)]
+    if not lags or _share(context, _changes(context, found, lags)) < 1.0:
         return lags
-    return [name for name in lags if share[name] < 1.0 and share[name] == min(share.values())][:1]
+    share = {name: _share(context, changes[name]) for name in lags}
+    least = min(lags, key=share.__getitem__)
+    return [least] if share[least] < 1.0 else []
 
 
-def _share(context: Context, one: Hypothesis, other: Hypothesis) -> float:
-    """The difference of two hypotheses over what the model's laws may be off by, on the joint with most."""
-    changes = {c: _change(context, one, other, c) for c in context.columns}
+def _share(context: Context, changes: dict[int, Array]) -> float:
+    """How large changes of columns are over what the model's laws may be off by, on the joint with most."""
     return max(float(d @ d) / max(off_by(context, c), ROUNDED) for c, d in changes.items())
 
 
-def _is_lag(context: Context, one: Hypothesis, other: Hypothesis) -> bool:
-    """Whether two hypotheses differ mostly by how far a loop lags."""
-    pairs = [(_change(context, one, other, c), law_of(context, c)) for c in context.columns]
-    along = sum(float(d @ law) ** 2 / max(float(law @ law), ROUNDED) for d, law in pairs)
-    return bool(along > HALF * sum(float(d @ d) for d, _ in pairs) > 0.0)
+def _is_lag(changes: dict[int, Array], laws: dict[int, Array]) -> bool:
+    """Whether changes of columns are mostly along how far their loops lag."""
+    along = sum(float(d @ laws[c]) ** 2 / max(float(laws[c] @ laws[c]), ROUNDED) for c, d in changes.items())
+    return bool(along > HALF * sum(float(d @ d) for d in changes.values()) > 0.0)
+
+
+def _changes(context: Context, found: Hypothesis, names: Iterable[str]) -> dict[int, Array]:
+    """What is predicted otherwise without some effects, by column (rows,), whitened."""
+    less = _without(found, names)
+    return {c: _change(context, found, less, c) for c in context.columns}
 
 
 def _change(context: Context, one: Hypothesis, other: Hypothesis, column: int) -> Array:

@@ -22,11 +22,11 @@ by other laws, what was said beside the right names explained up to 0.0008.
 
 def measured(first: Fit) -> Context:
     """The context of a first fit, in which all else is measured by what that leaves."""
-    misfit = {c: first.rest(c) for c in first.cost}
-    share = SLIGHT**2 if first.context.stage.name == "wire" else FORMULAS  # of a loop nobody measures a width
-    off = {c: share * law for c, law in known_laws(first).items()}
-    off = {c: o * first.context.noise[c].std ** 2 / first.context.count(c) for c, o in off.items()}
-    return replace(first.context, misfit=misfit, formed_misfit=formed_misfits(first), off=off)
+    context, misfit = first.context, {c: first.rest(c) for c in first.cost}
+    share = SLIGHT**2 if context.stage.name == "wire" else FORMULAS  # of a loop nobody measures a width
+    laws = {c: law_of(context, c) * context.noise[c].std for c in first.cost}
+    off = {c: share * float(law @ law) / context.count(c) for c, law in laws.items()}
+    return replace(context, misfit=misfit, formed_misfit=formed_misfits(first), off=off)
 
 
 def formed_misfits(fit: Fit) -> dict[int, float]:
@@ -51,17 +51,10 @@ def off_by(context: Context, column: int) -> float:
     return context.off.get(column, 0.0) * context.count(column) / context.noise[column].std ** 2
 
 
-def known_laws(fit: Fit) -> dict[int, float]:
-    """What the laws of the model itself make of each column, in squared unit-noise residuals with the right
-    zero. Arms keep to them roughly, and who describes an arm rounds.
-    """
-    laws = {c: law_of(fit.context, c) for c in fit.cost}
-    return {c: float(law @ law) for c, law in laws.items()}
-
-
 def law_of(context: Context, column: int) -> Array:
-    """(rows,) the same, whitened: the play of its dead band and the effects that it has, but for geometry; or
-    how far a loop lags.
+    """(rows,) what the laws of the model itself make of a column, whitened and with the right zero: the play
+    of its dead band and the effects that it has, but for geometry; or how far a loop lags. Arms keep to them
+    roughly, and who describes an arm rounds.
     """
     exact = Hypothesis({name: term for name, term in context.known.items() if effect(name).exact})
     changes, ratio = [], context.arm.ratio[column] if context.stage.name == "wire" else 1.0
