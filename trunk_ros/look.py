@@ -58,7 +58,7 @@ class Look(Now):
         self.dt = steps(stamp, before[0] if before else None)
         self.columns = tuple(range(len(arm.joints)))
         self._arm = self.arm = arm
-        self._path, self._before, self._given, self._carried = path, before, given, carried
+        self._path, self._before, self._given, self.carried = path, before, given, carried
         ahead = 0.0 if before is None or swing is None else swing[0] - before[1]
         self._joint_path, self._swing = path + ahead, swing
         self._wound: tuple[Array, Array] | None = None
@@ -150,8 +150,8 @@ class Look(Now):
             if self._inertial:
                 speed, acceleration, _ = self.motion
                 load = load + self._arm.inertia(self.angles, speed, acceleration)
-        if self._carried.mass:
-            load = load + self._carried.at(self.stamp) * self._lever()
+        if self.carried.mass:
+            load = load + self.carried.at(self.stamp) * self._lever()
         return load if self._arm.coupling is None else self._arm.carried(load)
 
     def _lever(self) -> Array:

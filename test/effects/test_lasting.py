@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from test.effects.example import alike, arm_of, motion, stamps
+from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import effect, registry
@@ -157,3 +159,26 @@ def test_at_the_end_a_model_has_the_last_size() -> None:
     assert there["compliance"] == pytest.approx([0.04, 0.02, 0.01])
     assert there["payload"] == pytest.approx(0.04)
     assert set(there) == {"compliance", "payload", "form"}
+
+
+@pytest.mark.parametrize("form", ["held", "links"])
+def test_what_is_taken_up_has_mass_for_links_that_swing(form: str) -> None:
+    """From soon after the beginning on it is as if it had always been there, and back again."""
+    arm, mass = arm_of(3, 1e-3), 0.3
+
+    def swung(payload: float, **when: float) -> Array:
+        always = payload if not when else 0.0  # frequency and damping are those with what the arm always has
+        slow = 1.0 / np.sqrt(replace(arm, payload=arm.payload + always).straight_inertia)
+        soft = {"compliance": np.full(3, 0.03), "payload": payload, **when}
+        if form == "held":
+            return run(arm, {"load_elasticity": {**soft, "damping": 0.05 * slow, "form": "held"}})
+        links = {"frequency": 0.5 * slow, "damping": 0.05 * slow, "form": "links"}
+        return run(arm, {"load_elasticity": soft, "link_resonance": links})
+
+    def run(arm: Arm, effects: dict[str, dict[str, Any]]) -> Array:
+        return Chain(Model(arm, effects), "wire").run(PHI, STAMP)[0][STAMP > 5.0]
+
+    empty, always = swung(0.0), swung(mass)
+    soon, hardly = swung(mass, payload_from=0.01), swung(mass, payload_until=0.02)
+    for got, wanted in ((soon, always), (hardly, empty)):
+        assert np.std(got - wanted) < 0.02 * np.std(always - empty)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+
+if TYPE_CHECKING:
+    from trunk_ros.effects.lasting import Payload
 
 Made = TypeVar("Made")
 
@@ -47,6 +50,8 @@ class Now:
     """Places of the joints being computed among all ``joints``."""
     arm: Arm | None = None
     """With the payload that it carries; None where its links' masses are of no account."""
+    carried: Payload | None = None
+    """What it takes up and puts down besides."""
 
     @property
     def winding(self) -> Array:
@@ -67,8 +72,16 @@ class Now:
     @cached_property
     def masses(self) -> Array:
         """M (n, all joints, all joints) kg m^2 of the arm at ``angles``."""
+        return self.masses_at(self.angles)
+
+    def masses_at(self, angles: Array) -> Array:
+        """The same of all joints at ``angles`` (m, all joints), at the first m samples."""
         assert self.arm is not None
-        return self.arm.mass_matrix(self.angles)
+        own = self.arm.mass_matrix(angles)
+        if self.carried is None or not self.carried.mass:
+            return own
+        more = self.carried.at(self.stamp[: len(angles)])
+        return np.asarray(own + more[:, :, None] * self.arm.mass_lever(angles))
 
     def inertia(self, joint: int) -> Array:
         """(n, all joints) a joint's row of that."""

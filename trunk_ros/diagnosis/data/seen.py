@@ -18,10 +18,10 @@ from trunk_ros.effects.now import Made
 
 
 class Inertia(NamedTuple):
-    """What is known of an arm's masses with so many kg more at the tip, at all steps of a view or at some."""
+    """What is known of an arm's masses that carries so much, at all steps of a view or at some."""
 
     view: View
-    payload: float
+    payload: Payload
     rows: np.ndarray | None = None
 
     @property
@@ -102,8 +102,9 @@ def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now
         speeds=view.speeds,
         columns=(column,),
         arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
+        carried=None if payload.always else payload,
     )
-    seen.known = Inertia(view, payload.own)
+    seen.known = Inertia(view, payload)
     return seen
 
 
@@ -134,7 +135,7 @@ def joined(each: Sequence[Now]) -> Now:
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
     lazy = isinstance(now, Seen)
-    whole = ("joints", "ratio", "held", "columns", "arm", "dt", *(["load", "wires"] if lazy else []))
+    whole = ("joints", "ratio", "held", "columns", "arm", "carried", "dt", *(["load", "wires"] if lazy else []))
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
     if lazy:
         steps |= {"load": lambda: now.load[rows], "wires": lambda: now.wires[rows]}

@@ -14,7 +14,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
 from trunk_ros.diagnosis.machine import CELLS, make_room
-from trunk_ros.effects.lasting import Payload
+from trunk_ros.effects.lasting import NOTHING, Payload
 from trunk_ros.effects.now import Made
 
 
@@ -57,7 +57,7 @@ class View:
     hums: tuple[tuple[tuple[int, ...], Hum], ...] = ()
     """Tones of columns that showed beside the physics, and were taken out of the span's target."""
     cuts: dict[int, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
-    large: dict[tuple[Hashable, float, int], tuple[Array | None, Any]] = field(
+    large: dict[tuple[Hashable, Hashable, int], tuple[Array | None, Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
     """What is known at angles, and those, and what effects make of it: of long recordings only that of the
@@ -88,7 +88,7 @@ class View:
     @property
     def wires(self) -> Array:
         """(m, joints) rad where the motors take the joints; made when it is asked for."""
-        return self._keep(("wires", 0.0, 0), None, lambda: self.arm.driven(self.span.gearbox))
+        return self._keep(("wires", 0, 0), None, lambda: self.arm.driven(self.span.gearbox))
 
     @property
     def angles(self) -> Array:
@@ -98,7 +98,7 @@ class View:
     @property
     def load(self) -> Array:
         """(m, joints) moment on the joints."""
-        return self._kept("load", 0.0, self._load_at)
+        return self._kept("load", 0, self._load_at)
 
     def _load_at(self, angles: Array) -> Array:
         known = self.span.resistance
@@ -108,41 +108,45 @@ class View:
     @property
     def lever(self) -> Array:
         """(m, joints) what a kilogram more at the tip adds to it."""
-        return self._kept("lever", 0.0, self._lever)
+        return self._kept("lever", 0, self._lever)
 
-    def masses(self, payload: float) -> Array:
-        """M (m, joints, joints) kg m^2 of the arm with so many kg more at the tip."""
-        if not payload:
-            return self._kept("masses", 0.0, partial(_by_pieces, self.arm.mass_matrix))
-        return self._kept("loaded", payload, lambda _: self.masses(0.0) + payload * self._mass_lever)
+    def masses(self, payload: Payload = NOTHING) -> Array:
+        """M (m, joints, joints) kg m^2 of the arm that carries so much."""
+        if not payload.mass:
+            return self._kept("masses", 0, partial(_by_pieces, self.arm.mass_matrix))
+        return self._kept("loaded", payload, partial(self._loaded, payload))
 
-    def inertia(self, joint: int, payload: float, rows: np.ndarray | None = None) -> Array:
+    def _loaded(self, payload: Payload, _: Array) -> Array:
+        return self.masses() + self._carried(payload)[..., None] * self._mass_lever
+
+    def inertia(self, joint: int, payload: Payload, rows: np.ndarray | None = None) -> Array:
         """(m, joints) a joint's row of that, or (k, joints) at some steps; not to be changed."""
-        row = self._kept("row", float(joint), lambda _: _row_of(self.masses(0.0), joint))
+        row = self._kept("row", joint, lambda _: _row_of(self.masses(), joint))
         row = row if rows is None else row[rows]
-        if not payload:
+        if not payload.mass:
             return row
-        lever = self._kept("row lever", float(joint), lambda _: _row_of(self._mass_lever, joint))
-        return np.asarray(row + payload * (lever if rows is None else lever[rows]))
+        lever = self._kept("row lever", joint, lambda _: _row_of(self._mass_lever, joint))
+        more = np.asarray(self._carried(payload) * lever)
+        return np.asarray(row + (more if rows is None else more[rows]))
 
-    def cached(self, what: Hashable, payload: float, make: Callable[[], Made]) -> Made:
+    def cached(self, what: Hashable, payload: Payload, make: Callable[[], Made]) -> Made:
         """What an effect makes of the joints' angles and the masses, made once for these."""
         return self._keep((what, payload, id(self.told)), self.told, make)
 
     @property
     def _mass_lever(self) -> Array:
-        return self._kept("mass_lever", 0.0, partial(_by_pieces, self.arm.mass_lever))
+        return self._kept("mass_lever", 0, partial(_by_pieces, self.arm.mass_lever))
 
     def _lever(self, angles: Array) -> Array:
         known = self.span.resistance
         more = self.arm.lever(angles) if known is None else known.per_kilogram(self.arm, angles)
         return more if self.arm.coupling is None else self.arm.carried(more)
 
-    def _kept(self, what: Hashable, payload: float, of: Callable[[Array], Array]) -> Array:
-        key = what, payload, id(self.posture)
+    def _kept(self, what: Hashable, which: Hashable, of: Callable[[Array], Array]) -> Array:
+        key = what, which, id(self.posture)
         return self._keep(key, self.posture, lambda: of(self.wires if self.posture is None else self.posture))
 
-    def _keep(self, key: tuple[Hashable, float, int], at: Array | None, make: Callable[[], Made]) -> Made:
+    def _keep(self, key: tuple[Hashable, Hashable, int], at: Array | None, make: Callable[[], Made]) -> Made:
         if key not in self.large:
             make_room(self.large, len(self.span.grid), (k for k in self.large if k[0] == key[0]))
             self.large[key] = at, make()
@@ -176,9 +180,12 @@ class View:
         one = slice(column, column + 1)
         load = self.load[:, one]
         if payload.mass:
-            mass = payload.mass if payload.always else payload.mass * self._there(payload)
-            load = load + mass * self.lever[:, one]
+            load = load + self._carried(payload) * self.lever[:, one]
         return np.ascontiguousarray(load)
+
+    def _carried(self, payload: Payload) -> Array:
+        """(m, 1) or (1, 1) kg."""
+        return payload.mass * (np.ones((1, 1)) if payload.always else self._there(payload))
 
     def _there(self, payload: Payload) -> Array:
         """(m, 1) how much of a payload is there: all joints ask for it, and a fit with one mass after the

@@ -31,6 +31,11 @@ def as_given(state: Fit) -> Fit:
     """
     for name in state.context.known:
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
+    return unrounded(state)
+
+
+def unrounded(state: Fit) -> Fit:
+    """Without what may come of how the model's loops are described, or integrated."""
     while rounded := _rounded(state):
         state = refit(state.context, _without(state.hypothesis, rounded))
     return state

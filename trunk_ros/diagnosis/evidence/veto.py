@@ -12,6 +12,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.cores import each
+from trunk_ros.diagnosis.evidence.as_given import unrounded
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.evidence.unseen import unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -39,7 +40,7 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
         found, before = evidence(part, state, work, stands), part
         better, both = _better(part, found), part is state
         if better is not None:
-            part = better
+            part = unrounded(better)
             state = part if both else refit(state.context, part.hypothesis)
             continue
         weak = {n: e.gain_share for n, e in found.items() if _is_claimed(state, n) and n not in old}

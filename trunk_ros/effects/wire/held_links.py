@@ -73,7 +73,7 @@ class HeldLinks:
         first, second, play = state or (None, None, None)
         speed, first = rate(angles, now.dt, first)
         acceleration, second = rate(speed, now.dt, second)
-        ahead, mass = y.copy(), links.arm.mass_matrix(angles)
+        ahead, mass = y.copy(), now.masses_at(angles)
         ahead[:, swings] += pushed_back(acceleration, places, mass, self._hold(places, swings))
         u, play = SharpPlay().invert(ahead, width, play)
         return u, (first, second, play)

@@ -72,7 +72,7 @@ class Links:
                 swing_link(one, now.dt, push, swing * lighter, damping * lighter, before[:, k], shown[:, k])
         elif len(places):
             angles = np.ascontiguousarray(angles)
-            first = now.masses[:1] if state is None else self.arm.mass_matrix(motion[:1])
+            first = now.masses[:1] if state is None else now.masses_at(motion[:1])
             mass = np.concatenate([first, now.masses], dtype=float)
             swing_links(moved, now.dt, angles, places, mass, straight, omega, zeta, before, motion, shown)
         own[:, swings], out[:, swings] = before, shown
@@ -87,7 +87,7 @@ class Links:
         acceleration, second = rate(speed, now.dt, second)
         omega, lag = self.omega[swings], lag.copy()
         stiffness = self.arm.straight_inertia[places] * omega**2
-        push = pushed_back(acceleration, places, self.arm.mass_matrix(angles), stiffness)
+        push = pushed_back(acceleration, places, now.masses_at(angles), stiffness)
         ahead = np.empty_like(push)
         lowpass(push, now.dt, 2 * self.damping[swings] / omega, lag, ahead)
         out = y.copy()
