@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.discrepancy.jumps import jumps
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, PART
 from trunk_ros.diagnosis.search.score import BETTER, SIGNIFICANT, chance, choice
-from trunk_ros.diagnosis.thrown import goes_on, throws
+from trunk_ros.diagnosis.thrown import goes_on, rests, throws
 from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.signal.resample import SLOW
@@ -42,7 +42,8 @@ def knocks_told(context: Context, hypothesis: Hypothesis, index: int) -> Iterato
     """
     view, far = context.views[index], dict[str, dict[str, list[float]]]()
     for c in sorted({c for c, _ in view.span.knocks}):
-        moved = throws(view, hypothesis, c, context.stage.predict(context, index, hypothesis, c))
+        predicted = context.stage.predict(context, index, hypothesis, c)
+        moved = throws(view, c, rests(view, hypothesis, c), predicted)
         own = [abs(throw.far) for throw in moved if (c, throw.at) in view.span.knocks]
         if seen := [one for one in own if one > context.noise[c].std]:
             far.setdefault(context.stage.unit(c), {})[context.joints[c]] = seen
