@@ -74,6 +74,12 @@ class Term:
         values = self.shared if column is None else self.own[column]
         return tuple(m.name for m in effect(self.effect).moments() if m.moment and m.name in values)
 
+    @property
+    def carried(self) -> list[str]:
+        """Which of its values are masses at the tip that it has."""
+        shared = self.shared  # asked at each prediction
+        return [p.name for p in effect(self.effect).carried() if shared.get(p.name)] if shared else []
+
     def values(self, column: int) -> dict[str, float]:
         """All values for one joint, the shared ones included."""
         return {**self.shared, **self.own[column]}
@@ -94,10 +100,6 @@ class Hypothesis(dict[str, Term]):
     def curved(self) -> set[int]:
         """The joints that a curve without a name is on."""
         return {c for name, term in self.items() if not effect(name).named for c in term.columns}
-
-    def over_time(self, column: int) -> bool:
-        """Whether a curve over time stands in on a column."""
-        return any("time" in t.words.get(column, {}).values() for t in self.on(column))
 
     def bound(self, column: int) -> list[Effect]:
         """The effects on one joint, as blocks over that joint alone."""
@@ -164,8 +166,8 @@ class Hypothesis(dict[str, Term]):
             del out[name]
         return out
 
-    def less(self, names: Iterable[str], column: int) -> Hypothesis:
-        """A copy without some effects on one joint."""
+    def less(self, names: Iterable[str], column: int | None = None) -> Hypothesis:
+        """A copy without some effects, on one joint or at all."""
         return reduce(lambda out, name: out.without(name, column), names, self)
 
     @property
@@ -283,9 +285,7 @@ def _model_values(term: Term, joints: int) -> Values:
 
 def payload_of(hypothesis: Hypothesis) -> Payload:
     """Mass at the tip that the terms add; of several that which is not always there says when."""
-    terms = [term for term in hypothesis.values() if term.shared]  # asked at each prediction
-    masses = [(p.name, t.shared) for t in terms for p in effect(t.effect).carried() if t.shared.get(p.name)]
-    there = [payload_in(name, values) for name, values in masses]
+    there = [payload_in(name, term.shared) for term in hypothesis.values() for name in term.carried]
     when = next((one for one in there if not one.always), NOTHING)
     return when._replace(mass=float(sum(one.mass for one in there))) if there else NOTHING
 

@@ -32,12 +32,8 @@ def as_given(state: Fit) -> Fit:
     for name in state.context.known:
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
     while rounded := _rounded(state):
-        state = refit(state.context, _without(state.hypothesis, rounded))
+        state = refit(state.context, state.hypothesis.less(rounded))
     return state
-
-
-def _without(found: Hypothesis, names: Iterable[str]) -> Hypothesis:
-    return reduce(lambda left, name: left.without(name), names, found)
 
 
 def _rounded(state: Fit) -> list[str]:
@@ -70,14 +66,11 @@ def _is_lag(changes: dict[int, Array], laws: dict[int, Array]) -> bool:
 
 def _changes(context: Context, found: Hypothesis, names: Iterable[str]) -> dict[int, Array]:
     """What is predicted otherwise without some effects, by column (rows,), whitened."""
-    less = _without(found, names)
-    return {c: _change(context, found, less, c) for c in context.columns}
-
-
-def _change(context: Context, one: Hypothesis, other: Hypothesis, column: int) -> Array:
-    """(rows,) what tells two hypotheses apart on a column, whitened."""
-    pairs = zip(context.predictions(one, column), context.predictions(other, column), strict=True)
-    return context.whiten_change([a - b for a, b in pairs], column)
+    less, out = found.less(names), dict[int, Array]()
+    for c in context.columns:
+        pairs = zip(context.predictions(found, c), context.predictions(less, c), strict=True)
+        out[c] = context.whiten_change([a - b for a, b in pairs], c)
+    return out
 
 
 def _there_again(state: Fit, name: str) -> Fit:
@@ -89,7 +82,7 @@ def _there_again(state: Fit, name: str) -> Fit:
         return state
     terms = state.hypothesis.values()
     others = {c for t in terms if alike(kind, effect(t.effect)) for c in t.own}
-    carried = {p.name for t in terms for p in effect(t.effect).carried() if t.shared.get(p.name)}
+    carried = {name for term in terms for name in term.carried}
     known = replace(
         known,
         own={c: own for c, own in known.own.items() if c not in others},
