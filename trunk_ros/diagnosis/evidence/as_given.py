@@ -8,17 +8,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import reduce
 
-import numpy as np
-
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import HALF
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit, change, refit
 from trunk_ros.diagnosis.search.formed import law_of, off_by
 from trunk_ros.diagnosis.search.moves.swap_all import alike
-from trunk_ros.diagnosis.search.score import FURTHER, asked, naming
+from trunk_ros.diagnosis.search.score import naming, needed, price_of_change
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.guards import ROUNDED
@@ -66,11 +64,8 @@ def _is_lag(changes: dict[int, Array], laws: dict[int, Array]) -> bool:
 
 def _changes(context: Context, found: Hypothesis, names: Iterable[str]) -> dict[int, Array]:
     """What is predicted otherwise without some effects, by column (rows,), whitened."""
-    less, out = found.less(names), dict[int, Array]()
-    for c in context.columns:
-        pairs = zip(context.predictions(found, c), context.predictions(less, c), strict=True)
-        out[c] = context.whiten_change([a - b for a, b in pairs], c)
-    return out
+    less = found.less(names)
+    return {c: change(context, found, less, c) for c in context.columns}
 
 
 def _there_again(state: Fit, name: str) -> Fit:
@@ -92,7 +87,7 @@ def _there_again(state: Fit, name: str) -> Fit:
     if not known.own:
         return state
     trial = _held(state, name, known, kind.used(known.form))
-    gone = naming(kind.stage) + sum(_need(state, c) for c in known.columns if c in state.context.columns)
+    gone = naming(kind.stage) + needed(state, [c for c in known.columns if c in state.context.columns])
     return trial if trial.total < state.total + gone else state
 
 
@@ -103,8 +98,7 @@ def _as_given(state: Fit, name: str) -> Fit:
     trials = [_held(state, name, known, kind.used(known.form))]
     if known.form == now.form or kind.apart not in (known.form, now.form):
         trials += _ways(state, name)
-    best: Fit = min([state, *trials], key=lambda fit: fit.total + _price(fit, name))
-    return best
+    return min([state, *trials], key=lambda fit: fit.total + price_of_change(fit, name))
 
 
 def _ways(state: Fit, name: str) -> Iterator[Fit]:
@@ -115,28 +109,10 @@ def _ways(state: Fit, name: str) -> Iterator[Fit]:
     yield _held(state, name, each, [p for p in used(now.form) if not p.shared])
     for column in known.columns:
         trial = _held(state, name, back(state.hypothesis[name], known, column), used(now.form))
-        if trial.total + _price(trial, name) < state.total + _price(state, name):
+        if trial.total + price_of_change(trial, name) < state.total + price_of_change(state, name):
             state = trial
     there = replace(state.hypothesis[name], given=now.given)
     yield replace(state, hypothesis=Hypothesis({**state.hypothesis, name: there}))
-
-
-def _price(fit: Fit, name: str) -> float:
-    """Of what differs from the model: of the name once, of each joint, and of each value that joints share,
-    as much as an effect has to explain there; of what another form has besides, as of further values.
-    """
-    known, now = fit.context.known[name], fit.hypothesis[name]
-    moments = {m.name for m in effect(name).moments()}
-    shared = [n for n in known.shared.keys() | now.shared.keys() if known.shared.get(n) != now.shared.get(n)]
-    both = {c: (known.own.get(c, {}), now.own.get(c, {})) for c in known.own.keys() | now.own.keys()}
-    own = [
-        c
-        for c, (old, new) in both.items()
-        if any(new.get(n) != old.get(n) for n in old.keys() | (moments & new.keys()))
-    ]
-    besides = sum(len(new.keys() - old.keys() - moments) for old, new in both.values())
-    price = FURTHER * besides + sum(_need(fit, c) for c in [*own, *(None for _ in shared)])
-    return price + (naming(effect(name).stage) if price else 0.0)
 
 
 def back(now: Term, known: Term, column: int | None) -> Term:
@@ -165,11 +141,3 @@ def _held(state: Fit, name: str, term: Term, values: Iterable[Parameter]) -> Fit
     """
     held = replace(term.copy(), given=frozenset(p.name for p in values))
     return followed(refit(state.context, Hypothesis({**state.hypothesis, name: held})), term.columns)
-
-
-def _need(state: Fit, column: int | None) -> float:
-    """What an effect has to explain on a joint, or on the usual one."""
-    context: Context = state.context
-    if column in context.columns:
-        return asked(context, column, state.rest(column))
-    return float(np.median([asked(context, c, state.rest(c)) for c in context.columns]))
