@@ -69,9 +69,13 @@ class Term:
         used = {p.name for p in effect(self.effect).used(self.form) if not p.shared}
         self.own[column] = {name: value for name, value in values.items() if name in used}
 
+    def home(self, column: int | None) -> dict[str, float]:
+        """The values of a joint's own, or for None those that its joints share."""
+        return self.shared if column is None else self.own[column]
+
     def moments(self, column: int | None) -> tuple[str, ...]:
         """Which of its beginnings and ends on a joint are said; None: of all its joints at once."""
-        values = self.shared if column is None else self.own[column]
+        values = self.home(column)
         return tuple(m.name for m in effect(self.effect).moments() if m.moment and m.name in values)
 
     @property
@@ -111,7 +115,7 @@ class Hypothesis(dict[str, Term]):
 
     def get(self, free: list[Free]) -> Array:  # type: ignore[override]
         """The free values, logarithms where the parameter is fitted so."""
-        return np.array([_encode(f.parameter, self._home(f)[f.parameter.name]) for f in free])
+        return np.array([_encode(f.parameter, self[f.effect].home(f.column)[f.parameter.name]) for f in free])
 
     def moved(self, f: Free, x: float) -> Hypothesis:
         """The same with one value ``x`` on the scale of its parameter; other terms are not copied."""
@@ -129,15 +133,11 @@ class Hypothesis(dict[str, Term]):
     def set(self, free: list[Free], x: Array) -> None:
         """Take the values ``x`` (free,), on the scales of their parameters."""
         for f, value in zip(free, x, strict=True):
-            self._home(f)[f.parameter.name] = _decode(f.parameter, float(value))
+            self[f.effect].home(f.column)[f.parameter.name] = _decode(f.parameter, float(value))
 
     def get_words(self, name: str, column: int) -> tuple[str, ...]:
         """Words that an effect has on a joint, such as the sources of a coupling."""
         return tuple(self[name].words.get(column, {}).values()) if name in self else ()
-
-    def _home(self, f: Free) -> dict[str, float]:
-        term = self[f.effect]
-        return term.shared if f.column is None else term.own[f.column]
 
     def take(self, column: int, other: Hypothesis) -> None:
         """Have on a column what another hypothesis has there."""
