@@ -145,12 +145,14 @@ class Hypothesis(dict[str, Term]):
             term.own.pop(column, None)
             term.words.pop(column, None)
         for term in other.on(column):
-            mine = self.setdefault(
-                term.effect, Term(term.effect, term.form, dict(term.shared), given=term.given)
-            )
-            mine.have(column, term.own[column])
-            if column in term.words:
-                mine.words[column] = dict(term.words[column])
+            self.have(column, term)
+
+    def have(self, column: int, term: Term) -> None:
+        """Have an effect on a column as a term has it there; what joints share as far as it is new."""
+        mine = self.setdefault(term.effect, Term(term.effect, term.form, dict(term.shared), given=term.given))
+        mine.have(column, term.own[column])
+        if column in term.words:
+            mine.words[column] = dict(term.words[column])
 
     def key(self, column: int) -> tuple[object, ...]:
         """What a prediction of one joint depends on, for caches."""
@@ -288,13 +290,3 @@ def payload_of(hypothesis: Hypothesis) -> Payload:
     there = [payload_in(name, term.shared) for term in hypothesis.values() for name in term.carried]
     when = next((one for one in there if not one.always), NOTHING)
     return when._replace(mass=float(sum(one.mass for one in there))) if there else NOTHING
-
-
-def describe(hypothesis: Hypothesis) -> str:
-    """One line for logs: effect (form) on joints, counted from 1."""
-
-    def one(term: Term) -> str:
-        form = f" ({term.form})" if term.form else ""
-        return f"{term.effect}{form} on {', '.join(str(c + 1) for c in term.columns)}".replace("_", " ")
-
-    return "; ".join(one(t) for t in hypothesis.values()) or "nothing"
