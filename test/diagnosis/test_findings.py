@@ -11,7 +11,7 @@ import pytest
 
 from test.diagnosis.arms import diagnose, recorded, reshaped
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.verdict.findings import _parameters, settled
+from trunk_ros.diagnosis.verdict.findings import _parameters, settled, statement_of, value_of
 from trunk_ros.effects import effect
 
 
@@ -47,11 +47,20 @@ def test_only_beside_what_a_description_states_a_size_may_be_near_its_spread(
     assert settled(kind, term, {(kind.id, "moment", 0): 0.05}) == sure
 
 
+def test_a_value_that_was_held_is_said_without_a_spread() -> None:
+    """As that of a part of a form whose values the model has."""
+    told = {
+        name: value_of(79.73, std, "Hz") for name, std in {"held": 0.0, "hidden": None, "seen": 2.0}.items()
+    }
+    said = "joint_1 held = 79.73 Hz; joint_1 hidden = 79.73 Hz; joint_1 seen = 79.73 ± 2 Hz"
+    assert statement_of("Links swing", "joint_1", {"joint_1": told}) == f"joint_1: links swing ({said})."
+
+
 def test_a_value_as_uncertain_as_it_is_large_is_not_said() -> None:
     """A wire that hardens on one joint at a moment, on the other past all that it bore."""
     kind, context = (
         effect("wire_stiffening"),
-        SimpleNamespace(joints=("a", "b"), stage=SimpleNamespace(units={})),
+        SimpleNamespace(joints=("a", "b"), stage=SimpleNamespace(unit=lambda _: "rad")),
     )
     own = {0: {"moment": 0.1, "compliance": 0.03}, 1: {"moment": 700.0, "compliance": 0.03}}
     spread = {(kind.id, "moment", 0): 0.002, (kind.id, "moment", 1): 1e12, (kind.id, "compliance", 1): 1e-4}

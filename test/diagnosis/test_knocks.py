@@ -89,8 +89,16 @@ def test_what_a_hypothesis_says_happened_is_no_knock(model: Model) -> None:
     off = 2e-3 * at_rest(63.0, 99.0) + 1e-3 * at_rest(31.0, 63.0)
     context = first_look(WireStage([wire_span(recorded(model, off), model)], model))
     slip = Hypothesis(wire_slip=Term("wire_slip", own={KNOCKED: {"step": 2e-3, "onset": 31.0}}))
-    assert knocks_told(context, Hypothesis(), 0) is not None
-    assert knocks_told(context, slip, 0) is None
+    assert [*knocks_told(context, Hypothesis(), 0)]
+    assert not [*knocks_told(context, slip, 0)]
+
+
+def test_a_knock_of_a_joint_that_slides_is_said_in_millimetres(model: Model) -> None:
+    recording = recorded(model, 5e-4 * at_rest(31.0, 63.0))
+    stage = WireStage([wire_span(recording, model)], model, {model.arm.joints[KNOCKED]: "m"})
+    (said,) = knocks_told(first_look(stage), Hypothesis(), 0)
+    assert said.unit == "m"
+    assert "1 times, by up to 0.5 mm." in said.statement
 
 
 @pytest.mark.parametrize("noise", [1e-4, 3e-5, 1e-5, 3e-6])

@@ -14,6 +14,7 @@ from test.concealed.nominal import JOINTS, RATIO
 from test.concealed.sensing import Sensing, record
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -59,6 +60,11 @@ def _middle_of_a_rest(stamp: Array, path: Array) -> float:
     return float(middle[np.argmax(np.diff(stamp[ends]) * inside)])
 
 
+def moved(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
+    """(n,) rad that throws add to what is ``predicted`` (n,)."""
+    return thrown(view, column, rests(view, hypothesis, column), predicted) - predicted
+
+
 def test_a_ratio_that_changes_while_a_joint_rests_is_one_effect(
     happened: tuple[Recording, float], model: Model
 ) -> None:
@@ -79,8 +85,8 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     term = Term("ratio_error", "", {}, {column: {"relative": RELATIVE, "from": at}})
     there = Hypothesis({term.effect: term})
     predicted = context.predict(0, there, column)
-    more = thrown(view, there, column, predicted) - predicted
-    ((_, rest),) = rests(view, there, column)
+    more = moved(view, there, column, predicted)
+    (rest,) = rests(view, there, column)
     path = view.span.gearbox[view.span.rows[rest.first - 1 :], column] * model.arm.ratio[column]
     way = np.maximum.accumulate(np.abs(path[1:] - path[0]))
     stamp, band = view.span.stamp, 2.0 * model.arm.dead_band[column]
@@ -89,13 +95,13 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     assert rest.still.stop == rest.first + int(np.argmax(way > PART * band / 2.0))
     moves = rest.first + int(np.argmax(way > band))
     assert not more[moves:].any()
-    knocked = thrown(view, Hypothesis(), column, predicted) - predicted  # it jumps, whatever made it
+    knocked = moved(view, Hypothesis(), column, predicted)  # it jumps, whatever made it
     assert [at for c, at in view.span.knocks if c == column] == pytest.approx([at], abs=0.05)
     assert not knocked[stamp < at - 0.1].any()
     view = replace(view, span=replace(view.span, knocks=()))
-    assert not (thrown(view, Hypothesis(), column, predicted) - predicted).any()
+    assert not moved(view, Hypothesis(), column, predicted).any()
     motor = Hypothesis(servo_bandwidth=Term("servo_bandwidth", own={column: {"relative": 0.1, "from": at}}))
-    assert not list(rests(view, motor, column))  # motors lie in no band
+    assert not rests(view, motor, column)  # motors lie in no band
     left = [(view.span.target[:, column] - p)[rest.still].mean() for p in (predicted, predicted + more)]
     assert abs(left[1]) < 0.1 * abs(left[0])
 
@@ -117,5 +123,5 @@ def test_within_its_dead_band_a_joint_is_thrown_either_way(model: Model) -> None
     view = context.views[0]
     slip = Hypothesis({"wire_slip": Term("wire_slip", own={column: {"step": -0.9 * half, "onset": at}})})
     predicted = context.predict(0, slip, column)
-    more = (thrown(view, slip, column, predicted) - predicted)[(stamp > at + 0.1) & (stamp < 14.9)]
+    more = moved(view, slip, column, predicted)[(stamp > at + 0.1) & (stamp < 14.9)]
     assert more == pytest.approx(np.full(len(more), -0.4 * half), rel=0.05)

@@ -22,5 +22,5 @@ def _put_right(recording: Recording, state: Fit, index: int) -> Recording:
     context = state.context
     for columns, hum in context.views[index].hums:
         recording = taken_out(recording, [context.joints[c] for c in columns], hum)
-    told = skew_told(context, state.hypothesis, index), knocks_told(context, state.hypothesis, index)
-    return replace(recording, observed=(*recording.observed, *filter(None, told)))
+    seen = (*skew_told(context, state.hypothesis, index), *knocks_told(context, state.hypothesis, index))
+    return replace(recording, observed=recording.observed + seen)

@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.levels import HARDLY
 from trunk_ros.diagnosis.machine import CELLS, make_room
 from trunk_ros.diagnosis.side_by_side import Seen
 from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.diagnosis.thrown import thrown
+from trunk_ros.diagnosis.thrown import rests, thrown
 from trunk_ros.diagnosis.work import Work, steps_of
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.lasting import NOTHING, Payload
@@ -236,7 +236,7 @@ class Context:
 
     def _off(self, index: int, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
         view = self.views[index]
-        return view.columns[column].off(thrown(view, hypothesis, column, predicted))
+        return view.columns[column].off(thrown(view, column, rests(view, hypothesis, column), predicted))
 
     def whitened(self, hypothesis: Hypothesis, column: int) -> Array:
         """Residuals of a column over all spans, as unit noise, (rows,)."""

@@ -214,7 +214,7 @@ class Diagnoser:
             "compared": True,
             "joints": {
                 stage.joints[c]: {
-                    "unit": self.units.get(stage.joints[c], "rad"),
+                    "unit": stage.unit(c),
                     "rmse_before": e.before,
                     "rmse_after": e.after,
                     "noise_floor": e.noise_floor,

@@ -69,10 +69,20 @@ class Term:
         used = {p.name for p in effect(self.effect).used(self.form) if not p.shared}
         self.own[column] = {name: value for name, value in values.items() if name in used}
 
+    def home(self, column: int | None) -> dict[str, float]:
+        """The values of a joint's own, or for None those that its joints share."""
+        return self.shared if column is None else self.own[column]
+
     def moments(self, column: int | None) -> tuple[str, ...]:
         """Which of its beginnings and ends on a joint are said; None: of all its joints at once."""
-        values = self.shared if column is None else self.own[column]
+        values = self.home(column)
         return tuple(m.name for m in effect(self.effect).moments() if m.moment and m.name in values)
+
+    @property
+    def carried(self) -> list[str]:
+        """Which of its values are masses at the tip that it has."""
+        shared = self.shared  # asked at each prediction
+        return [p.name for p in effect(self.effect).carried() if shared.get(p.name)] if shared else []
 
     def values(self, column: int) -> dict[str, float]:
         """All values for one joint, the shared ones included."""
@@ -95,10 +105,6 @@ class Hypothesis(dict[str, Term]):
         """The joints that a curve without a name is on."""
         return {c for name, term in self.items() if not effect(name).named for c in term.columns}
 
-    def over_time(self, column: int) -> bool:
-        """Whether a curve over time stands in on a column."""
-        return any("time" in t.words.get(column, {}).values() for t in self.on(column))
-
     def bound(self, column: int) -> list[Effect]:
         """The effects on one joint, as blocks over that joint alone."""
         return [bind_column(term, column) for term in self.on(column)]
@@ -109,7 +115,7 @@ class Hypothesis(dict[str, Term]):
 
     def get(self, free: list[Free]) -> Array:  # type: ignore[override]
         """The free values, logarithms where the parameter is fitted so."""
-        return np.array([_encode(f.parameter, self._home(f)[f.parameter.name]) for f in free])
+        return np.array([_encode(f.parameter, self[f.effect].home(f.column)[f.parameter.name]) for f in free])
 
     def moved(self, f: Free, x: float) -> Hypothesis:
         """The same with one value ``x`` on the scale of its parameter; other terms are not copied."""
@@ -127,15 +133,11 @@ class Hypothesis(dict[str, Term]):
     def set(self, free: list[Free], x: Array) -> None:
         """Take the values ``x`` (free,), on the scales of their parameters."""
         for f, value in zip(free, x, strict=True):
-            self._home(f)[f.parameter.name] = _decode(f.parameter, float(value))
+            self[f.effect].home(f.column)[f.parameter.name] = _decode(f.parameter, float(value))
 
     def get_words(self, name: str, column: int) -> tuple[str, ...]:
         """Words that an effect has on a joint, such as the sources of a coupling."""
         return tuple(self[name].words.get(column, {}).values()) if name in self else ()
-
-    def _home(self, f: Free) -> dict[str, float]:
-        term = self[f.effect]
-        return term.shared if f.column is None else term.own[f.column]
 
     def take(self, column: int, other: Hypothesis) -> None:
         """Have on a column what another hypothesis has there."""
@@ -143,12 +145,14 @@ class Hypothesis(dict[str, Term]):
             term.own.pop(column, None)
             term.words.pop(column, None)
         for term in other.on(column):
-            mine = self.setdefault(
-                term.effect, Term(term.effect, term.form, dict(term.shared), given=term.given)
-            )
-            mine.have(column, term.own[column])
-            if column in term.words:
-                mine.words[column] = dict(term.words[column])
+            self.have(column, term)
+
+    def have(self, column: int, term: Term) -> None:
+        """Have an effect on a column as a term has it there; what joints share as far as it is new."""
+        mine = self.setdefault(term.effect, Term(term.effect, term.form, dict(term.shared), given=term.given))
+        mine.have(column, term.own[column])
+        if column in term.words:
+            mine.words[column] = dict(term.words[column])
 
     def key(self, column: int) -> tuple[object, ...]:
         """What a prediction of one joint depends on, for caches."""
@@ -164,8 +168,8 @@ class Hypothesis(dict[str, Term]):
             del out[name]
         return out
 
-    def less(self, names: Iterable[str], column: int) -> Hypothesis:
-        """A copy without some effects on one joint."""
+    def less(self, names: Iterable[str], column: int | None = None) -> Hypothesis:
+        """A copy without some effects, on one joint or at all."""
         return reduce(lambda out, name: out.without(name, column), names, self)
 
     @property
@@ -283,18 +287,6 @@ def _model_values(term: Term, joints: int) -> Values:
 
 def payload_of(hypothesis: Hypothesis) -> Payload:
     """Mass at the tip that the terms add; of several that which is not always there says when."""
-    terms = [term for term in hypothesis.values() if term.shared]  # asked at each prediction
-    masses = [(p.name, t.shared) for t in terms for p in effect(t.effect).carried() if t.shared.get(p.name)]
-    there = [payload_in(name, values) for name, values in masses]
+    there = [payload_in(name, term.shared) for term in hypothesis.values() for name in term.carried]
     when = next((one for one in there if not one.always), NOTHING)
     return when._replace(mass=float(sum(one.mass for one in there))) if there else NOTHING
-
-
-def describe(hypothesis: Hypothesis) -> str:
-    """One line for logs: effect (form) on joints, counted from 1."""
-
-    def one(term: Term) -> str:
-        form = f" ({term.form})" if term.form else ""
-        return f"{term.effect}{form} on {', '.join(str(c + 1) for c in term.columns)}".replace("_", " ")
-
-    return "; ".join(one(t) for t in hypothesis.values()) or "nothing"

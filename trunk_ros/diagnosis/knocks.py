@@ -17,7 +17,8 @@ from trunk_ros.diagnosis.discrepancy.jumps import jumps
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, PART
 from trunk_ros.diagnosis.search.score import BETTER, SIGNIFICANT, chance, choice
-from trunk_ros.diagnosis.thrown import goes_on, throws
+from trunk_ros.diagnosis.thrown import goes_on, rests, throws
+from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.recording.topics import TOPICS
@@ -35,23 +36,25 @@ def with_knocks(context: Context) -> Context:
     return replace(context, views=views, shown_before={}, _cache={}).weighed(context.known)
 
 
-def knocks_told(context: Context, hypothesis: Hypothesis, index: int) -> Observed | None:
-    """What to say of the knocks in a recording that are none of what a hypothesis says happened."""
-    view, far = context.views[index], dict[int, list[float]]()
+def knocks_told(context: Context, hypothesis: Hypothesis, index: int) -> Iterator[Observed]:
+    """What to say of the knocks in a recording that are none of what a hypothesis says happened: of joints
+    that turn, and of those that slide.
+    """
+    view, far = context.views[index], dict[str, dict[str, list[float]]]()
     for c in sorted({c for c, _ in view.span.knocks}):
-        knocks = {at for column, at in view.span.knocks if column == c}
-        moved = throws(view, hypothesis, c, context.stage.predict(context, index, hypothesis, c))
-        own = [abs(throw.far) for throw in moved if throw.at in knocks]
-        far |= {c: seen} if (seen := [one for one in own if one > context.noise[c].std]) else {}
-    if not far:
-        return None
-    joints, most = tuple(context.joints[c] for c in far), max(map(max, far.values()))
-    said = (
-        f"{', '.join(joints)}: shaken elsewhere within the dead band while at rest, by what moved beside it, "
-        f"{sum(map(len, far.values()))} times, by up to {1e3 * most:.2g} mrad. Where a joint lies in it says "
-        "nothing of its wire, and was fitted"
-    )
-    return told("knocks", (TOPICS["joint_states"], joints), most, None, "rad", said)
+        predicted = context.stage.predict(context, index, hypothesis, c)
+        moved = throws(view, c, rests(view, hypothesis, c), predicted)
+        own = [abs(throw.far) for throw in moved if (c, throw.at) in view.span.knocks]
+        if seen := [one for one in own if one > context.noise[c].std]:
+            far.setdefault(context.stage.unit(c), {})[context.joints[c]] = seen
+    for unit, by_joint in far.items():
+        most = max(map(max, by_joint.values()))
+        said = (
+            f"{', '.join(by_joint)}: shaken elsewhere within the dead band while at rest, by what moved "
+            f"beside it, {sum(map(len, by_joint.values()))} times, by up to {sized(most, unit, 2)}. Where a "
+            "joint lies in it says nothing of its wire, and was fitted"
+        )
+        yield told("knocks", (TOPICS["joint_states"], tuple(by_joint)), most, None, unit, said)
 
 
 def _knocked(context: Context, index: int, view: View) -> View:

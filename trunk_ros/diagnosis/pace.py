@@ -4,6 +4,7 @@ what it does to a joint hides how much of a lag is a clock's.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -67,21 +68,21 @@ def differ(context: Context, hypothesis: Hypothesis) -> bool:
     return any(SURE * SCATTER * std[0] < abs(pace[0]) < LARGEST for pace, std in found)
 
 
-def skew_told(context: Context, hypothesis: Hypothesis, index: int) -> Observed | None:
+def skew_told(context: Context, hypothesis: Hypothesis, index: int) -> Iterator[Observed]:
     """What to say of the clocks of a recording where a skew showed beside the physics alone."""
     span = context.views[index].span
     if not span.unseen or not span.unsure[0]:
-        return None
+        return
     (rate, _), (std, _) = (1e6 * each for each in _likeliest(context, hypothesis, index))
     rate, std = float(rate), SCATTER * float(std)
     if abs(rate) <= SURE * std:
-        return None
+        return
     first, second = TOPICS["joint_states"], TOPICS["gearbox_states"]
     said = (
         f"the clock of {first} runs {abs(rate):.0f} ± {std:.1f} ppm {'fast' if rate > 0.0 else 'slow'} "
         f"beside that of {second}: this showed together with the physics, and was taken off with it"
     )
-    return told("skew", (first, span.joints), rate, std, "ppm", said, "Synchronise the clocks (chrony, PTP)")
+    yield told("skew", (first, span.joints), rate, std, "ppm", said, "Synchronise the clocks (chrony, PTP)")
 
 
 def _likeliest(context: Context, hypothesis: Hypothesis, index: int) -> tuple[Array, Array]:

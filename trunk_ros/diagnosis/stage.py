@@ -79,6 +79,10 @@ class Stage(ABC):
         self.coarse = [self._coarseness(c) for c in range(len(self.joints))]
         """Noise that the steps of a joint's own sensor are at least."""
 
+    def unit(self, column: int) -> str:
+        """The SI unit of a joint's position."""
+        return self.units.get(self.joints[column], "rad")
+
     def of(self, arm: Arm) -> Stage:
         """The same recordings of an arm with other servos."""
         other = copy(self)

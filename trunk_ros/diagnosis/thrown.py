@@ -4,8 +4,9 @@ pushed it, and there it lies in its dead band until it moves again. How far no r
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,13 +24,14 @@ from trunk_ros.parameter import GROWN
 
 
 class Rest(NamedTuple):
-    """A joint that rests from a moment [s] on: the rows of the target at which it does, and the first one
-    after the moment.
+    """A joint that rests from a moment [s] on: the rows of the target at which it does, the first one after
+    the moment, and how many rad what happens moves it where nothing holds it, if it says so.
     """
 
     still: slice
     first: int
     at: float
+    size: float = 0.0
 
 
 class Throw(NamedTuple):
@@ -40,22 +42,28 @@ class Throw(NamedTuple):
     seen: int
 
 
-def rests(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[float, Rest]]:
+def rests(view: View, hypothesis: Hypothesis, column: int) -> list[Rest]:
     """Where a joint with a dead band rests from a moment of its effects on, or from a knock on, one after the
-    other, with how many rad what happens moves it where nothing holds it, if it says so.
+    other: each until it goes on, or the next one begins where enough is seen until then.
     """
     if view.arm.dead_band[column] <= 0.0:
-        return
+        return []
     moments = _moments(hypothesis, column)
     knocks = [at for c, at in view.span.knocks if c == column]
     moments |= {at: 0.0 for at in knocks if all(abs(at - told) > TOGETHER for told in moments)}
+    found = []
     for at, size in sorted(moments.items()):
         if (column, at) not in view.rests:  # a fit asks again and again
             make_room(view.rests, 1, view.rests)
             view.rests[column, at] = _rest(view, column, at)
         rest = view.rests[column, at]
         if rest is not None:
-            yield size, rest
+            found.append(rest._replace(size=size))
+    for k, (rest, later) in enumerate(pairwise(found)):
+        still = slice(rest.still.start, min(rest.still.stop, later.first))
+        if np.count_nonzero(view.columns[column].valid[still]) >= FEWEST:
+            found[k] = rest._replace(still=still)
+    return found
 
 
 def _rest(view: View, column: int, at: float) -> Rest | None:
@@ -80,15 +88,15 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
     return len(rows)
 
 
-def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> Array:
-    """(n,) rad: ``predicted`` (n,) with each throw as far as was measured, within the dead band."""
+def thrown(view: View, column: int, found: Sequence[Rest], predicted: Array) -> Array:
+    """(n,) rad: ``predicted`` (n,) with each throw of the rests as far as was measured, within the dead
+    band.
+    """
     out, seen, band = predicted, view.columns[column], room(view.arm, column)
     path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-    for rest, end, size in _with_ends(view, hypothesis, column):
-        still, first, at = rest
+    for still, first, at, size in found:
         pushed = predicted[still.start] - predicted[first - 1]
-        part = slice(still.start, end)
-        mean = mean_off(seen.target[part], out[part], seen.valid[part])
+        mean = mean_off(seen.target[still], out[still], seen.valid[still])
         way, most = np.sign(pushed), band
         if abs(pushed) < PART * band / 2:  # held by friction, it goes on a part of the way, if that is said
             way, most = np.sign(size or mean), abs(size) or band
@@ -100,33 +108,17 @@ def thrown(view: View, hypothesis: Hypothesis, column: int, predicted: Array) ->
     return out
 
 
-def _with_ends(view: View, hypothesis: Hypothesis, column: int) -> Iterator[tuple[Rest, int, float]]:
-    """The rests with the row at which each ends, or the next one begins where enough is seen until then, and
-    what happens moves it by where nothing holds it.
-    """
-    found, valid = list(rests(view, hypothesis, column)), view.columns[column].valid
-    for k, (size, rest) in enumerate(found):
-        end = min([rest.still.stop, *(later.first for _, later in found[k + 1 : k + 2])])
-        enough = np.count_nonzero(valid[rest.still.start : end]) >= FEWEST
-        yield rest, end if enough else rest.still.stop, size
-
-
 def room(arm: Arm, column: int) -> float:
     """How many rad a joint has from one end of its dead band to the other."""
     return 2.0 * float(arm.dead_band[column])
 
 
-def throws(view: View, hypothesis: Hypothesis, column: int, predicted: Array) -> list[Throw]:
+def throws(view: View, column: int, found: Sequence[Rest], predicted: Array) -> Iterator[Throw]:
     """How far each throw takes a joint on beside what is ``predicted`` (n,) rad."""
-    change, valid = thrown(view, hypothesis, column, predicted) - predicted, view.columns[column].valid
-    return [
-        Throw(
-            rest.at,
-            float(change[rest.still.start] - change[rest.first - 1]),
-            int(np.count_nonzero(valid[rest.still.start : end])),
-        )
-        for rest, end, _ in _with_ends(view, hypothesis, column)
-    ]
+    change, valid = thrown(view, column, found, predicted) - predicted, view.columns[column].valid
+    for still, first, at, _ in found:
+        far = float(change[still.start] - change[first - 1])
+        yield Throw(at, far, int(np.count_nonzero(valid[still])))
 
 
 @compiled

@@ -40,8 +40,8 @@ def sources(context: Context, column: int) -> Iterator[Source]:
 
 
 def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]:
-    joint, unit = context.joints[column], context.stage.units
-    alike_ = tuple(j for j in context.joints if unit.get(j, "rad") == unit.get(joint, "rad"))
+    joint, unit = context.joints[column], context.stage.unit
+    alike_ = tuple(j for c, j in enumerate(context.joints) if unit(c) == unit(column))
     for kind in banks():
         for word in kind.choices(alike_ if kind.own else context.joints, joint):
             if not word.startswith(PATH_OF):  # it takes the place of the joint's own

@@ -8,17 +8,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import reduce
 
-import numpy as np
-
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import HALF
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit, change, refit
 from trunk_ros.diagnosis.search.formed import law_of, off_by
 from trunk_ros.diagnosis.search.moves.swap_all import alike
-from trunk_ros.diagnosis.search.score import FURTHER, asked, naming
+from trunk_ros.diagnosis.search.score import naming, needed, price_of_change
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.guards import ROUNDED
@@ -37,12 +35,8 @@ def as_given(state: Fit) -> Fit:
 def unrounded(state: Fit) -> Fit:
     """Without what may come of how the model's loops are described, or integrated."""
     while rounded := _rounded(state):
-        state = refit(state.context, _without(state.hypothesis, rounded))
+        state = refit(state.context, state.hypothesis.less(rounded))
     return state
-
-
-def _without(found: Hypothesis, names: Iterable[str]) -> Hypothesis:
-    return reduce(lambda left, name: left.without(name), names, found)
 
 
 def _rounded(state: Fit) -> list[str]:
@@ -75,14 +69,8 @@ def _is_lag(changes: dict[int, Array], laws: dict[int, Array]) -> bool:
 
 def _changes(context: Context, found: Hypothesis, names: Iterable[str]) -> dict[int, Array]:
     """What is predicted otherwise without some effects, by column (rows,), whitened."""
-    less = _without(found, names)
-    return {c: _change(context, found, less, c) for c in context.columns}
-
-
-def _change(context: Context, one: Hypothesis, other: Hypothesis, column: int) -> Array:
-    """(rows,) what tells two hypotheses apart on a column, whitened."""
-    pairs = zip(context.predictions(one, column), context.predictions(other, column), strict=True)
-    return context.whiten_change([a - b for a, b in pairs], column)
+    less = found.less(names)
+    return {c: change(context, found, less, c) for c in context.columns}
 
 
 def _there_again(state: Fit, name: str) -> Fit:
@@ -94,7 +82,7 @@ def _there_again(state: Fit, name: str) -> Fit:
         return state
     terms = state.hypothesis.values()
     others = {c for t in terms if alike(kind, effect(t.effect)) for c in t.own}
-    carried = {p.name for t in terms for p in effect(t.effect).carried() if t.shared.get(p.name)}
+    carried = {name for term in terms for name in term.carried}
     known = replace(
         known,
         own={c: own for c, own in known.own.items() if c not in others},
@@ -104,7 +92,7 @@ def _there_again(state: Fit, name: str) -> Fit:
     if not known.own:
         return state
     trial = _held(state, name, known, kind.used(known.form))
-    gone = naming(kind.stage) + sum(_need(state, c) for c in known.columns if c in state.context.columns)
+    gone = naming(kind.stage) + needed(state, [c for c in known.columns if c in state.context.columns])
     return trial if trial.total < state.total + gone else state
 
 
@@ -115,8 +103,7 @@ def _as_given(state: Fit, name: str) -> Fit:
     trials = [_held(state, name, known, kind.used(known.form))]
     if known.form == now.form or kind.apart not in (known.form, now.form):
         trials += _ways(state, name)
-    best: Fit = min([state, *trials], key=lambda fit: fit.total + _price(fit, name))
-    return best
+    return min([state, *trials], key=lambda fit: fit.total + price_of_change(fit, name))
 
 
 def _ways(state: Fit, name: str) -> Iterator[Fit]:
@@ -127,28 +114,10 @@ def _ways(state: Fit, name: str) -> Iterator[Fit]:
     yield _held(state, name, each, [p for p in used(now.form) if not p.shared])
     for column in known.columns:
         trial = _held(state, name, back(state.hypothesis[name], known, column), used(now.form))
-        if trial.total + _price(trial, name) < state.total + _price(state, name):
+        if trial.total + price_of_change(trial, name) < state.total + price_of_change(state, name):
             state = trial
     there = replace(state.hypothesis[name], given=now.given)
     yield replace(state, hypothesis=Hypothesis({**state.hypothesis, name: there}))
-
-
-def _price(fit: Fit, name: str) -> float:
-    """Of what differs from the model: of the name once, of each joint, and of each value that joints share,
-    as much as an effect has to explain there; of what another form has besides, as of further values.
-    """
-    known, now = fit.context.known[name], fit.hypothesis[name]
-    moments = {m.name for m in effect(name).moments()}
-    shared = [n for n in known.shared.keys() | now.shared.keys() if known.shared.get(n) != now.shared.get(n)]
-    both = {c: (known.own.get(c, {}), now.own.get(c, {})) for c in known.own.keys() | now.own.keys()}
-    own = [
-        c
-        for c, (old, new) in both.items()
-        if any(new.get(n) != old.get(n) for n in old.keys() | (moments & new.keys()))
-    ]
-    besides = sum(len(new.keys() - old.keys() - moments) for old, new in both.values())
-    price = FURTHER * besides + sum(_need(fit, c) for c in [*own, *(None for _ in shared)])
-    return price + (naming(effect(name).stage) if price else 0.0)
 
 
 def back(now: Term, known: Term, column: int | None) -> Term:
@@ -177,11 +146,3 @@ def _held(state: Fit, name: str, term: Term, values: Iterable[Parameter]) -> Fit
     """
     held = replace(term.copy(), given=frozenset(p.name for p in values))
     return followed(refit(state.context, Hypothesis({**state.hypothesis, name: held})), term.columns)
-
-
-def _need(state: Fit, column: int | None) -> float:
-    """What an effect has to explain on a joint, or on the usual one."""
-    context: Context = state.context
-    if column in context.columns:
-        return asked(context, column, state.rest(column))
-    return float(np.median([asked(context, c, state.rest(c)) for c in context.columns]))

@@ -125,4 +125,4 @@ def _place(context: Context, f: Free) -> Place:
 def _unit(context: Context, f: Free) -> str:
     if f.column is None:
         return f.parameter.unit
-    return unit_of(f.parameter.unit, context.stage.units.get(context.joints[f.column], "rad"))
+    return unit_of(f.parameter.unit, context.stage.unit(f.column))

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import asked, need
+from trunk_ros.diagnosis.search.score import need, needed
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
@@ -84,11 +84,6 @@ def banks_evidence(state: Fit, found: Mapping[str, Evidence]) -> dict[str, Evide
         sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
         out[name] = Evidence(gain, needed(state, gain), strength(state, name), confidence=sure)
     return out
-
-
-def needed(state: Fit, columns: Iterable[int]) -> float:
-    """What a name on some columns has to gain."""
-    return sum(asked(state.context, c, state.rest(c)) for c in columns)
 
 
 def doubt(state: Fit, columns: Iterable[int]) -> float:

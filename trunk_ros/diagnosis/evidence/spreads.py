@@ -106,8 +106,7 @@ def _ahead(residuals: Residuals, x: Array, seen: _Seen) -> Array:
 
 def _natural(f: Free, hypothesis: Hypothesis, std: float, late: float) -> float:
     """From the fitted scale to the parameter's own unit."""
-    term = hypothesis[f.effect]
-    value = term.shared[f.parameter.name] if f.column is None else term.own[f.column][f.parameter.name]
+    value = hypothesis[f.effect].home(f.column)[f.parameter.name]
     if f.parameter.scale != "linear":
         return float(value * np.hypot(std, ROUGH))
     if f.parameter.unit == "s" and not f.parameter.moment:

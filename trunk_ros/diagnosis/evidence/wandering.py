@@ -19,7 +19,6 @@ from trunk_ros.diagnosis.search.slow_noise import (
     is_plain,
     likelier,
     told,
-    unit,
     unlikely,
     untimed,
     wandering_in,
@@ -74,7 +73,7 @@ def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, No
     """
     out = {}
     for column in [c for c in context.columns if c not in found]:
-        donors = [noise for c, noise in found.items() if unit(context, c) == unit(context, column)]
+        donors = [noise for c, noise in found.items() if context.stage.unit(c) == context.stage.unit(column)]
         known = context.noise[column]
         if len(donors) < SEVERAL or is_plain(context, known, hypothesis, column):
             continue

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.hypothesis import Hypothesis, describe
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HALF, HARDLY
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed
@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.looked_again import relooked, renewed, told_from
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
-from trunk_ros.diagnosis.search.state import state_of, structure
+from trunk_ros.diagnosis.search.state import describe, state_of, structure
 from trunk_ros.effects import effect
 
 LARGE = HALF  # of what is left: what explains so much of it, and much of all, comes before anything is mended

@@ -215,6 +215,12 @@ def costed(context: Context, hypothesis: Hypothesis) -> Fit:
     return Fit(hypothesis, cost, context)
 
 
+def change(context: Context, one: Hypothesis, other: Hypothesis, column: int) -> Array:
+    """(rows,) what two hypotheses predict differently on a column, whitened."""
+    pairs = zip(context.predictions(one, column), context.predictions(other, column), strict=True)
+    return context.whiten_change([a - b for a, b in pairs], column)
+
+
 def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf, spared: int = 0) -> Array:
     """Levenberg-Marquardt within bounds. Values that are good enough stay as they are, so that what is known
     of them stays true. It ends where a round gained too little, or as much as its linear look had promised:

@@ -85,8 +85,7 @@ def _anywhere(now: Fit) -> Fit:
     every = np.linspace(first, end, EDGES + 1)[1:-1]
     for name, column, moment in list(moments(now)):
         rough = _better(now, moved(now, name, column, moment, every))
-        term = rough.hypothesis[name]
-        begin = (term.shared if column is None else term.own[column])[moment]
+        begin = rough.hypothesis[name].home(column)[moment]
         near = np.arange(begin - step, begin + step, REACH, dtype=np.float64)
         now = _better(rough, moved(rough, name, column, moment, near))
     return now

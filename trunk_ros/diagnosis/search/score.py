@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from math import log
@@ -68,12 +69,12 @@ def need(context: Context, column: int, rest: float = 0.0) -> float:
     return max(context.least_needs[column], SLIGHT * rest)
 
 
-def asked(context: Context, column: int, rest: float = 0.0) -> float:
-    """The gain on a column below which nothing is said there: it is also what the model's own laws may be off
-    by. What a loop is off by goes with its lag, and is no measure for names of other shapes.
+def needed(fit: Fit, columns: Iterable[int]) -> float:
+    """The gain on some columns below which nothing is said there: it is also what the model's own laws may be
+    off by. What a loop is off by goes with its lag, and is no measure for names of other shapes.
     """
-    off = off_by(context, column) if context.stage.name == "wire" else 0.0
-    return max(need(context, column, rest), off)
+    context, wire = fit.context, fit.context.stage.name == "wire"
+    return sum(max(need(context, c, fit.rest(c)), off_by(context, c) if wire else 0.0) for c in columns)
 
 
 def _least_need(context: Context, column: int) -> float:
@@ -152,6 +153,25 @@ def _besides(term: Term, known: Term) -> Term:
     return replace(term, own=own, shared=shared, words={c: dict(w) for c, w in words.items() if w})
 
 
+def price_of_change(fit: Fit, name: str) -> float:
+    """Of what is said to differ from the model in an effect that it has, by values: of the name once, of each
+    joint, and of each value that joints share; of what another form has besides, as of further values.
+    """
+    columns, known, now = fit.context.columns, fit.context.known[name], fit.hypothesis[name]
+    more, moments = _besides(now, known), {m.name for m in effect(name).moments()}
+    kept = {
+        c: {n: v for n, v in own.items() if n in moments or n not in more.own[c]}
+        for c, own in now.own.items()
+    }
+    own = [c for c in known.own.keys() | kept.keys() if known.own.get(c, {}) != kept.get(c, {})]
+    shared = {n for n, _ in known.shared.items() ^ now.shared.items()}
+    here = [c for c in own if c in columns]
+    price = FURTHER * sum(len(own.keys() - moments) for own in more.own.values()) + needed(fit, here)
+    if elsewhere := len(own) - len(here) + len(shared):
+        price += elsewhere * float(np.median([needed(fit, [c]) for c in columns]))
+    return price + (naming(effect(name).stage) if price else 0.0)
+
+
 def _further(context: Context, free: list[Free], columns: list[int], paid: int) -> float:
     """Of all values but so many of the cheapest, which are ``paid`` for: each by the chance on its own joint,
     one of all joints by the worst of theirs. So a further joint makes none of the others cheaper.
@@ -215,9 +235,9 @@ def _throws(fit: Fit) -> float:
     for c in (c for c, left in fit.cost.items() if left > 0.0):
         part, likely = PART * room(context.arm, c), chance(context, c)
         for index, view in enumerate(context.views):
-            if any(rests(view, fit.hypothesis, c)):  # no work of the search, see credible._jumps
+            if found := rests(view, fit.hypothesis, c):  # no work of the search, see credible._jumps
                 predicted = context.stage.predict(context, index, fit.hypothesis, c)
-                for throw in throws(view, fit.hypothesis, c, predicted):
+                for throw in throws(view, c, found, predicted):
                     gain = throw.seen * (throw.far / context.noise[c].std) ** 2 / likely
                     total += min(gain, FURTHER * likely * (1.0 + abs(throw.far) / part))
     return total

@@ -117,7 +117,7 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
         noise = replace(usual, white=own.white, std=np.sqrt(usual.std**2 - usual.white**2 + own.white**2))
         return unlikely(context, noise, less, c) - cost < price and is_plain(context, noise, less, c)
 
-    alike = (c for c in context.columns if unit(context, c) == unit(context, column))
+    alike = (c for c in context.columns if context.stage.unit(c) == context.stage.unit(column))
     return sum(map(shares, alike)) >= JOINTS
 
 
@@ -259,11 +259,6 @@ def _tells(rest: Array, cuts: Cuts, source: Source) -> bool:
     nothing = sums.tried([], 1.0).left
     gains = (1.0 - sums.tried([0], worth).left / nothing for worth in WORTHS[::2])
     return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > PART for g in gains)
-
-
-def unit(context: Context, column: int) -> str:
-    """In what a column is measured."""
-    return context.stage.units.get(context.joints[column], "rad")
 
 
 def untimed(hypothesis: Hypothesis, column: int) -> Hypothesis:

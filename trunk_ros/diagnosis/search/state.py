@@ -56,3 +56,13 @@ def structure_of(term: Term) -> Hashable:
 
 def _level(value: float) -> int:
     return round(float(np.log(max(value, TINY))) / SLIGHT)
+
+
+def describe(hypothesis: Hypothesis) -> str:
+    """One line for logs: effect (form) on joints, counted from 1."""
+
+    def one(term: Term) -> str:
+        form = f" ({term.form})" if term.form else ""
+        return f"{term.effect}{form} on {', '.join(str(c + 1) for c in term.columns)}".replace("_", " ")
+
+    return "; ".join(one(t) for t in hypothesis.values()) or "nothing"

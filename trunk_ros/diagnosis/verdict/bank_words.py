@@ -50,7 +50,7 @@ def parameters(context: Context, term: Term) -> dict[str, dict[str, dict[str, An
     """By joint: each source, and how far it moves the joint at most over its range."""
     out: dict[str, dict[str, dict[str, Any]]] = {}
     for column in term.columns:
-        unit = context.stage.units.get(context.joints[column], "rad")
+        unit = context.stage.unit(column)
         told = out[context.joints[column]] = {}
         for k, word in enumerate(sources_of(term, column), start=1):
             number = "" if k == 1 else f"_{k}"
@@ -64,7 +64,7 @@ def told(context: Context, term: Term) -> dict[str, Any]:
     """The first source's curve or loop by joint, with what it is over and of, and their units."""
     column = term.columns[0]
     word = sources_of(term, column)[0]
-    own = context.stage.units.get(context.joints[column], "rad")
+    own = context.stage.unit(column)
     return {
         "on": word,
         "of": "the angle",

@@ -22,13 +22,12 @@ from trunk_ros.diagnosis.verdict.findings import (
     unchanged,
     value_of,
 )
-from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.diagnosis.verdict.units import sized, unit_of
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.parameter import Parameter
 
 MODEL, SIMULATION = "the model", "your simulation"
-SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,7 @@ class Value:
 
     def told(self, who: str) -> str:
         """In words."""
-        theirs, seen = _sized(self.theirs, self.unit), _sized(self.seen, self.unit)
+        theirs, seen = sized(self.theirs, self.unit), sized(self.seen, self.unit)
         words, null = self.label, self.parameter.null
         if self.none:
             return f"{words}{who} has {theirs}, the recording shows none"
@@ -76,7 +75,7 @@ class Value:
             much = "another value"
         else:
             more = abs(self.seen) > abs(self.theirs)
-            much = f"{_sized(abs(self.seen - self.theirs), self.unit)} too {'little' if more else 'much'}"
+            much = f"{sized(abs(self.seen - self.theirs), self.unit)} too {'little' if more else 'much'}"
         return f"{words}{who} has {theirs}, the recording shows {seen} ({much})"
 
 
@@ -165,7 +164,7 @@ def _values(
     """
     kind, name = effect(known.effect), known.effect
     old, new = _of(known, column), _of(now, column)
-    joint = "rad" if column is None else context.stage.units.get(context.joints[column], "rad")
+    joint = "rad" if column is None else context.stage.unit(column)
     gains = _gains(known, now, column)
     for source, (gain, was, there) in gains.items():
         unit = unit_of(gain.unit, joint)
@@ -237,9 +236,3 @@ def _beside(changed: Finding, new: Sequence[Finding]) -> Finding:
         return changed
     sure = min(f.confidence for f in alike)
     return replace(changed, confidence=sure, equivalents=[f.effect for f in alike])
-
-
-def _sized(value: float, unit: str) -> str:
-    usual = 1.0, "" if unit == "1" else unit
-    factor, name = SMALL.get(unit, usual) if abs(value) < 1.0 else usual
-    return f"{value * factor:.3g} {name}".rstrip()

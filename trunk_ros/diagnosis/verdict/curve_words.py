@@ -74,7 +74,7 @@ def statement(term: Term, where: str) -> str:
 def told(context: Context, term: Term) -> dict[str, Any]:
     """The curves by joint, with what they are over and of, and their units."""
     kind, variable = kind_of(term), variable_of(term, term.columns[0])
-    own = context.stage.units.get(context.joints[term.columns[0]], "rad")
+    own = context.stage.unit(term.columns[0])
     other = variable.removeprefix(SPEED_OF)
     over = context.stage.units.get(other, "rad") if other in context.joints else own
     slope = "/s" if "speed" in words_of(variable) else ""

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.levels import LITTLE, MOST, SLIGHT, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
-from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.diagnosis.verdict.units import as_read, unit_of
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
@@ -142,7 +142,7 @@ def _parameters(
             )
         for c in term.columns:
             if p.name in term.own[c]:
-                unit = unit_of(p.unit, context.stage.units.get(context.joints[c], "rad"))
+                unit = unit_of(p.unit, context.stage.unit(c))
                 value, spread = term.own[c][p.name], std.get((term.effect, p.name, c))
                 if spread is None or p.scale == "linear" or spread < value:  # else it is out of reach
                     out.setdefault(context.joints[c], {})[p.name] = value_of(value, spread, unit)
@@ -164,12 +164,7 @@ def statement_of(what: str, where: str, parameters: dict[str, dict[str, dict[str
 
 
 def _said(name: str, value: dict[str, Any]) -> str:
-    """A parameter as one reads it."""
-    if isinstance(value["value"], str):
-        return f"{name} {value['value']}"
-    spread = "" if value["std"] is None else f" ± {value['std']:.2g}"
-    unit = "" if value["unit"] == "1" else f" {value['unit']}"
-    return f"{name} = {value['value']:.4g}{spread}{unit}"
+    return f"{name}{' ' if isinstance(value['value'], str) else ' = '}{as_read(value)}"
 
 
 def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:

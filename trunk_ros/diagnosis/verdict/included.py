@@ -9,11 +9,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from trunk_ros.diagnosis.evidence.determined import determined
-from trunk_ros.diagnosis.evidence.evidence import Evidence, apart, doubt, likely, needed
+from trunk_ros.diagnosis.evidence.evidence import Evidence, apart, doubt, likely
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import need, score
+from trunk_ros.diagnosis.search.score import need, needed, score
 from trunk_ros.diagnosis.verdict.changes import MODEL, changes
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.findings import Spreads, findings

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from trunk_ros.diagnosis.verdict.units import as_read
+
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.verdict.answer import Answer
 
@@ -28,7 +30,7 @@ def rows_of(result: Answer) -> list[dict[str, Any]]:
 def table_of(result: Answer) -> str:
     """The verdict, what was found with its spread, and what is not explained."""
     lines = [f"verdict: {result.verdict.replace('_', ' ')}"]
-    rows = [(*(r[key] for key in ROW[:4]), _number(r), *_doubt(r)) for r in rows_of(result)]
+    rows = [(*(r[key] for key in ROW[:4]), as_read(r), *_doubt(r)) for r in rows_of(result)]
     if rows:
         head = ("stage", "effect", "joint", "parameter", "value", "sure", "or")
         widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
@@ -39,10 +41,3 @@ def table_of(result: Answer) -> str:
 
 def _doubt(row: dict[str, Any]) -> tuple[str, str]:
     return f"{row['confidence']:.0%}", row["equivalents"]
-
-
-def _number(row: dict[str, Any]) -> str:
-    if not isinstance(row["value"], float):
-        return str(row["value"] or "")
-    spread = f" ± {row['std']:.2g}" if row["std"] else ""
-    return f"{row['value']:.4g}{spread} {'' if row['unit'] == '1' else row['unit']}".strip()

@@ -19,13 +19,12 @@ from trunk_ros.diagnosis.data.sensing.physics import (
     beside_physics,
     fitted,
     lowpassed,
-    motion_of,
     scaled,
+    some_motion,
 )
-from trunk_ros.diagnosis.levels import CERTAIN, FEWEST, MOST, NEARLY, PART, ROUGH, ROWS, SEVERAL, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, FEWEST, MOST, NEARLY, PART, ROUGH, SEVERAL, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
-from trunk_ros.recording.signal.resample import SLOW
 
 QUICK = CREEPS[0] ** 2 / CREEPS[1]  # s: a wire that creeps back so soon leads for a while
 
@@ -82,13 +81,9 @@ def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offse
 
 
 def _motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
-    """Of some rows, where there is enough of it."""
-    shown = shown.rows((shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1]))
-    if len(shown.stamp) < CLOCKED or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
-        return None
-    shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
-    motion = motion_of(gearbox, shown, arm)
-    return motion if motion.moving else None
+    """Some of it, where the gearbox was seen."""
+    driven = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
+    return some_motion(gearbox, shown.rows(driven), arm)
 
 
 def _lag(motion: Motion, joint: int) -> tuple[float, float]:

@@ -11,10 +11,11 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.diagnosis.levels import ROWS
 from trunk_ros.guards import BLIND, ROUNDED, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
-from trunk_ros.recording.signal.resample import resample
+from trunk_ros.recording.signal.resample import SLOW, resample
 from trunk_ros.resistance import Resistance, resistance
 
 CREEPS = (2.0, 8.0)  # s
@@ -70,6 +71,15 @@ def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
     phi, velocity = resample(gearbox, shown.stamp)
     asked, resists = phi * arm.ratio, resistance(arm, gearbox, shown.stamp, phi, shown)
     return Motion(shown.stamp, asked, velocity * arm.ratio, fill(shown.position), arm, resists)
+
+
+def some_motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
+    """Of so many rows as tell of clocks, where there are enough, often enough, and some joint moves."""
+    if len(shown.stamp) < CLOCKED or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
+        return None
+    shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
+    motion = motion_of(gearbox, shown, arm)
+    return motion if motion.moving else None
 
 
 def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -> Array:

@@ -14,10 +14,10 @@ from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, fitted, motion_of
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, HALF, MOST, NOTABLE, ROUGHLY, ROWS, SURE
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, fitted, some_motion
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, HALF, MOST, NOTABLE, ROUGHLY, SURE
 from trunk_ros.recording.recording import JointSeries
-from trunk_ros.recording.signal.resample import SAME, SLOW
+from trunk_ros.recording.signal.resample import SAME
 
 LARGEST = 5e-3  # s/s: no clock is worse
 
@@ -59,14 +59,10 @@ def unseen_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> float:
 
 
 def _between_clocks(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
-    """Some of the motion, where two clocks may tell it and it was sampled often enough."""
+    """Some of the motion, where two clocks may tell it."""
     if min(len(gearbox.stamp), len(shown.stamp)) < CLOCKED or one_clock(gearbox.stamp, shown.stamp):
         return None
-    if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
-        return None
-    shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
-    motion = motion_of(gearbox, shown, arm)
-    return motion if motion.moving else None
+    return some_motion(gearbox, shown, arm)
 
 
 def without_skew(shown: JointSeries, found: Skew) -> JointSeries:

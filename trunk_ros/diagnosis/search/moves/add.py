@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.search.candidates import (
 )
 from trunk_ros.diagnosis.search.credible import hidden, unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, of
-from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, change, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.member import MEMBER
@@ -234,10 +234,7 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
     context, sides = trial.context, []
     less = trial.hypothesis.without(name)
     for column in (c for c in trial.hypothesis[name].columns if c in context.columns):
-        pairs = zip(
-            context.predictions(trial.hypothesis, column), context.predictions(less, column), strict=True
-        )
-        moved = context.whiten_change([a - b for a, b in pairs], column)
+        moved = change(context, trial.hypothesis, less, column)
         size = float(moved @ moved)
         if size > need(context, column, best.rest(column)):
             gain = best.cost[column] - trial.cost[column]

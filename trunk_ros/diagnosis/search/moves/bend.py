@@ -57,7 +57,7 @@ def _bent(best: Fit, name: str, column: int, kind: type[Bank]) -> list[Hypothesi
     for k, word in enumerate(words):
         if word in joints and word != joints[column]:
             bare = (
-                best.hypothesis.less([name], column)
+                best.hypothesis.without(name, column)
                 if len(words) == 1
                 else without_source(best.hypothesis, name, column, k)
             )

@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit, refit_column
 from trunk_ros.diagnosis.search.score import BETTER, need
@@ -78,7 +77,7 @@ def _dated(now: Fit, name: str, on: int | None) -> tuple[Fit, bool]:
     there, columns, far = Fit(now.hypothesis.copy(), now.cost, now.context), set[int | None](), False
     for one, column, moment in moments(now):
         if one == name and on in (None, column):
-            home = _home(there.hypothesis, name, column)
+            home = there.hypothesis[name].home(column)
             before, home[moment] = home[moment], _nearest(there, name, column, moment)
             far = far or abs(home[moment] - before) >= REACH
             columns.add(column)
@@ -103,13 +102,13 @@ def _nearest(now: Fit, name: str, column: int | None, moment: str) -> float:
 
 
 def _roughly(now: Fit, name: str, column: int | None, moment: str) -> float:
-    return best_time(now, name, column, moment, _home(now.hypothesis, name, column)[moment] + ROUGHLY)
+    return best_time(now, name, column, moment, now.hypothesis[name].home(column)[moment] + ROUGHLY)
 
 
 def moved(now: Fit, name: str, column: int | None, moment: str, at: Array) -> Fit:
     """With a moment at the best of ``at`` (k,) s."""
     trial = now.hypothesis.copy()
-    _home(trial, name, column)[moment] = best_time(now, name, column, moment, at)
+    trial[name].home(column)[moment] = best_time(now, name, column, moment, at)
     return refit(now.context, trial) if column is None else refit_column(now, trial, column)
 
 
@@ -118,14 +117,9 @@ def best_time(now: Fit, name: str, column: int | None, moment: str, at: Array) -
     trial, costs, at = now.hypothesis.copy(), [], np.maximum(at, 0.0)
     columns = now.context.columns if column is None else [column]
     for one in at:
-        _home(trial, name, column)[moment] = float(one)
+        trial[name].home(column)[moment] = float(one)
         costs.append(sum(float(np.sum(now.context.whitened(trial, c) ** 2)) for c in columns))
     return float(at[int(np.argmin(costs))])
-
-
-def _home(hypothesis: Hypothesis, name: str, column: int | None) -> dict[str, float]:
-    """The values among which a moment is."""
-    return hypothesis[name].shared if column is None else hypothesis[name].own[column]
 
 
 ONSET = Move("onset", groups, cheap=True)

@@ -36,8 +36,7 @@ class Sized(NamedTuple):
 
     def values(self, hypothesis: Hypothesis) -> dict[str, float]:
         """Those among which its size and its moments are."""
-        term = hypothesis[self.effect]
-        return term.shared if self.column is None else term.own[self.column]
+        return hypothesis[self.effect].home(self.column)
 
     def course(self, hypothesis: Hypothesis) -> Course:
         """As a hypothesis has it."""

@@ -203,10 +203,7 @@ def _back(old: Term, now: Fit, column: int) -> Fit:
     ]
     if old.effect not in now.hypothesis or now.hypothesis[old.effect].form == old.form:
         as_it_was = now.hypothesis.copy()
-        term = as_it_was.setdefault(old.effect, Term(old.effect, old.form, dict(old.shared), given=old.given))
-        term.have(column, old.own[column])
-        if column in old.words:
-            term.words[column] = dict(old.words[column])
+        as_it_was.have(column, old)
         trials.append(as_it_was)
     found = min((refit_column(now, trial, column) for trial in trials), key=score, default=now)
     return refit(now.context, found.hypothesis) if trials else now

@@ -38,9 +38,7 @@ def on_most(best: Fit, name: str) -> bool:
 def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterator[Fit]:
     """An effect in the place of another on all of its joints, and of all that these have of its regime."""
     columns, less = best.hypothesis[name].columns, best.hypothesis.without(name)
-    alone = less
-    for other in [t.effect for t in less.values() if effect(t.effect).regime == kind.regime]:
-        alone = alone.without(other)
+    alone = less.less([other for other in less if effect(other).regime == kind.regime])
     for bare in (less, alone) if len(alone) < len(less) else (less,):
         form = bare[kind.id].form if kind.id in bare else kind.forms[0]
         there = bare[kind.id].own if kind.id in bare else {}
