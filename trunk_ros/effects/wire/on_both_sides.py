@@ -17,7 +17,7 @@ HELD = "held"
 """The form in which all of it lies before the friction, and the links' masses swing on it."""
 UPSTREAM = Parameter(
     "upstream", "1", (0.0, 1.0), "share of the stretch that lies between gearbox and friction", typical=0.5,
-    shared=True, optional=True, scan=(0.2, 0.5),
+    shared=True, optional=True, scan=(0.2, 0.5, 1.0),
 )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import REFITTED
+from trunk_ros.diagnosis.levels import HALF, REFITTED
 from trunk_ros.diagnosis.search.candidates import extended, given, shown_forms
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -43,10 +43,12 @@ def _promise(now: Fit, name: str) -> float:
     may be saved.
     """
     term, looks = now.hypothesis[name], [0.0]
-    lacks = [p for p in options_of(name, term.form) if p.name not in term.shared]
-    if lacks:
+    options = options_of(name, term.form)
+    there = [_with(now, name, p) for p in options if p.name not in term.shared]
+    there += [_with(now, name, p, start) for p in options for start in _elsewhere(term, p)]
+    if there:
         screen = Screen(now.context, now.hypothesis)
-        looks += [screen.seen(_with(now, name, parameter)) for parameter in lacks]
+        looks += map(screen.seen, there)
     if term.given:
         looks.append(Screen(now.context, _freed(now, name)).seen())
     return score(now) - now.total + max(looks) / PROMISED
@@ -72,6 +74,15 @@ def _freed(now: Fit, name: str) -> Hypothesis:
     return out
 
 
+def _elsewhere(term: Term, parameter: Parameter) -> list[float]:
+    """Starts of an option that a term has which are far from its value."""
+    if parameter.name not in term.shared or parameter.name in term.given:
+        return []
+    low, high = parameter.bounds
+    value, far = term.shared[parameter.name], HALF * (high - low)
+    return [start for start in parameter.scan if abs(start - value) > far]
+
+
 def _with(now: Fit, name: str, parameter: Parameter, start: float | None = None) -> Hypothesis:
     """With an option at a value, or at its usual one."""
     out = now.hypothesis.copy()
@@ -92,7 +103,8 @@ def _as_stated(now: Fit, name: str) -> Iterator[Fit]:
 
 
 def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
-    """With a shared option if it was without, and the other way round.
+    """With a shared option if it was without, and the other way round, or with a value that is far from what
+    it has: a fit finds only what is near.
 
     A value of a joint that has made up for a missing payload does not find back: so where it is something to
     be carried, the joints start anew as well, in each form, with little and with much of it, beside the other
@@ -102,6 +114,8 @@ def toggled(now: Fit, name: str, parameter: Parameter) -> Iterator[Fit]:
     if parameter.name in trial[name].shared:
         put_down(trial[name], parameter.name)
         yield refit_to_win(now, trial)
+        for start in _elsewhere(now.hypothesis[name], parameter):
+            yield refit_to_win(now, _with(now, name, parameter, start))
         return
     for start in parameter.scan or (parameter.typical,):
         yield refit_to_win(now, _with(now, name, parameter, start))
