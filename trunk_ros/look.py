@@ -150,7 +150,7 @@ class Look(Now):
             if self._inertial:
                 speed, acceleration, _ = self.motion
                 load = load + self._arm.inertia(self.angles, speed, acceleration)
-        if self.carried.mass:
+        if self.carried is not None and self.carried.mass:
             load = load + self.carried.at(self.stamp) * self._lever()
         return load if self._arm.coupling is None else self._arm.carried(load)
 

@@ -49,8 +49,6 @@ class Context:
     """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
     """The same but for a zero, and a ratio that was not known."""
-    off: Mapping[int, float] = field(default_factory=dict)
-    """Mean squared rad by which the model's own laws may be off, by column."""
     wanders: Mapping[int, Noise] = field(default_factory=dict)
     """The noise of columns that show nothing else than one that wanders."""
     claims: bool = False
@@ -63,6 +61,7 @@ class Context:
     likely: dict[bytes, tuple[Noise, float]] = field(default_factory=dict, repr=False)
     """The likeliest noise of what is left of a column, and how likely it is, by all that this depends on."""
     least_needs: dict[int, float] = field(default_factory=dict, init=False, repr=False)  # score's, by column
+    off: dict[int, float] = field(default_factory=dict, init=False, repr=False)  # formed's, by column
     _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
         default_factory=dict, repr=False
     )

@@ -135,7 +135,8 @@ def joined(each: Sequence[Now]) -> Now:
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
     lazy = isinstance(now, Seen)
-    whole = ("joints", "ratio", "held", "columns", "arm", "carried", "dt", *(["load", "wires"] if lazy else []))
+    whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt"}
+    whole |= {"load", "wires"} if lazy else set()
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
     if lazy:
         steps |= {"load": lambda: now.load[rows], "wires": lambda: now.wires[rows]}

@@ -34,26 +34,30 @@ def as_given(state: Fit) -> Fit:
 
 def unrounded(state: Fit) -> Fit:
     """Without what may come of how the model's loops are described, or integrated."""
-    while rounded := _rounded(state):
-        state = refit(state.context, state.hypothesis.less(rounded))
+    while (less := _unrounded(state)) is not None:
+        state = refit(state.context, less)
     return state
 
 
-def _rounded(state: Fit) -> list[str]:
-    """What makes a servo's loop lag otherwise than it is described by no more than that may be off: all of it
-    together, or the least.
+def _unrounded(state: Fit) -> Hypothesis | None:
+    """Without what makes a servo's loop lag otherwise than it is described by no more than that may be off:
+    all of it together, or the least of an effect on all its joints, or on one.
     """
     context, found = state.context, state.hypothesis
     if context.stage.name != "servo":
-        return []
+        return None
     laws = {c: law_of(context, c) for c in context.columns}
     changes = {n: _changes(context, found, [n]) for n in sorted(found.keys() - context.known.keys())}
     lags = [name for name, each in changes.items() if _is_lag(each, laws)]
-    if not lags or _share(context, _changes(context, found, lags)) < 1.0:
-        return lags
-    share = {name: _share(context, changes[name]) for name in lags}
-    least = min(lags, key=share.__getitem__)
-    return [least] if share[least] < 1.0 else []
+    share = {(n, c): _share(context, {c: d}) for n in lags for c, d in changes[n].items()}
+    ways: dict[tuple[str, int | None], float] = {
+        (n, None): max(share[n, c] for c in changes[n]) for n in lags
+    }
+    ways |= {(n, c): s for (n, c), s in share.items() if len(found[n].own) > 1 and found[n].own.get(c)}
+    if lags and _share(context, _changes(context, found, lags)) < 1.0:
+        return found.less(lags)
+    least = min(ways, key=lambda way: (ways[way] >= 1.0, way[1] is not None, ways[way]), default=None)
+    return found.without(*least) if least is not None and ways[least] < 1.0 else None
 
 
 def _share(context: Context, changes: dict[int, Array]) -> float:

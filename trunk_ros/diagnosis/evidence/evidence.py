@@ -119,7 +119,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         for rival in [rival for rival, lost in out.rivals.items() if lost < limit]:
             own = by_its_own_angles(state, out.fitted[rival])
             if own is not None:
-                out.rivals[rival], out.fitted[rival] = loss(state, own), own.hypothesis
+                out.rivals[rival], out.fitted[rival] = loss(state, own, columns), own.hypothesis
         near = [rival for rival, lost in out.rivals.items() if lost < limit]
         alone = sorted(near, key=lambda rival: (out.rivals[rival], rival))
         losses += out.rivals.values()

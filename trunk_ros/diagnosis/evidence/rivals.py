@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
+from trunk_ros.diagnosis.search.formed import off_by
 from trunk_ros.diagnosis.search.moves.swap_all import alike, inherited
 from trunk_ros.diagnosis.search.score import priced
 from trunk_ros.diagnosis.search.screen import Kept, Screen
@@ -74,7 +75,7 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
             if whole or screen.may_come_to(there, candidate.gain) < state.total + limit:
                 tried = [there, *_as_it_is(bare, state.hypothesis[name], kind)]
                 trial = _best_of(context, tried, state.total + far)
-                losses[kind.id] = loss(state, trial), trial.hypothesis
+                losses[kind.id] = loss(state, trial, columns), trial.hypothesis
     return losses
 
 
@@ -95,11 +96,14 @@ def _as_it_is(bare: Fit, old: Term, kind: type[Effect]) -> list[Hypothesis]:
     return inherited(bare.context, bare.hypothesis, old, kind)
 
 
-def loss(state: Fit, rival: Fit) -> float:
-    """By how much a rival leaves more, or has a worse score where that is less: what says the same with one
-    value for all joints may leave more than one of each.
+def loss(state: Fit, rival: Fit, columns: Collection[int]) -> float:
+    """By how much a rival of a name on some columns leaves more, or has a worse score where that is less:
+    what says the same with one value for all joints may leave more than one of each. On other joints a rival
+    gains nothing by what the model's own laws may be off by.
     """
-    return float(min(rival.total - state.total, priced(rival) - priced(state)))
+    gains = {c: state.cost[c] - cost for c, cost in rival.cost.items() if c not in columns}
+    spared = sum(min(gain, off_by(state.context, c)) for c, gain in gains.items() if gain > 0.0)
+    return float(min(rival.total - state.total, priced(rival) - priced(state)) + spared)
 
 
 def _local_rivals(
@@ -129,7 +133,7 @@ def _local_rivals(
             cost[c] = best.cost[c]
             fitted.take(c, best.hypothesis)
         if len(without(fitted, name, columns)) < len(new[name]):  # else the motion hides it on all of them
-            losses[name] = loss(state, Fit(fitted, cost, context)), fitted
+            losses[name] = loss(state, Fit(fitted, cost, context), columns), fitted
     return losses
 
 

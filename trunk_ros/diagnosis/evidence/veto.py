@@ -40,7 +40,7 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
         found, before = evidence(part, state, work, stands), part
         better, both = _better(part, found), part is state
         if better is not None:
-            part = unrounded(better)
+            part = better
             state = part if both else refit(state.context, part.hypothesis)
             continue
         weak = {n: e.gain_share for n, e in found.items() if _is_claimed(state, n) and n not in old}
@@ -81,7 +81,8 @@ def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
         if told.rivals[rival] < 0.0 and name not in part.context.known
         if _is_shown(part.context, there[rival])
     ]
-    best = min((refit(part.context, there) for there in ahead), key=score, default=part)
+    fits = (unrounded(refit(part.context, there)) for there in ahead)
+    best = min(fits, key=score, default=part)
     return best if beats(best, part) else None
 
 

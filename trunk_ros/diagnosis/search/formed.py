@@ -23,10 +23,7 @@ by other laws, what was said beside the right names explained up to 0.0008.
 def measured(first: Fit) -> Context:
     """The context of a first fit, in which all else is measured by what that leaves."""
     context, misfit = first.context, {c: first.rest(c) for c in first.cost}
-    share = SLIGHT**2 if context.stage.name == "wire" else FORMULAS  # of a loop nobody measures a width
-    laws = {c: law_of(context, c) * context.noise[c].std for c in first.cost}
-    off = {c: share * float(law @ law) / context.count(c) for c, law in laws.items()}
-    return replace(context, misfit=misfit, formed_misfit=formed_misfits(first), off=off)
+    return replace(context, misfit=misfit, formed_misfit=formed_misfits(first))
 
 
 def formed_misfits(fit: Fit) -> dict[int, float]:
@@ -48,24 +45,43 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
 
 def off_by(context: Context, column: int) -> float:
     """Squared unit-noise residual of a column by which the model's own laws may be off."""
-    return context.off.get(column, 0.0) * context.count(column) / context.noise[column].std ** 2
+    if column not in context.off:
+        share = SLIGHT**2 if context.stage.name == "wire" else FORMULAS  # of a loop nobody measures a width
+        law = law_of(context, column)
+        context.off[column] = share * float(law @ law)
+    return context.off[column]
 
 
 def law_of(context: Context, column: int) -> Array:
     """(rows,) what the laws of the model itself make of a column, whitened and with the right zero: the play
-    of its dead band and the effects that it has, but for geometry; or how far a loop lags. Arms keep to them
-    roughly, and who describes an arm rounds.
+    of its dead band and the effects that it has, but for geometry; or how far a loop lags, in proportion to
+    its speed. Arms keep to them roughly, and who describes an arm rounds.
     """
+    if context.stage.name != "wire":
+        return context.whiten_change(_lag_of(context, column), column)
     exact = Hypothesis({name: term for name, term in context.known.items() if effect(name).exact})
-    changes, ratio = [], context.arm.ratio[column] if context.stage.name == "wire" else 1.0
+    changes = []
     for index, view in enumerate(context.views):
         known, geometry, bare = (
             context.stage.predict(context, index, one, column) for one in (context.known, exact, Hypothesis())
         )
-        changes.append(known - geometry + bare - view.span.measured(view.span.source[:, column]) * ratio)
+        asked = view.span.measured(view.span.source[:, column]) * context.arm.ratio[column]
+        changes.append(known - geometry + bare - asked)
     zeros = context.whiten_change([np.ones_like(change) for change in changes], column)
     law = context.whiten_change(changes, column)
     return np.asarray(law - (law @ zeros) / max(float(zeros @ zeros), ROUNDED) * zeros)
+
+
+def _lag_of(context: Context, column: int) -> list[Array]:
+    """(rows,) of each span how far a loop lags in proportion to its speed: not with each setpoint's step."""
+    lags, speeds = [], []
+    for index, view in enumerate(context.views):
+        went = context.stage.predict(context, index, context.known, column)
+        lags.append(went - view.span.measured(view.span.source[:, column]))
+        speeds.append(np.gradient(went, view.span.stamp))
+    each = [(float(lag @ speed), float(speed @ speed)) for lag, speed in zip(lags, speeds, strict=True)]
+    along, size = np.sum(each, axis=0)
+    return [along / max(size, ROUNDED) * speed for speed in speeds]
 
 
 def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:

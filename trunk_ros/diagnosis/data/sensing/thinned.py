@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, PART, SURE
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, HALF, PART, SURE
 from trunk_ros.guards import TINY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -21,6 +21,7 @@ from trunk_ros.recording.signal.resample import SAME
 from trunk_ros.servo_course import servo_course
 
 KIND = "thinned"
+FINER = 10  # parts of a step between readings: as if drives had none
 TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
 
 
@@ -43,12 +44,14 @@ def thinned(
     if period == 0.0 or len(gearbox.stamp) < ENOUGH or 2.0 * _usual(gearbox.stamp) > period:
         return None
     stamp = setpoints.stamp
-    kept, chance = _stairs(setpoints, gearbox, model, stamp)
+    kept, chance, stepped = _stairs(setpoints, gearbox, model, stamp)
+    if not (kept > SURE * chance and stepped < HALF * kept):
+        return None
     tried = [
         (_stairs(each, gearbox, model, stamp)[0], times, each) for times, each in _fuller(setpoints, guide)
     ]
     least = min(stairs for stairs, _, _ in tried)
-    if not (kept > SURE * chance and least < PART * kept):  # a servo that is slower shows a part of them
+    if least >= PART * kept:  # a servo that is slower shows a part of them
         return None
     shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
     _, times, whole = min(tried, key=lambda one: (one[0] > CLEARLY * least, one[1] != shown, one[0]))
@@ -123,28 +126,34 @@ def _between(stamp: Array, first: Array, known: Array) -> Array:
     return np.column_stack([np.interp(stamp, first, column) for column in known.T])
 
 
-def _stairs(setpoints: JointSeries, gearbox: JointSeries, model: Model, kept: Array) -> tuple[float, float]:
+def _stairs(
+    setpoints: JointSeries, gearbox: JointSeries, model: Model, kept: Array
+) -> tuple[float, float, float]:
     """Rms [rad] of stairs in how far the gearbox is from the course of the servos, which is what goes with
-    speed and with the time since the last setpoint that was ``kept`` (k,) s; and what chance makes of it. A
-    servo that is another one is off at all of these times alike.
+    speed and with the time since the last setpoint that was ``kept`` (k,) s; what chance makes of it, and
+    what finer steps of the servos would. A servo that is another one is off at all of these times alike.
     """
     course = servo_course(setpoints, gearbox.stamp, model)
+    close = servo_course(setpoints, finer(gearbox.stamp, FINER), model)
+    stepped = course.position - close.position[np.searchsorted(close.stamp, course.stamp)]
     at = np.searchsorted(gearbox.stamp, course.stamp)
     off = course.position - fill(gearbox.position)[at]
     period = _usual(kept)
     size = max(round(period / _usual(gearbox.stamp)), 2)
-    fast = off - uniform_filter1d(off, size, axis=0)
     speed = np.gradient(course.position, course.stamp, axis=0)
     since = course.stamp - kept[np.maximum(np.searchsorted(kept, course.stamp + SAME, side="right") - 1, 0)]
     step = np.clip(np.rint(since / period * size), 0, size - 1).astype(int)
     settled = course.stamp > course.stamp[0] + SETTLING
-    power, along = (
-        np.bincount(step[settled], np.sum(x[settled], axis=1), size) for x in (speed**2, speed * fast)
-    )
-    heights = along / np.maximum(power, TINY)
-    heights -= power @ heights / max(power.sum(), TINY)
+    power = np.bincount(step[settled], np.sum(speed[settled] ** 2, axis=1), size)
+    fast = off - uniform_filter1d(off, size, axis=0)
+
+    def high(off: Array) -> float:
+        fast = off - uniform_filter1d(off, size, axis=0)
+        along = np.bincount(step[settled], np.sum((speed * fast)[settled], axis=1), size)
+        heights = along / np.maximum(power, TINY)
+        heights -= power @ heights / max(power.sum(), TINY)
+        return float(np.sqrt(power @ heights**2 / off[settled].size))
+
     rows = np.count_nonzero(settled)
-    return (
-        float(np.sqrt(power @ heights**2 / off[settled].size)),
-        float(np.sqrt(np.mean(fast[settled] ** 2) * size / (rows * off.shape[1]))),
-    )
+    chance = float(np.sqrt(np.mean(fast[settled] ** 2) * size / (rows * off.shape[1])))
+    return high(off), chance, high(stepped)
