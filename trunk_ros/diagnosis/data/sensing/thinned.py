@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, HALF, PART, SURE
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, HALF, PART, SURE, TENFOLD
 from trunk_ros.guards import TINY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -21,7 +21,6 @@ from trunk_ros.recording.signal.resample import SAME
 from trunk_ros.servo_course import servo_course
 
 KIND = "thinned"
-FINER = 10  # parts of a step between readings: as if drives had none
 TIMES = (2, 3, 4, 5, 8, 10, 20)  # as many setpoints as were kept
 
 
@@ -134,7 +133,7 @@ def _stairs(
     what finer steps of the servos would. A servo that is another one is off at all of these times alike.
     """
     course = servo_course(setpoints, gearbox.stamp, model)
-    close = servo_course(setpoints, finer(gearbox.stamp, FINER), model)
+    close = servo_course(setpoints, finer(gearbox.stamp, round(TENFOLD)), model)
     stepped = course.position - close.position[np.searchsorted(close.stamp, course.stamp)]
     at = np.searchsorted(gearbox.stamp, course.stamp)
     off = course.position - fill(gearbox.position)[at]
