@@ -28,6 +28,7 @@ def as_given(state: Fit) -> Fit:
     much better explained as effects have to: the fewest that do.
     """
     for name in state.context.known:
+        state = _no_fuller(state, name)
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
     return unrounded(state)
 
@@ -75,6 +76,28 @@ def _changes(context: Context, found: Hypothesis, names: Iterable[str]) -> dict[
     """What is predicted otherwise without some effects, by column (rows,), whitened."""
     less = found.less(names)
     return {c: change(context, found, less, c) for c in context.columns}
+
+
+def _no_fuller(state: Fit, name: str) -> Fit:
+    """With an effect in the place of a fuller law on joints where that explains hardly more: one that bends
+    at a load which the joint never bears.
+    """
+    known, kind = state.context.known[name], effect(name)
+    if not kind.named or issubclass(kind, Bank):
+        return state
+    fuller = [t for t in state.hypothesis.values() if name in effect(t.effect).replaces]
+    for law, column in [
+        (t.effect, c) for t in fuller for c in t.columns if c in known.own.keys() & state.cost
+    ]:
+        less = state.hypothesis.without(law, column)
+        carried = {n for term in less.values() for n in term.carried}
+        shared = {n: v for n, v in known.shared.items() if n not in carried}
+        term = less[name].copy() if name in less else replace(known, shared=shared, own={}, words={})
+        term.own[column] = dict(known.own[column])
+        trial = _held(replace(state, hypothesis=less), name, term, kind.used(known.form))
+        if trial.total < state.total + needed(state, [column]):
+            state = trial
+    return state
 
 
 def _there_again(state: Fit, name: str) -> Fit:
