@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.lasting import NOTHING
 
 
 @pytest.mark.parametrize(("half_width", "stays"), [(1e-6, True), (1e-3, False)])
@@ -40,6 +41,20 @@ def test_an_effect_of_the_model_stays_where_a_curve_stands_for_it() -> None:
     )
     given = as_given(costed(now, over_load)).hypothesis
     assert given["load_elasticity"].own == now.known["load_elasticity"].own
+
+
+def test_a_joint_that_never_bears_the_load_at_which_a_law_bends_has_what_the_model_has() -> None:
+    soft = {"load_elasticity": {"compliance": np.full(5, 0.03)}}
+    model, made = replace(TRUNK, effects=soft), of_the_wires(recorded(soft, 40.0))
+    now = begun(first_look(WireStage([wire_span(made, model)], model))).context
+    own = {c: {"threshold": 0.1 if c else 1e-3, "compliance": 0.03} for c in range(5)}
+    bends = costed(now, Hypothesis(wire_slack=Term("wire_slack", "sharp", own=own)))
+    load = [max(np.abs(v.load_of(c, NOTHING)).max() for v in now.views) for c in range(5)]
+    given = as_given(bends).hypothesis
+    beyond = [c for c in range(5) if load[c] < 0.1]
+    assert beyond
+    assert set(beyond) <= set(given["load_elasticity"].columns)
+    assert all(given["load_elasticity"].own[c] == now.known["load_elasticity"].own[c] for c in beyond)
 
 
 def test_a_fuller_law_on_one_joint_takes_nothing_of_the_model_from_the_others() -> None:

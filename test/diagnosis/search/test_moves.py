@@ -297,6 +297,15 @@ def test_option_finds_on_which_side_of_the_friction_a_wire_stretches() -> None:
     assert best.hypothesis["load_elasticity"].shared["upstream"] == pytest.approx(1.0, abs=0.05)
 
 
+def test_option_comes_back_from_the_wrong_end_of_a_share() -> None:
+    """Where it acts, a share of none may be a minimum as well as all."""
+    behind = Hypothesis(load_elasticity=sag(range(5), upstream=0.0))
+    stuck = costed(fitted("upstream").context, behind)
+    (group,) = (g for g in MOVE["option"].groups(stuck, Desk()) if g.what == "load_elasticity")
+    best = min(group.trials(), key=score)
+    assert best.hypothesis["load_elasticity"].shared["upstream"] == pytest.approx(1.0, abs=0.05)
+
+
 def test_a_curve_takes_the_place_of_one_name_that_comes_in_many_steps() -> None:
     steps = {"relative": 1e-3, "from_2": 13.0, "times_2": 2.0, "from_3": 26.0, "times_3": 3.0}
     now = fitted("wearing", Term("ratio_error", own={2: steps}))

@@ -41,15 +41,15 @@ def unrounded(state: Fit) -> Fit:
 
 
 def _unrounded(state: Fit) -> Hypothesis | None:
-    """Without what makes a servo's loop lag otherwise than it is described by no more than that may be off:
-    all of it together, or the least of an effect on all its joints, or on one.
+    """Without what makes a servo's loop lag otherwise than it is described by no more than that may be off,
+    and what has no name: all of it together, or the least of an effect on all its joints, or on one.
     """
     context, found = state.context, state.hypothesis
     if context.stage.name != "servo":
         return None
     laws = {c: law_of(context, c) for c in context.columns}
     changes = {n: _changes(context, found, [n]) for n in sorted(found.keys() - context.known.keys())}
-    lags = [name for name, each in changes.items() if _is_lag(each, laws)]
+    lags = [n for n, each in changes.items() if not effect(n).named or _is_lag(each, laws)]
     share = {(n, c): _share(context, {c: d}) for n in lags for c, d in changes[n].items()}
     ways: dict[tuple[str, int | None], float] = {
         (n, None): max(share[n, c] for c in changes[n]) for n in lags

@@ -1,0 +1,49 @@
+"""Drives whose loops are not stepped as the nominal servo's are: all of them are 1 to 2 ms later."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import SHORT, diagnose, setpoints_of
+from trunk_ros.chain import Chain
+from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+FINE = 20  # steps between setpoints
+
+
+def recorded(gain: np.ndarray, seconds: float = 30.0, read: int = 1) -> Recording:
+    """Setpoints at 100 Hz and what drives of so much of the nominal ``gain`` (joints,) make of them, ``read``
+    times as often.
+    """
+    arm = SHORT.arm
+    asked = setpoints_of(seconds, len(arm.joints))
+    stamp = np.arange(len(asked) * FINE) * 0.01 / FINE
+    phi, _ = Chain(Model(replace(arm, kp=gain * arm.kp)), "servo").run(np.repeat(asked, FINE, axis=0), stamp)
+    step, rows = 2.0 * np.pi / arm.counts_per_rev, slice(None, None, FINE // read)
+    series = {
+        "setpoints": JointSeries(stamp[::FINE], arm.joints, asked),
+        "gearbox_states": JointSeries(stamp[rows], arm.joints, step * np.round(phi[rows] / step)),
+    }
+    return Recording("made", 0, seconds, series)
+
+
+def test_they_are_as_described() -> None:
+    assert not diagnose([recorded(np.ones(3))], SHORT).findings
+
+
+def test_one_that_is_slower_is_told_alone() -> None:
+    (found,) = diagnose([recorded(np.array([1.0, 0.7, 1.0]))], SHORT).findings
+    assert (found.effect, found.joints) == ("servo_bandwidth", ["joint_2"])
+    assert found.parameters["joint_2"]["relative"]["value"] == pytest.approx(-0.3, abs=0.02)
+    assert found.confidence > 0.9
+
+
+def test_their_setpoints_came_as_they_were_recorded() -> None:
+    """The nominal servo's steps between readings make stairs that such drives do not have."""
+    series = recorded(np.ones(3), read=2).series
+    assert thinned(series["setpoints"], series["gearbox_states"], SHORT) is None
