@@ -15,7 +15,7 @@ from trunk_ros.arm.parameters import ANY_JOINTS
 from trunk_ros.compiled import Array
 from trunk_ros.effect_values import Values, at_end, bind, payload_in, spread_over
 from trunk_ros.effects import Effect, effect, registry
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.errors import ModelError
 
 HELD, SAMPLED = "held", "sampled"

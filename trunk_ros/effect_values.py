@@ -11,7 +11,7 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_JOINTS
 from trunk_ros.compiled import Array
 from trunk_ros.effects import Effect, effect
-from trunk_ros.effects.lasting import LASTING, NULLS, Payload, share
+from trunk_ros.effects.moments import LASTING, NULLS, Payload, share
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import SPELLS, Parameter, spell
 

@@ -11,7 +11,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.derivatives import follow
 from trunk_ros.effects.effect import Now
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.resistance import Resistance
 
 
@@ -150,7 +150,7 @@ class Look(Now):
             if self._inertial:
                 speed, acceleration, _ = self.motion
                 load = load + self._arm.inertia(self.angles, speed, acceleration)
-        if self.carried is not None and self.carried.mass:
+        if self.carried.mass:
             load = load + self.carried.at(self.stamp) * self._lever()
         return load if self._arm.coupling is None else self._arm.carried(load)
 

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.wire import WireStage
-from trunk_ros.effects.lasting import NOTHING
+from trunk_ros.effects.moments import NOTHING
 
 
 @pytest.mark.parametrize(("half_width", "stays"), [(1e-6, True), (1e-3, False)])

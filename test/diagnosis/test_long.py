@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.moments import Payload
 from trunk_ros.effects.wire.swinging_links import pushed
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
@@ -97,10 +98,10 @@ def test_loads_and_masses_stay_where_joints_hardly_move(looked: Context) -> None
     """What shakes a link goes by the curvature of the angles, and needs these more exactly."""
     (view,) = looked.views
     near, far = view.turned(view.angles + 1e-4, 0.01), view.turned(view.angles + 1.0, 0.01)
-    assert near.masses(0.0) is view.masses(0.0)
+    assert near.masses() is view.masses()
     assert near.load is view.load
     assert near.apart(view.angles) > 0.0
-    np.testing.assert_allclose(far.masses(0.0), looked.arm.mass_matrix(view.angles + 1.0))
+    np.testing.assert_allclose(far.masses(), looked.arm.mass_matrix(view.angles + 1.0))
 
 
 def test_what_pushes_a_link_is_worked_out_once_for_its_angles(looked: Context) -> None:
@@ -116,15 +117,16 @@ def test_what_pushes_a_link_is_worked_out_once_for_its_angles(looked: Context) -
 
 def test_mass_matrices_are_kept_for_so_many_looks_as_fit_into_memory(looked: Context) -> None:
     (view,) = looked.views
-    first, most = view.masses(0.0), CELLS // len(view.angles)
-    assert view.masses(0.0) is first
+    first, most = view.masses(), CELLS // len(view.angles)
+    assert view.masses() is first
     np.testing.assert_allclose(
-        view.masses(0.5), looked.arm.mass_matrix(view.angles) + 0.5 * looked.arm.mass_lever(view.angles)
+        view.masses(Payload(0.5)),
+        looked.arm.mass_matrix(view.angles) + 0.5 * looked.arm.mass_lever(view.angles),
     )
     for k in range(most + 2):
-        view.turned(view.angles + 1e-3 * k).masses(0.0)
+        view.turned(view.angles + 1e-3 * k).masses()
     assert sum(what == "masses" for what, *_ in view.large) == most
-    np.testing.assert_array_equal(view.masses(0.0), first)
+    np.testing.assert_array_equal(view.masses(), first)
 
 
 def test_sources_of_banks_are_made_one_at_a_time(looked: Context) -> None:

@@ -4,13 +4,28 @@ tones are taken out of what else is compared.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.readings import taken_out
 from trunk_ros.diagnosis.knocks import knocks_told
 from trunk_ros.diagnosis.pace import skew_told
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.topics import TOPICS
+
+
+def bursts_told(context: Context, index: int) -> Iterator[Observed]:
+    """What to say of the bursts in a recording."""
+    for begin, end, times in context.views[index].span.bursts:
+        said = (
+            f"{TOPICS['joint_states']} is {times:.1f} times as loud as else from {begin:.1f} to {end:.1f} s: "
+            "readings there count as much less"
+        )
+        yield told("burst", (TOPICS["joint_states"], context.joints), times, None, "1", said)
 
 
 def put_right_beside(recordings: list[Recording], state: Fit) -> list[Recording]:
@@ -22,5 +37,9 @@ def _put_right(recording: Recording, state: Fit, index: int) -> Recording:
     context = state.context
     for columns, hum in context.views[index].hums:
         recording = taken_out(recording, [context.joints[c] for c in columns], hum)
-    seen = (*skew_told(context, state.hypothesis, index), *knocks_told(context, state.hypothesis, index))
+    seen = (
+        *bursts_told(context, index),
+        *skew_told(context, state.hypothesis, index),
+        *knocks_told(context, state.hypothesis, index),
+    )
     return replace(recording, observed=recording.observed + seen)

@@ -23,7 +23,7 @@ from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.thrown import rests, thrown
 from trunk_ros.diagnosis.work import Work, steps_of
 from trunk_ros.effects.effect import Motion, Now
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.recording.signal.resample import SLOW
 
 LEAST = 50  # valid samples without which a joint cannot be judged
@@ -250,10 +250,12 @@ class Context:
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""
-        return [
-            self.louder.evened(self.residual(i, hypothesis, column), view.columns[column].speed, column)
-            for i, view in enumerate(self.views)
-        ]
+        rests = (self.residual(i, hypothesis, column) for i in range(len(self.views)))
+        return [self._evened(view, rest, column) for view, rest in zip(self.views, rests, strict=True)]
+
+    def _evened(self, view: View, signal: Array, column: int) -> Array:
+        seen = view.columns[column]
+        return self.louder.evened(signal, seen.speed, column, seen.loud)
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
@@ -265,8 +267,7 @@ class Context:
         """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""
         parts = []
         for view, signal in zip(self.views, signals, strict=True):
-            seen = view.columns[column]
-            even = self.louder.evened(signal, seen.speed, column)
+            seen, even = view.columns[column], self._evened(view, signal, column)
             parts.append(seen.those(self.noise[column].whiten(even, seen.follows)))
         return np.concatenate(parts) if len(parts) > 1 else parts[0]
 

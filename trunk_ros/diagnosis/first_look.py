@@ -8,10 +8,12 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.bursts import bursts
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder, growth
 from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.knocks import with_knocks
+from trunk_ros.diagnosis.levels import HALF
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.recording.signal.resample import SLOW
@@ -24,7 +26,25 @@ def first_look(stage: Stage, work: Work | None = None) -> Context:
     wide = frozenset(c for c, (is_always_alike, _) in loops.items() if is_always_alike)
     once = frozenset(c for c, (_, is_gone_through_once) in loops.items() if is_gone_through_once)
     first = replace(blank, wide=wide, once=once)
-    return with_knocks(replace(first, louder=_louder(first)).weighed(stage.known))
+    return with_knocks(_with_bursts(replace(first, louder=_louder(first)).weighed(stage.known)))
+
+
+def _with_bursts(context: Context) -> Context:
+    """With the stretches in which most sensors are louder, of those whose noise is more than their steps; not
+    where next to nothing of the motion was sampled, nor of drives.
+    """
+    if context.stage.name != "wire" or context.step >= SLOW:
+        return context
+    fine = [c for c in context.columns if context.stage.own_steps(c) < HALF * context.noise[c].std]
+    rests = [context.evened(context.known, c) for c in fine]
+    views = []
+    for index, view in enumerate(context.views):
+        valid = [view.columns[c].valid for c in fine]
+        found = bursts([rest[index] for rest in rests], valid, view.span.stamp)
+        views.append(replace(view, span=replace(view.span, bursts=found)) if found else view)
+    if not any(view.span.bursts for view in views):
+        return context
+    return replace(context, views=tuple(views)).weighed(context.known)
 
 
 def _louder(context: Context) -> Louder:

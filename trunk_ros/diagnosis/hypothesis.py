@@ -13,7 +13,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.machine import BOUND
 from trunk_ros.effect_values import Values, payload_in
 from trunk_ros.effects import Effect, effect, registry
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.parameter import Parameter
 
 Numbers = tuple[tuple[str, float], ...]

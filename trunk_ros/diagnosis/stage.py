@@ -24,7 +24,7 @@ from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.diagnosis.side_by_side import Seen, alike
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Now, borne
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.guards import SAME
 from trunk_ros.model import Model
 from trunk_ros.recording.signal.encoder import count

@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.levels import FEWEST, PART, TOGETHER
 from trunk_ros.diagnosis.machine import make_room
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects import effect
-from trunk_ros.effects.lasting import RISE
+from trunk_ros.effects.moments import RISE
 from trunk_ros.parameter import GROWN
 
 

@@ -22,7 +22,7 @@ from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import Sight, Stage
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.lasting import Payload
+from trunk_ros.effects.moments import Payload
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.stage import Memory, Order, State, adjusted, through, wire_pass

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-
-if TYPE_CHECKING:
-    from trunk_ros.effects.lasting import Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 
 Made = TypeVar("Made")
 
@@ -50,7 +48,7 @@ class Now:
     """Places of the joints being computed among all ``joints``."""
     arm: Arm | None = None
     """With the payload that it carries; None where its links' masses are of no account."""
-    carried: Payload | None = None
+    carried: Payload = NOTHING
     """What it takes up and puts down besides."""
 
     @property
@@ -78,7 +76,7 @@ class Now:
         """The same of all joints at ``angles`` (m, all joints), at the first m samples."""
         assert self.arm is not None
         own = self.arm.mass_matrix(angles)
-        if self.carried is None or not self.carried.mass:
+        if not self.carried.mass:
             return own
         more = self.carried.at(self.stamp[: len(angles)])
         return np.asarray(own + more[:, :, None] * self.arm.mass_lever(angles))

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.work import Work
-from trunk_ros.effects.lasting import Payload
+from trunk_ros.effects.moments import Payload
 
 
 def searched() -> tuple[Fit, Work]:

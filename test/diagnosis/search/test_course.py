@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trunk_ros.diagnosis.search.course import Course
-from trunk_ros.effects.lasting import share
+from trunk_ros.effects.moments import share
 
 SIZES = st.lists(st.sampled_from([0.0, 1.0, 0.5, -2.0]), min_size=1, max_size=6)
 

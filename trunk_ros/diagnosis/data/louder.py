@@ -34,10 +34,13 @@ class Louder:
         grows = self.each[column] if self.each else 0.0
         return np.asarray(np.hypot(1.0, grows * speed)) if grows else 1.0
 
-    def evened(self, signal: Array, speed: Array, column: int) -> Array:
-        """A signal (n,) of a joint in the measure of its noise at rest."""
+    def evened(self, signal: Array, speed: Array, column: int, burst: Array | None = None) -> Array:
+        """A signal (n,) of a joint in the measure of its noise at rest; a ``burst`` (n,) is so many times as
+        loud.
+        """
         loud = self.at(speed, column)
-        return signal if isinstance(loud, float) else signal / loud
+        even = signal if isinstance(loud, float) else signal / loud
+        return even if burst is None else even / burst
 
 
 CONSTANT = Louder()

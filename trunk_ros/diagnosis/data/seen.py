@@ -13,7 +13,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.effects.effect import Now
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.effects.now import Made
 
 
@@ -102,7 +102,7 @@ def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now
         speeds=view.speeds,
         columns=(column,),
         arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
-        carried=None if payload.always else payload,
+        carried=NOTHING if payload.always else payload,
     )
     seen.known = Inertia(view, payload)
     return seen

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.bursts import Burst
 from trunk_ros.resistance import Resistance
 
 
@@ -51,6 +52,8 @@ class Span:
     """By how much it is taken to run faster [s/s] and to be further ahead [s] than it was found to."""
     knocks: tuple[tuple[int, float], ...] = ()
     """Columns and moments [s]: a joint that rests is moved there within its dead band, by what shakes it."""
+    bursts: tuple[Burst, ...] = ()
+    """In which most sensors are louder."""
     unseen: float = 0.0
     """Standard deviation [s/s] of how fast it may run without that it shows before the physics is known."""
 
@@ -65,6 +68,16 @@ class Span:
     def stamp(self) -> Array:
         """(n,) s, of the measured rows."""
         return np.asarray(self.measured(self.grid))
+
+    @cached_property
+    def loud(self) -> Array | None:
+        """(n,) times as loud as usual, where bursts are."""
+        if not self.bursts:
+            return None
+        out = np.ones(len(self.stamp))
+        for begin, end, times in self.bursts:
+            out[(self.stamp >= begin) & (self.stamp <= end)] = times
+        return out
 
     def measured(self, signal: Array) -> Array:
         """(n,) of a signal (m,) on the grid, at the measured rows."""

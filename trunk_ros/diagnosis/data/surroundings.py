@@ -14,7 +14,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
 from trunk_ros.diagnosis.machine import CELLS, make_room
-from trunk_ros.effects.lasting import NOTHING, Payload
+from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.effects.now import Made
 
 
@@ -29,6 +29,8 @@ class Column(NamedTuple):
     """The rows (k,) that count: mostly they are one piece."""
     follows: np.ndarray
     speed: Array
+    loud: Array | None = None
+    """(n,) times as loud as usual, where bursts are."""
 
     def off(self, predicted: Array) -> Array:
         """(n,) measured less ``predicted`` (n,), 0 where nothing counts."""
@@ -81,6 +83,7 @@ class View:
                 in_one_piece(np.flatnonzero(span.valid[:, c])),
                 np.ascontiguousarray(self.follows[:, c]),
                 span.measured(self.speeds[:, c]),
+                span.loud,
             )
             for c in range(span.target.shape[1])
         ]

@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.diagnosis.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
-from trunk_ros.effects.lasting import LASTING, RISE
+from trunk_ros.effects.moments import LASTING, RISE
 from trunk_ros.parameter import GROWN
 
 CUBIC = 3  # degree of a course of time: with its two ends as many values as a push has

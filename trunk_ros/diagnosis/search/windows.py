@@ -10,7 +10,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.search.course import Course
-from trunk_ros.effects.lasting import LASTING, shown_between
+from trunk_ros.effects.lasting import shown_between
+from trunk_ros.effects.moments import LASTING
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import FROM, GROWN, MANY, UNTIL
 

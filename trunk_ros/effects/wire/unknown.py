@@ -13,7 +13,17 @@ class Unknown(Curve):
     linear = True
     stage = "wire"
     place = 250
-    imitated_by = ("clock_step", "early", "hum", "knocks", "repeats", "thinned", "wandering_latency", "wrap")
+    imitated_by = (
+        "burst",
+        "clock_step",
+        "early",
+        "hum",
+        "knocks",
+        "repeats",
+        "thinned",
+        "wandering_latency",
+        "wrap",
+    )
     confused_with = (
         ("transmission_ripple", "move over a wider range: a ripple goes on with its period"),
         ("wire_stiffening", "carry a payload: what depends on the load goes on where the bare arm ended"),

@@ -7,7 +7,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.lasting import RISE, shown_between
+from trunk_ros.effects.lasting import shown_between
+from trunk_ros.effects.moments import RISE
 from trunk_ros.parameter import LATER, UNTIL, Parameter
 
 MOMENTS = 80  # parts of a recording, of each of which the steepest is looked at

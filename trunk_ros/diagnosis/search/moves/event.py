@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import Look, may_win, refitted
 from trunk_ros.diagnosis.search.windows import Reach, Window
 from trunk_ros.effects import effect
-from trunk_ros.effects.lasting import LASTING
+from trunk_ros.effects.moments import LASTING
 from trunk_ros.parameter import Parameter
 
 Seen = Callable[[], tuple[Screen, Hypothesis, Window | None]]

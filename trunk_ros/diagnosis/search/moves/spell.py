@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import refit_column_to_win, refit_to_win
 from trunk_ros.diagnosis.search.windows import Window
 from trunk_ros.effects import effect
-from trunk_ros.effects.lasting import LASTING
+from trunk_ros.effects.moments import LASTING
 from trunk_ros.parameter import GROWN, Parameter
 
 
