@@ -60,9 +60,12 @@ def test_a_joint_that_never_bears_the_load_at_which_a_law_bends_has_what_the_mod
 def test_a_fuller_law_on_one_joint_takes_nothing_of_the_model_from_the_others() -> None:
     """That the others do not stretch would be a claim; here they do, as the model has it."""
     soft = {"load_elasticity": {"compliance": np.full(5, 0.03)}}
-    model, made = replace(TRUNK, effects=soft), of_the_wires(recorded(soft, 40.0))
+    own = {"compliance": np.array([0.03, 0.0, 0.03, 0.03, 0.03])}
+    hard = {"compliance": np.array([0.0, 0.03, 0.0, 0.0, 0.0]), "moment": np.full(5, 0.05), "form": "tangent"}
+    made = of_the_wires(recorded({"load_elasticity": own, "wire_stiffening": hard}, 40.0))
+    model = replace(TRUNK, effects=soft)
     now = begun(first_look(WireStage([wire_span(made, model)], model))).context
-    hardens = Term("wire_stiffening", "tangent", {"upstream": 0.0}, {1: {"moment": 50.0, "compliance": 0.03}})
+    hardens = Term("wire_stiffening", "tangent", {"upstream": 0.0}, {1: {"moment": 0.05, "compliance": 0.03}})
     given = as_given(costed(now, Hypothesis(wire_stiffening=hardens))).hypothesis
     assert given["load_elasticity"].columns == [0, 2, 3, 4]
     assert all(own == now.known["load_elasticity"].own[c] for c, own in given["load_elasticity"].own.items())

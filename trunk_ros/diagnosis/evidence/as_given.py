@@ -41,15 +41,16 @@ def unrounded(state: Fit) -> Fit:
 
 
 def _unrounded(state: Fit) -> Hypothesis | None:
-    """Without what makes a servo's loop lag otherwise than it is described by no more than that may be off,
-    and what has no name: all of it together, or the least of an effect on all its joints, or on one.
+    """Without what makes a servo's loop lag otherwise than it is described by no more than that may be off:
+    all of it together, or the least of an effect on all its joints, or on one; then without what has no name
+    and hardly counts beside what that leaves.
     """
     context, found = state.context, state.hypothesis
     if context.stage.name != "servo":
         return None
     laws = {c: law_of(context, c) for c in context.columns}
     changes = {n: _changes(context, found, [n]) for n in sorted(found.keys() - context.known.keys())}
-    lags = [n for n, each in changes.items() if not effect(n).named or _is_lag(each, laws)]
+    lags = [n for n, each in changes.items() if _is_lag(each, laws)]
     share = {(n, c): _share(context, {c: d}) for n in lags for c, d in changes[n].items()}
     ways: dict[tuple[str, int | None], float] = {
         (n, None): max(share[n, c] for c in changes[n]) for n in lags
@@ -58,12 +59,20 @@ def _unrounded(state: Fit) -> Hypothesis | None:
     if lags and _share(context, _changes(context, found, lags)) < 1.0:
         return found.less(lags)
     least = min(ways, key=lambda way: (ways[way] >= 1.0, way[1] is not None, ways[way]), default=None)
-    return found.without(*least) if least is not None and ways[least] < 1.0 else None
+    if least is not None and ways[least] < 1.0:
+        return found.without(*least)
+    curves = ((n, c) for n, each in changes.items() if not effect(n).named for c in each if c in found[n].own)
+    small = (one for one in curves if _size(changes[one[0]][one[1]]) < needed(state, one[1:]))
+    return next((found.without(*one) for one in small), None)
+
+
+def _size(change: Array) -> float:
+    return float(change @ change)
 
 
 def _share(context: Context, changes: dict[int, Array]) -> float:
     """How large changes of columns are over what the model's laws may be off by, on the joint with most."""
-    return max(float(d @ d) / max(off_by(context, c), ROUNDED) for c, d in changes.items())
+    return max(_size(d) / max(off_by(context, c), ROUNDED) for c, d in changes.items())
 
 
 def _is_lag(changes: dict[int, Array], laws: dict[int, Array]) -> bool:
