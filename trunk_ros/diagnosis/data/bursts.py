@@ -24,10 +24,12 @@ def bursts(residuals: Sequence[Array], masks: Sequence[np.ndarray], stamp: Array
     count = (len(stamp) - 4) // WINDOW
     if count < FEWEST or not residuals:
         return ()
-    seen = [_seen(*each, count) for each in zip(residuals, masks, strict=True)]
-    sizes, turns = np.array([size for size, _ in seen]), np.array([turn for _, turn in seen])
+    seen = [_windows(*each, count) for each in zip(residuals, masks, strict=True)]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # joints and windows in which nothing counts
+        sizes = np.array([np.nanmedian(size, axis=1) for size, _ in seen])
+        turns = np.array([np.nanmean(turn, axis=1) for _, turn in seen])
+        sizes[sizes == 0.0] = np.nan
         times = sizes / np.nanmedian(sizes, axis=1, keepdims=True)
         usual, turning = np.nanmedian(times, axis=0), np.nanmedian(turns, axis=0)
     alike = np.sum(times > NOTABLE, axis=0) > MOST * np.sum(np.isfinite(times), axis=0)
@@ -45,17 +47,11 @@ def bursts(residuals: Sequence[Array], masks: Sequence[np.ndarray], stamp: Array
     )
 
 
-def _seen(residual: Array, mask: np.ndarray, count: int) -> tuple[Array, Array]:
-    """Size of the fourth differences in each window (count,), and how often they have another sign than the
-    one before.
+def _windows(residual: Array, mask: np.ndarray, count: int) -> tuple[Array, Array]:
+    """Sizes of the fourth differences in each window (count, WINDOW), and whether each has another sign than
+    the one before; NaN where not all of it counts.
     """
     difference, whole = fourth_differences(residual, mask)
     turns = np.append(difference[1:] * difference[:-1] < 0.0, False)
-    each = (
-        np.where(whole, x, np.nan)[: count * WINDOW].reshape(count, WINDOW)
-        for x in (np.abs(difference), turns)
-    )
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        size, turning = np.nanmedian(next(each), axis=1), np.nanmean(next(each), axis=1)
-    return np.where(size > 0.0, size, np.nan), turning
+    size, turn = (np.where(whole, x, np.nan)[: count * WINDOW] for x in (np.abs(difference), turns))
+    return size.reshape(count, WINDOW), turn.reshape(count, WINDOW)

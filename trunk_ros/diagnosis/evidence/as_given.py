@@ -95,15 +95,11 @@ def _no_fuller(state: Fit, name: str) -> Fit:
     if not kind.named or issubclass(kind, Bank):
         return state
     fuller = [t for t in state.hypothesis.values() if name in effect(t.effect).replaces]
-    for law, column in [
-        (t.effect, c) for t in fuller for c in t.columns if c in known.own.keys() & state.cost
-    ]:
+    both = known.own.keys() & state.cost
+    for law, column in [(t.effect, c) for t in fuller for c in t.columns if c in both]:
         less = state.hypothesis.without(law, column)
-        carried = {n for term in less.values() for n in term.carried}
-        shared = {n: v for n, v in known.shared.items() if n not in carried}
-        term = less[name].copy() if name in less else replace(known, shared=shared, own={}, words={})
-        term.own[column] = dict(known.own[column])
-        trial = _held(replace(state, hypothesis=less), name, term, kind.used(known.form))
+        less.have(column, _beside(known, less))
+        trial = _held(replace(state, hypothesis=less), name, less[name], kind.used(known.form))
         if trial.total < state.total + needed(state, [column]):
             state = trial
     return state
@@ -118,18 +114,22 @@ def _there_again(state: Fit, name: str) -> Fit:
         return state
     terms = state.hypothesis.values()
     others = {c for t in terms if alike(kind, effect(t.effect)) for c in t.own}
-    carried = {name for term in terms for name in term.carried}
     known = replace(
-        known,
+        _beside(known, state.hypothesis),
         own={c: own for c, own in known.own.items() if c not in others},
         words={c: said for c, said in known.words.items() if c not in others},
-        shared={n: v for n, v in known.shared.items() if n not in carried},
     )
     if not known.own:
         return state
     trial = _held(state, name, known, kind.used(known.form))
     gone = naming(kind.stage) + needed(state, [c for c in known.columns if c in state.context.columns])
     return trial if trial.total < state.total + gone else state
+
+
+def _beside(known: Term, others: Hypothesis) -> Term:
+    """An effect of the model without masses that another one carries by now."""
+    carried = {name for term in others.values() for name in term.carried}
+    return replace(known, shared={n: v for n, v in known.shared.items() if n not in carried})
 
 
 def _as_given(state: Fit, name: str) -> Fit:

@@ -43,11 +43,18 @@ def thinned(
     if period == 0.0 or len(gearbox.stamp) < ENOUGH or 2.0 * _usual(gearbox.stamp) > period:
         return None
     stamp = setpoints.stamp
-    kept, chance, stepped = _stairs(setpoints, gearbox, model, stamp)
-    if not (kept > SURE * chance and stepped < HALF * kept):
+    course = servo_course(setpoints, gearbox.stamp, model)
+    off = _off_course(gearbox, course)
+    kept, chance = _stairs(off, course, gearbox, stamp)
+    if kept <= SURE * chance:
         return None
+    close = servo_course(setpoints, finer(gearbox.stamp, round(TENFOLD)), model)
+    if _stairs(_off_course(close, course), course, gearbox, stamp)[0] >= HALF * kept:
+        return None  # the steps of the servo's own course make them
     tried = [
-        (_stairs(each, gearbox, model, stamp)[0], times, each) for times, each in _fuller(setpoints, guide)
+        (_stairs(_off_course(gearbox, there), there, gearbox, stamp)[0], times, each)
+        for times, each in _fuller(setpoints, guide)
+        for there in [servo_course(each, gearbox.stamp, model)]
     ]
     least = min(stairs for stairs, _, _ in tried)
     if least >= PART * kept:  # a servo that is slower shows a part of them
@@ -125,34 +132,31 @@ def _between(stamp: Array, first: Array, known: Array) -> Array:
     return np.column_stack([np.interp(stamp, first, column) for column in known.T])
 
 
-def _stairs(
-    setpoints: JointSeries, gearbox: JointSeries, model: Model, kept: Array
-) -> tuple[float, float, float]:
-    """Rms [rad] of stairs in how far the gearbox is from the course of the servos, which is what goes with
-    speed and with the time since the last setpoint that was ``kept`` (k,) s; what chance makes of it, and
-    what finer steps of the servos would. A servo that is another one is off at all of these times alike.
+def _off_course(shown: JointSeries, course: JointSeries) -> Array:
+    """(n, joints) rad by which a course (n,) is off what a series shows at the same moments."""
+    at = np.searchsorted(shown.stamp, course.stamp)
+    return np.asarray(course.position - fill(shown.position)[at])
+
+
+def _stairs(off: Array, course: JointSeries, gearbox: JointSeries, kept: Array) -> tuple[float, float]:
+    """Rms [rad] of stairs in how far the course of the servos (n,) is ``off`` (n, joints), which is what goes
+    with speed and with the time since the last setpoint that was ``kept`` (k,) s; and what chance makes of
+    it. A servo that is another one is off at all of these times alike.
     """
-    course = servo_course(setpoints, gearbox.stamp, model)
-    close = servo_course(setpoints, finer(gearbox.stamp, round(TENFOLD)), model)
-    stepped = course.position - close.position[np.searchsorted(close.stamp, course.stamp)]
-    at = np.searchsorted(gearbox.stamp, course.stamp)
-    off = course.position - fill(gearbox.position)[at]
     period = _usual(kept)
     size = max(round(period / _usual(gearbox.stamp)), 2)
+    fast = off - uniform_filter1d(off, size, axis=0)
     speed = np.gradient(course.position, course.stamp, axis=0)
     since = course.stamp - kept[np.maximum(np.searchsorted(kept, course.stamp + SAME, side="right") - 1, 0)]
     step = np.clip(np.rint(since / period * size), 0, size - 1).astype(int)
     settled = course.stamp > course.stamp[0] + SETTLING
-    power = np.bincount(step[settled], np.sum(speed[settled] ** 2, axis=1), size)
-    fast = off - uniform_filter1d(off, size, axis=0)
-
-    def high(off: Array) -> float:
-        fast = off - uniform_filter1d(off, size, axis=0)
-        along = np.bincount(step[settled], np.sum((speed * fast)[settled], axis=1), size)
-        heights = along / np.maximum(power, TINY)
-        heights -= power @ heights / max(power.sum(), TINY)
-        return float(np.sqrt(power @ heights**2 / off[settled].size))
-
+    power, along = (
+        np.bincount(step[settled], np.sum(x[settled], axis=1), size) for x in (speed**2, speed * fast)
+    )
+    heights = along / np.maximum(power, TINY)
+    heights -= power @ heights / max(power.sum(), TINY)
     rows = np.count_nonzero(settled)
-    chance = float(np.sqrt(np.mean(fast[settled] ** 2) * size / (rows * off.shape[1])))
-    return high(off), chance, high(stepped)
+    return (
+        float(np.sqrt(power @ heights**2 / off[settled].size)),
+        float(np.sqrt(np.mean(fast[settled] ** 2) * size / (rows * off.shape[1]))),
+    )
