@@ -145,3 +145,35 @@ def test_readings_that_are_off_by_less_than_physics_are_found_beside_the_motor()
     off = np.sort(rng.choice(np.arange(10, 2900, 10), 150, replace=False))
     readings[off] += 4e-3 * rng.choice([-1.0, 1.0], len(off))
     assert np.flatnonzero(strays(readings, moved)).tolist() == off.tolist()
+
+
+@pytest.mark.parametrize("shown", ["where it was", "something else"])
+def test_a_sensor_that_dies_while_its_noise_goes_on_is_said_and_hides_no_physics(
+    position: Array, shown: str
+) -> None:
+    chance = np.random.default_rng(11)
+    angle = position[1200, 1] if shown == "where it was" else 0.0
+    position[1200:1900, 1] = angle + NOISE * chance.normal(size=700)
+    result = faulty(position)
+    assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_2"])]
+    assert "joint_2: its sensor sticks, first at 1" in " ".join(result.quality["made"]["notes"])
+
+
+def test_what_stops_a_joint_on_its_way_is_no_dead_sensor() -> None:
+    """A stop that holds it while the motor goes on and comes back, and what breaks loose."""
+    good = recorded(seconds=40.0)
+    series = good.series["joint_states"]
+    stopped = series.position.copy()
+    for j, readings in enumerate(series.position.T):
+        chance, stop = np.random.default_rng(j), np.quantile(readings, 0.7)
+        held = readings > stop
+        stopped[held, j] = stop + NOISE * chance.normal(size=held.sum())
+    seen = without_faults(reshaped(good, "joint_states", position=stopped))
+    assert not any("sticks" in note for note in seen.notes)
+    loose = series.position.copy()
+    turn = int(np.argmax(loose[500:1500, 2])) + 500
+    fall = turn + int(np.argmin(loose[turn : turn + 600, 2]))
+    half = (turn + fall) // 2
+    loose[turn:half, 2] = loose[turn, 2] + NOISE * np.random.default_rng(7).normal(size=half - turn)
+    seen = without_faults(reshaped(good, "joint_states", position=loose))
+    assert not any("sticks" in note for note in seen.notes)

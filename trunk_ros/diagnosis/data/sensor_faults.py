@@ -1,4 +1,4 @@
-"""Readings that say nothing of the joint: a sensor that stuck, and single ones that are far off."""
+"""Readings that say nothing of the joint: a sensor that stuck or died, and single ones that are far off."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, SLIGHT, TENFOLD
+from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, ROUGH, SLIGHT, TENFOLD
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD, count, noises
+from trunk_ros.recording.signal.encoder import EXACT, MEDIAN_TO_STD, count, noises
 from trunk_ros.recording.signal.gaps import in_gaps, usual
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
@@ -21,6 +21,7 @@ BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
 WILD, USUALLY = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
 FEW = SLIGHT  # of the readings: more of them are how the sensor is
+LINES = 20  # least squares whose weights come to least absolute deviations
 AROUND = ENOUGH + 1  # readings whose scatter counts: a burst of noise is no row of single readings
 
 
@@ -42,6 +43,7 @@ def without_faults(recording: Recording) -> Recording:
     sticking = all_that_sticks(position, series.stamp, told)
     for j, joint in enumerate(series.joints):
         stuck = sticking[:, j]
+        stuck |= dead(np.where(stuck, np.nan, position[:, j]), told[j])
         off = strays(position[:, j], moved[j])
         position[stuck | off, j] = np.nan
         if stuck.any():
@@ -135,6 +137,43 @@ def sticks(readings: Array, stamp: Array, left: Array | None = None) -> np.ndarr
     return out
 
 
+def dead(readings: Array, left: Array | None) -> np.ndarray:
+    """(n,) where a sensor shows one angle but for its noise, while what is ``left`` (n,) beside the motor
+    goes far beyond what is usual, and leaps back when the sensor goes on.
+
+    A joint that is held fast and breaks loose leaps as well, but on its way out: here the motor comes back
+    meanwhile, or the sensor had leapt to what it shows.
+    """
+    out = np.zeros(len(readings), dtype=bool)
+    if left is None or len(known := np.flatnonzero(np.isfinite(readings + left))) <= AROUND:
+        return out
+    shown, left = readings[known], left[known] - np.median(left[known])
+    usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left)))
+    after = median_filter(left, BESIDE, origin=-(BESIDE // 2))
+    ends = np.abs(np.diff(left)) > leap(left)
+    for last in AROUND + np.flatnonzero(ends[AROUND:] & (np.abs(after[AROUND + 1 :]) < usual)):
+        first = _shown_since(shown[: last + 1])
+        beyond = np.abs(left[first : last + 1])
+        came_back = (np.maximum.accumulate(beyond) - beyond).max() > usual
+        leapt = first > 0 and abs(left[first] - left[first - 1]) > usual
+        if last - first > AROUND and (came_back or leapt):
+            out[known[first : last + 1]] = True
+    return out
+
+
+def _shown_since(readings: Array) -> int:
+    """The first from which on all of them (n,) scatter as the last ones do."""
+    angle, scatter = (float(of(readings[-FEWEST:])) for of in (np.median, np.std))
+    first, size = len(readings) - FEWEST, AROUND
+    while first > 0:
+        begin = max(first - size, 0)
+        away = np.flatnonzero(np.abs(readings[begin:first] - angle) > CERTAIN * scatter)
+        if len(away):
+            return begin + int(away[-1]) + 1
+        first, size = begin, 2 * size
+    return 0
+
+
 def strays(readings: Array, moved: Array | None = None) -> np.ndarray:
     """(n,) readings that are far off, one or two at a time, while those beside them agree.
 
@@ -183,8 +222,17 @@ def what_moves(recording: Recording, joint: str, stamp: Array, readings: Array) 
     known = np.isfinite(readings + there)
     if known.sum() < FEWEST or np.ptp(there[known]) == 0.0:
         return None
-    slope, _ = np.polyfit(there[known] - there[known].mean(), readings[known], 1)
-    return np.asarray(slope * there)
+    return np.asarray(_slope(there[known] - there[known].mean(), readings[known]) * there)
+
+
+def _slope(x: Array, y: Array) -> float:
+    """Of the line with the least absolute deviations: a sensor that was dead for a while does not tilt it."""
+    weight = np.ones(len(x))
+    for _ in range(LINES):
+        slope, middle = np.polyfit(x, y, 1, w=weight)
+        off = np.abs(y - middle - slope * x)
+        weight = 1.0 / np.sqrt(np.maximum(off, ROUGH * np.max(off, initial=EXACT)))
+    return float(slope)
 
 
 def leap(readings: Array, usual: float = 0.99) -> float:
