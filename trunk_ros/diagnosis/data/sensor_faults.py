@@ -11,7 +11,7 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, ROUGH, SLIGHT, TENFOLD
+from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART, ROUGH, SLIGHT, TENFOLD
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import EXACT, MEDIAN_TO_STD, count, noises
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -148,7 +148,7 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
     if left is None or len(known := np.flatnonzero(np.isfinite(readings + left))) <= AROUND:
         return out
     shown, left = readings[known], left[known] - np.median(left[known])
-    usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left)))
+    usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left[_moved(shown - left)])))
     after = median_filter(left, BESIDE, origin=-(BESIDE // 2))
     ends = np.abs(np.diff(left)) > leap(left)
     for last in AROUND + np.flatnonzero(ends[AROUND:] & (np.abs(after[AROUND + 1 :]) < usual)):
@@ -159,6 +159,12 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
         if last - first > AROUND and (came_back or leapt):
             out[known[first : last + 1]] = True
     return out
+
+
+def _moved(by: Array) -> np.ndarray:
+    """(n,) where what moves a joint ``by`` (n,) is not at rest."""
+    step = np.abs(np.gradient(by))
+    return np.asarray(step >= PART * float(step.max()))
 
 
 def _shown_since(readings: Array) -> int:
