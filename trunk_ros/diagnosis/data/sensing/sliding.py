@@ -59,7 +59,7 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
         there = _late(waited(setpoints, found), gearbox, model)
         return np.inf if there is None else float(np.sum(there.off**2))
 
-    tried = [replace(saw, phase=saw.phase + follows / saw.takes) for saw in _over_all(late, period)]
+    tried = _over_all(late, period, follows)
     if not tried:
         return None
     found = _nearest(min(tried, key=left), left, late.stamp)
@@ -95,6 +95,18 @@ def _saw(stamp: Array, takes: float, phase: float) -> Array:
     """(n,) from 0 to 1, over and over."""
     turns = stamp / takes + phase
     return np.asarray(turns - np.floor(turns))
+
+
+def _shown(stamp: Array, takes: float, phase: float, follows: float) -> Array:
+    """(n,) what a shaft shows of it that ``follows`` some time [s] later: teeth that are rounded."""
+    return _rounded(_saw(stamp, takes, phase), follows / takes)
+
+
+def _rounded(saw: Array, lag: float) -> Array:
+    """(n,) of a saw (n,) after a lag of the first order, in teeth; negative for a saw that falls."""
+    if lag < 0.0:
+        return np.asarray(1.0 - _rounded(1.0 - saw, -lag))
+    return np.asarray(saw - lag + np.exp(-saw / lag) / -np.expm1(-1.0 / lag))
 
 
 @dataclass(frozen=True)
@@ -186,13 +198,13 @@ def _ways(stamp: Array, speed: Array, said: Array) -> Array:
     return np.column_stack([*ways, np.sin(said), np.sign(speed)])
 
 
-def _likeliest(late: _Lags) -> list[Sliding]:
+def _likeliest(late: _Lags, follows: float) -> list[Sliding]:
     """The best of all saws by a search over how long one tooth takes, which is too coarse to tell the best of
     them.
     """
     length = np.ptp(late.stamp)
     rates = np.arange(length / SLIDES[1], length / SLIDES[0], 1.0 / FINER) / length
-    found = [_fitted(late, way / rate) for rate in rates for way in (1.0, -1.0)]
+    found = [_fitted(late, way / rate, follows) for rate in rates for way in (1.0, -1.0)]
     out: list[Sliding] = []
     for _, saw in sorted(found, key=lambda one: -one[0]):
         apart = all(abs(1.0 / saw.takes - 1.0 / other.takes) * length > 1.0 for other in out)
@@ -200,21 +212,21 @@ def _likeliest(late: _Lags) -> list[Sliding]:
     return out
 
 
-def _fitted(late: _Lags, takes: float) -> tuple[float, Sliding]:
+def _fitted(late: _Lags, takes: float, follows: float) -> tuple[float, Sliding]:
     """Power that a saw of this length explains, at its best phase, and the saw."""
     bins = np.floor(_saw(late.stamp, takes, 0.0) * PHASES).astype(int)
     moment = np.bincount(bins, late.moment, PHASES)
     square = np.diag(np.bincount(bins, late.weight, PHASES)) - late.taken(bins, PHASES)
     best = (-np.inf, Sliding(takes, 0.0, 0.0))
     for shift in range(PHASES):
-        saw = (np.arange(PHASES) + 0.5 + shift) % PHASES / PHASES
+        saw = _rounded((np.arange(PHASES) + 0.5 + shift) % PHASES / PHASES, follows / takes)
         top, power = float(saw @ moment), float(saw @ square @ saw)
         if top > 0.0 < power and top**2 / power > best[0]:
             best = (top**2 / power, Sliding(takes, shift / PHASES, top / power))
     return best
 
 
-def _over_all(late: _Lags, period: float) -> list[Sliding]:
+def _over_all(late: _Lags, period: float, follows: float) -> list[Sliding]:
     """The likeliest saws of a whole recording: searched for at its beginning, then followed further and
     further.
     """
@@ -223,23 +235,24 @@ def _over_all(late: _Lags, period: float) -> list[Sliding]:
     while True:
         seen = stamp <= stamp[0] + end
         some = late.rows(seen)
-        finer = [_finer(some, saw, period) for saw in (_likeliest(some) if found is None else found)]
+        found = _likeliest(some, follows) if found is None else found
+        finer = [_finer(some, saw, period, follows) for saw in found]
         found = [saw for saw in finer if saw is not None]
         if not found or seen.all():
             return found
         end *= 2.0
 
 
-def _finer(late: _Lags, start: Sliding, period: float) -> Sliding | None:
+def _finer(late: _Lags, start: Sliding, period: float, follows: float) -> Sliding | None:
     """The saw at its finest length and phase, where it is as high as a period and explains what there is."""
     late = late.rows(slice(None, None, max(len(late.stamp) // ROWS, 1)))
     near = 1.0 / start.takes + np.linspace(-1.0, 1.0, 41) / (FINER * np.ptp(late.stamp))
     tried = [
-        (late.power(_saw(late.stamp, 1.0 / rate, phase)), 1.0 / rate, phase)
+        (late.power(_shown(late.stamp, 1.0 / rate, phase, follows)), 1.0 / rate, phase)
         for rate in near
         for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
     (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
     if abs(size - period) > (1.0 - MOST) * period or power < MOST * late.able:
         return None
-    return Sliding(float(takes), float(phase), period)  # the servo rounds the teeth, which makes them smaller
+    return Sliding(float(takes), float(phase), period)
