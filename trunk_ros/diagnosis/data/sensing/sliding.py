@@ -171,12 +171,14 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     at = np.searchsorted(gearbox.stamp, stamp)
     off = fill(gearbox.position)[at] - said
     moving = np.ptp(said, axis=0) > MOVES
+    arm = model.only(setpoints.joints).arm
+    load = arm.load(said * arm.ratio) if arm.has_load else np.sin(said)
     if len(stamp) < CLOCKED or not moving.any():
         return None
     del course, at  # of a long recording they are as large as all else
     speed = np.gradient(said, stamp, axis=0)[:, moving]
-    off, said = off[:, moving], said[:, moving]
-    pairs = list(zip(speed.T, said.T, strict=True))
+    off, said, load = off[:, moving], said[:, moving], load[:, moving]
+    pairs = list(zip(speed.T, said.T, load.T, strict=True))
     mixes, left = [], []
     for one, pair in zip(off.T, pairs, strict=True):
         design = _ways(stamp, *pair)
@@ -191,11 +193,11 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     )
 
 
-def _ways(stamp: Array, speed: Array, said: Array) -> Array:
+def _ways(stamp: Array, speed: Array, said: Array, load: Array) -> Array:
     """(n, k) what a constant lag, other gains, load and a top speed make of a servo."""
     acts = np.gradient(speed, stamp)
     ways = [np.ones_like(said), speed, acts, np.gradient(acts, stamp), np.abs(speed) * speed, said]
-    return np.column_stack([*ways, np.sin(said), np.sign(speed)])
+    return np.column_stack([*ways, load, np.gradient(load, stamp), np.sign(speed)])
 
 
 def _likeliest(late: _Lags, follows: float) -> list[Sliding]:
