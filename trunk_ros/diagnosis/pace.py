@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.skew import LARGEST, unseen_skew
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SCATTER, SLIGHT, SURE
+from trunk_ros.diagnosis.levels import SCATTER, SURE
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
@@ -47,15 +47,14 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
     """
     if context.stage.name != "wire" or not any(any(view.span.unsure) for view in context.views):
         return context
-    paces = [_likeliest(context, hypothesis, k)[0] for k in range(len(context.views))]
+    paces = [_likeliest(context, hypothesis, k) for k in range(len(context.views))]
     moved = [
-        np.abs(pace - view.span.pace) > SLIGHT * np.array(view.span.unsure)
-        for pace, view in zip(paces, context.views, strict=True)
+        np.abs(pace - view.span.pace) > std for (pace, std), view in zip(paces, context.views, strict=True)
     ]
     if not np.any(moved):
         return context
     views = []
-    for k, (view, pace) in enumerate(zip(context.views, paces, strict=True)):
+    for k, (view, (pace, _)) in enumerate(zip(context.views, paces, strict=True)):
         late = [_late(context, k, c) @ (pace - view.span.pace) for c in range(len(context.joints))]
         target = view.span.target + np.column_stack(late)
         views.append(replace(view, span=replace(view.span, target=target, pace=tuple(pace))))

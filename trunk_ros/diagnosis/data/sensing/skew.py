@@ -51,11 +51,14 @@ def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:
 
 
 def unseen_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> float:
-    """Standard deviation [s/s] by which a skew is not known that is not certain; 0 where one clock made all
-    stamps, or nothing tells how far two may differ.
+    """How far from none [s/s] a skew may be that is not certain; 0 where one clock made all stamps, or
+    nothing tells how far two may differ.
     """
     motion = _between_clocks(gearbox, shown, arm)
-    return 0.0 if motion is None else min(_growth(motion, 3)[0].skew.std, LARGEST)
+    if motion is None:
+        return 0.0
+    evenly = _growth(motion, 3)[0].skew
+    return float(min(np.hypot(evenly.rate, evenly.std), LARGEST))
 
 
 def _between_clocks(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
