@@ -57,7 +57,7 @@ def told_from_clocks(now: Fit) -> Fit:
             break
         trial = renewed(refit(context, hypothesis))
         alike = costed(replace(trial.context, noise=now.context.noise), trial.hypothesis)
-        pays = score(alike) + price < score(now) if len(hypothesis) == len(known) else alike.total < now.total
+        pays = score(alike) + price < score(now) or (gone and alike.total < now.total)
         if pays and differ(trial.context, trial.hypothesis):
             return trial
     return now
