@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.looked_again import relooked, renewed, told_from
 from trunk_ros.diagnosis.search.score import BETTER, beats, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
-from trunk_ros.diagnosis.search.state import describe, state_of, structure
+from trunk_ros.diagnosis.search.state import describe, moments_of, state_of, structure
 from trunk_ros.effects import effect
 
 LARGE = HALF  # of what is left: what explains so much of it, and much of all, comes before anything is mended
@@ -281,12 +281,14 @@ def _plainest(found: Fit, trials: list[Fit], best: Fit, desk: Desk) -> Fit:
 
 def _includes(fit: Fit, other: Fit) -> bool:
     """Whether a hypothesis has one effect in the place of what that includes in the other, which may have a
-    further one beside it.
+    further one beside it; or the same ones, some of which come and go.
     """
     more, less = (
         fit.hypothesis.keys() - other.hypothesis.keys(),
         other.hypothesis.keys() - fit.hypothesis.keys(),
     )
+    if not more and not less:
+        return moments_of(other.hypothesis) < moments_of(fit.hypothesis)
     return len(more) == 1 and len(less) in (1, 2) and bool(less & {*effect(*more).replaces})
 
 

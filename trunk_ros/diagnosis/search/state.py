@@ -54,6 +54,16 @@ def structure_of(term: Term) -> Hashable:
     return (term.effect, term.form, tuple(sorted(term.shared)), term.given)
 
 
+def moments_of(hypothesis: Hypothesis) -> frozenset[tuple[str, int | None, str]]:
+    """Which effects begin, end or change, on which joints, but for when."""
+    return frozenset(
+        (name, c, moment)
+        for name, term in hypothesis.items()
+        for c in (None, *term.own)
+        for moment in term.moments(c)
+    )
+
+
 def _level(value: float) -> int:
     return round(float(np.log(max(value, TINY))) / SLIGHT)
 
