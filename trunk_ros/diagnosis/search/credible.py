@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.diagnosis.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
+from trunk_ros.effects.lasting import shown_between
 from trunk_ros.effects.moments import LASTING, RISE
 from trunk_ros.parameter import GROWN
 
@@ -46,8 +47,8 @@ def hidden(context: Context, term: Term) -> list[int]:
 
 
 def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda _: False) -> bool:
-    """Whether what begins or ends does so while it is looked at: the joint or what it follows moves, or its
-    load changes, on both sides of each moment, as far as to the next one; or on one side, where it rests at
+    """Whether what begins or ends does so while it is looked at, not at the edge of a recording: the joint or
+    what it follows moves, or its load changes, on both sides of each moment, as far as to the next one; or on one side, where it rests at
     the moment and ``jumps`` all the same. Of joints that move one after the other none shows that. What acts
     by the way of the motion has to be seen on the same way on both sides: if it was there on one way and not
     on the way back, it went by the direction. What grows does so under way. Between two moments what it
@@ -56,6 +57,9 @@ def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda
     times, grown = _moments(block), block.values.get(GROWN.name)
     if not times and grown is None:
         return True
+    first, last = shown_between(now.stamp)
+    if times and not first <= times[0] <= times[-1] <= last:
+        return False
     followed = {word for words in block.words.values() for word in words if word in now.joints}
     signals = [now.gearbox[:, 0], *(now.angles[:, now.joints.index(joint)] for joint in followed)]
     signals += [now.load[:, 0]] if block.bears(block.form) else []

@@ -56,7 +56,8 @@ class WireSlip(Effect):
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """Seen before and after."""
-        return bool(np.all((now.stamp[0] < self["onset"]) & (self["onset"] < now.stamp[-1])))
+        first, last = shown_between(now.stamp)
+        return bool(np.all((first <= self["onset"]) & (self["onset"] <= last)))
 
     def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
         """The likeliest jumps, each as large as it shows at once and in the long run: what is within the dead
