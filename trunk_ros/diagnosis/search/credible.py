@@ -47,12 +47,13 @@ def hidden(context: Context, term: Term) -> list[int]:
 
 
 def ends_within(block: Effect, now: Now, jumps: Callable[[float], bool] = lambda _: False) -> bool:
-    """Whether what begins or ends does so while it is looked at, not at the edge of a recording: the joint or
-    what it follows moves, or its load changes, on both sides of each moment, as far as to the next one; or on one side, where it rests at
-    the moment and ``jumps`` all the same. Of joints that move one after the other none shows that. What acts
-    by the way of the motion has to be seen on the same way on both sides: if it was there on one way and not
-    on the way back, it went by the direction. What grows does so under way. Between two moments what it
-    follows takes no smooth course of time, or a push from outside would show its law as well.
+    """Whether what begins or ends does so while it is looked at, not at an edge of the recording: the joint
+    or what it follows moves, or its load changes, on both sides of each moment, as far as to the next one; or
+    on one side, where it rests at the moment and ``jumps`` all the same. Of joints that move one after the
+    other none shows that. What acts by the way of the motion has to be seen on the same way on both sides: if
+    it was there on one way and not on the way back, it went by the direction. What grows does so under way.
+    Between two moments what it follows takes no smooth course of time, or a push from outside would show its
+    law as well.
     """
     times, grown = _moments(block), block.values.get(GROWN.name)
     if not times and grown is None:

@@ -6,6 +6,7 @@ from trunk_ros.diagnosis.search.moves.curve import CURVE, EARLY_CURVE
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
 from trunk_ros.diagnosis.search.moves.form import FORM, SHAKE
+from trunk_ros.diagnosis.search.moves.like import LIKE
 from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import ONSET
 from trunk_ros.diagnosis.search.moves.option import OPTION
@@ -21,6 +22,7 @@ MOVES = (
     FORM,
     BEND,
     MEMBER,
+    LIKE,
     OPTION,
     SOURCE,
     EVENT,
