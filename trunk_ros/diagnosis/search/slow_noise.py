@@ -90,13 +90,30 @@ def likelier(
     goes too far. One that wanders beside a curve has its name already: without it the curve's price is saved.
     """
     known, name = context.noise[column], need(context, column)
-    noise, cost = likeliest_noise(context, less, column)
+    noise, cost = _own_or_theirs(context, less, column)
     saved = CURVE * name if column in context.wanders else -name
     gained = unlikely(context, known, hypothesis, column) + saved - cost
     if gained <= 0.0 or not is_plain(context, noise, less, column):
         return None
     near = _is_near(context, noise, column)
     return (noise, gained) if near or is_shared(context, less, column) else None
+
+
+def _own_or_theirs(context: Context, hypothesis: Hypothesis, column: int) -> tuple[Noise, float]:
+    """The likeliest noise of a column, or of other joints whose readings wander, where that is as likely but
+    for the price of its values: sensors of one unit are alike.
+    """
+    own, cost = likeliest_noise(context, hypothesis, column)
+    unit = context.stage.unit(column)
+    donors = [noise for c, noise in context.wanders.items() if c != column and context.stage.unit(c) == unit]
+    theirs = [(noise, unlikely(context, noise, hypothesis, column)) for noise in donors]
+    usual = min(theirs, key=lambda one: one[1], default=(own, np.inf))
+    return usual if usual[1] < cost + _price_of(own) else (own, cost)
+
+
+def _price_of(noise: Noise) -> float:
+    """Of the values of what wanders in a noise."""
+    return FURTHER * (4 if noise.slow[0] > 0.0 else 2)
 
 
 def _is_near(context: Context, noise: Noise, column: int) -> bool:
@@ -109,7 +126,7 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     own: sensors of one unit are alike, and what physics does has a size of its own on each joint.
     """
     usual, _ = likeliest_noise(context, untimed(hypothesis, column), column)
-    price = FURTHER * (4 if usual.slow[0] > 0.0 else 2)  # of the values of what wanders
+    price = _price_of(usual)
 
     def shares(c: int) -> bool:
         less = untimed(hypothesis, c)
