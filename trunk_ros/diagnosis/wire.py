@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from trunk_ros.diagnosis.data.seen import beside
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, following
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
-from trunk_ros.diagnosis.levels import ROUGH
+from trunk_ros.diagnosis.levels import ROUGH, TURNS
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import Sight, Stage
@@ -32,6 +33,15 @@ SHAKEN = 40  # joint-steps that one of joints costs which shake each other
 STOOD = 40  # steps that a stand is looked at
 
 
+class Read(NamedTuple):
+    """What a joint's sensor reads (k,) while its motor stands: until each of some moments, and since the one
+    before.
+    """
+
+    until: Array
+    since: Array
+
+
 class WireStage(Stage):
     """Gearbox angle to joint reading."""
 
@@ -39,7 +49,7 @@ class WireStage(Stage):
 
     def _load(self, spans: Sequence[Span]) -> None:
         super()._load(spans)
-        self._stands: dict[tuple[str, int], tuple[Array, tuple[int, ...], Array]] = {}
+        self._stands: dict[tuple[str, int], tuple[Array, tuple[int, ...], Read]] = {}
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         payload, blocks = payload_of(hypothesis), hypothesis.bound(column)
@@ -67,14 +77,14 @@ class WireStage(Stage):
         span, order, state = sight.views[index].span, Order.of(blocks), None
         width = self.arm.dead_band[None, column : column + 1].repeat(times, axis=1)
         if len(span.start[column]):
-            rows, levels = self._stand(span, column)
+            rows, read = self._stand(span, column)
             stood = beside(sight.now(index, column, payload, rows), times)
-            state = begun(stood, order, width, levels)
+            state = begun(stood, order, width, read)
         now = beside(sight.now(index, column, payload), times)
         shown, true, _ = wire_pass(now.gearbox, now, order, Core(nominal_width=width, width=width), state)
         return shown, true
 
-    def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], Array]:
+    def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], Read]:
         """Steps (k,) over the time in which a motor stands as it began, the first of all at first, and what
         the joint's sensor reads until each.
         """
@@ -85,8 +95,12 @@ class WireStage(Stage):
             rows = np.unique(np.concatenate([[0], span.rows[chosen]]))
             until = np.maximum(np.searchsorted(span.rows[seen], rows, "right"), 1)
             told = span.target[seen, column, None]
-            levels = np.concatenate([middle(told[:count]) for count in until])
-            known = span.target, tuple(rows.tolist()), levels
+            since = np.concatenate([[0], np.minimum(until[:-1], until[1:] - 1)])
+            read = Read(
+                np.concatenate([middle(told[:count]) for count in until]),
+                np.concatenate([middle(told[a:b]) for a, b in zip(since, until, strict=True)]),
+            )
+            known = span.target, tuple(rows.tolist()), read
             self._stands[span.name, column] = known
         return known[1:]
 
@@ -181,10 +195,10 @@ def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Arr
     return shown
 
 
-def begun(seen: Now, order: Order, width: Array, levels: Array) -> State:
+def begun(seen: Now, order: Order, width: Array, read: Read) -> State:
     """The state in which the friction element shows what was measured, as far as its play lets it, while
-    nothing had moved what comes to it. ``seen``: the surroundings (k,) while the motor stood; ``levels``
-    (k,): what was measured until then.
+    nothing had moved what comes to it; of a sharp play as long as that holds the joint. ``seen``: the
+    surroundings (k,) while the motor stood.
     """
     core, memory = Core(nominal_width=width, width=width), Memory()
     adjusted(core, order, seen, {}, memory)
@@ -196,13 +210,27 @@ def begun(seen: Now, order: Order, width: Array, levels: Array) -> State:
     stands = np.maximum.accumulate(np.abs(u - u[0]), axis=0) < STANDS
     last, start = np.count_nonzero(stands, axis=0) - 1, u[:1]
     if np.all(last == len(u) - 1):
-        off = levels[-1] - middle(shown[1:])
+        off = read.until[-1] - middle(shown[1:])
     else:
         seen_then = [middle(shown[min(k, 1) : k + 1, c : c + 1])[0] for c, k in enumerate(last)]
-        off = levels[last] - np.array(seen_then)
+        off = read.until[last] - np.array(seen_then)
+    for _ in range(TURNS if core.rounding is None else 0):
+        off = _while_held(u - start, core.width, moved - start - shown, read.since, off)
     ends = np.concatenate([start + off, start])
     _, stuck = element.run(ends, core.width[:1], None)
     return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
+
+
+def _while_held(moved: Array, width: Array, hidden: Array, read: Array, off: Array) -> Array:
+    """How far (columns,) rad a joint lies off where its play began, by what is ``read`` (k,) as long as that
+    play holds it there, whatever has ``moved`` (k, columns) by then; ``hidden``: what it would be off by, if
+    zero were read. Where it has let go of it at once, as far ``off`` as it was.
+    """
+    held = np.logical_and.accumulate(np.abs(moved - off) <= width, axis=0)[1:]
+    told = read[1:, None] + (hidden[1:] + hidden[:-1]) / 2.0
+    count = np.count_nonzero(held, axis=0)
+    mean = np.sum(np.where(held, told, 0.0), axis=0) / np.maximum(count, 1)
+    return np.asarray(np.where(count > 0, mean, off))
 
 
 def middle(values: Array) -> Array:
