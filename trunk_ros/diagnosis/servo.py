@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
-from trunk_ros.effects.servo.loop import fresh
+from trunk_ros.effects.servo.loop import STEP, fresh
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
@@ -26,6 +26,7 @@ class ServoStage(Stage):
 
     name = "servo"
     joint_by_joint = False
+    ahead = STEP / 2.0
 
     def __init__(
         self,

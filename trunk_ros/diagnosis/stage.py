@@ -58,6 +58,8 @@ class Stage(ABC):
     name: str
     joint_by_joint = True
     """Only hypotheses of the same joint are computed together."""
+    ahead: float = 0.0
+    """By how much [s] its own steps are ahead of what goes on between them."""
 
     def __init__(self, spans: Sequence[Span], model: Model, units: dict[str, str] | None = None):
         """``model``: the nominal one, with the effects it already has; ``units``: SI unit of joints that are

@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, ROUGH
 from trunk_ros.diagnosis.search.candidates import given
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, step
+from trunk_ros.diagnosis.search.formed import ahead_of
 from trunk_ros.effects import effect
 from trunk_ros.guards import BLIND, ROUNDED
 
@@ -33,6 +34,8 @@ class _Seen(NamedTuple):
     """(n, n) variance of ``slope`` if each sample were off by itself."""
     blocks: Array
     """(n, n) the same if all that is in one of BLOCKS of time were off together."""
+    ahead: Array
+    """(n,) J^T of what the stage's own steps are ahead."""
 
 
 def spreads(state: Fit) -> Spread:
@@ -60,18 +63,21 @@ def _with_what_is_stated_free(state: Fit) -> Hypothesis:
 def _seen(residuals: Residuals, x: Array) -> _Seen:
     n = len(x)
     blocks = np.zeros((BLOCKS, n))
-    normal, alone = np.zeros((2, n, n))
-    for (free, slopes), rest in zip(residuals.slopes(x), residuals.parts(x), strict=True):
+    normal, alone, ahead = *np.zeros((2, n, n)), np.zeros(n)
+    seen = zip(residuals.columns, residuals.slopes(x), residuals.parts(x), strict=True)
+    for column, (free, slopes), rest in seen:
+        if residuals.context.stage.ahead:
+            ahead[free] += slopes.T @ ahead_of(residuals.context, column)
         square, here = slopes.T @ slopes, np.ix_(free, free)
         normal[here] += square
         alone[here] += max(float(np.mean(rest**2)), 1.0) * square
         ends = pairwise(np.arange(BLOCKS + 1) * len(rest) // BLOCKS)
         blocks[:, free] += [slopes[begin:end].T @ rest[begin:end] for begin, end in ends]
-    return _Seen(blocks.sum(axis=0), normal, alone, BLOCKS / (BLOCKS - 1) * blocks.T @ blocks)
+    return _Seen(blocks.sum(axis=0), normal, alone, BLOCKS / (BLOCKS - 1) * blocks.T @ blocks, ahead)
 
 
 def _deviations(residuals: Residuals, x: Array, seen: _Seen) -> Spread:
-    std = np.hypot(WIDER * _pulled(seen), _ahead(residuals, x, seen))
+    std = np.linalg.norm([WIDER * _pulled(seen), _still_to_go(residuals, x, seen), _stepped(seen)], axis=0)
     late = HARDLY * residuals.context.step
     return {
         (f.effect, f.parameter.name, f.column): _natural(f, residuals.hypothesis, float(s), late)
@@ -96,7 +102,14 @@ def _pulled(seen: _Seen) -> Array:
     return out
 
 
-def _ahead(residuals: Residuals, x: Array, seen: _Seen) -> Array:
+def _stepped(seen: _Seen) -> Array:
+    """(n,) by how much values would be others if the stage's own steps were finer."""
+    size = np.maximum(np.sqrt(np.diag(seen.normal)), BLIND)
+    scaled = seen.normal / np.outer(size, size) + ROUNDED * np.eye(len(size))
+    return np.asarray(np.abs(np.linalg.solve(scaled, seen.ahead / size)) / size)
+
+
+def _still_to_go(residuals: Residuals, x: Array, seen: _Seen) -> Array:
     """(n,) by how much the fit would still move its values, within their bounds."""
     low, high = bounds(residuals.free)
     normal = seen.normal + np.diag(residuals.scale**-2.0)

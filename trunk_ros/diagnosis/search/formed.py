@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import FAR_OFF, PART, SEVERAL, SLIGHT
+from trunk_ros.diagnosis.levels import CLEARLY, FAR_OFF, PART, SEVERAL, SLIGHT
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
@@ -46,9 +46,13 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
 def off_by(context: Context, column: int) -> float:
     """Squared unit-noise residual of a column by which the model's own laws may be off."""
     if column not in context.off:
-        share = SLIGHT**2 if context.stage.name == "wire" else FORMULAS  # of a loop nobody measures a width
-        law = law_of(context, column)
-        context.off[column] = share * float(law @ law)
+        if context.stage.name == "wire":
+            off = SLIGHT * law_of(context, column)
+        else:  # of a loop nobody measures a width; drives have steps of their own
+            lag, speeds = _lag_of(context, column)
+            off = context.whiten_change(speeds, column)
+            off = off * max(FORMULAS**0.5 * abs(lag), CLEARLY * context.stage.ahead)
+        context.off[column] = float(off @ off)
     return context.off[column]
 
 
@@ -58,7 +62,8 @@ def law_of(context: Context, column: int) -> Array:
     its speed. Arms keep to them roughly, and who describes an arm rounds.
     """
     if context.stage.name != "wire":
-        return context.whiten_change(_lag_of(context, column), column)
+        lag, speeds = _lag_of(context, column)
+        return lag * context.whiten_change(speeds, column)
     exact = Hypothesis({name: term for name, term in context.known.items() if effect(name).exact})
     changes = []
     for index, view in enumerate(context.views):
@@ -72,8 +77,15 @@ def law_of(context: Context, column: int) -> Array:
     return np.asarray(law - (law @ zeros) / max(float(zeros @ zeros), ROUNDED) * zeros)
 
 
-def _lag_of(context: Context, column: int) -> list[Array]:
-    """(rows,) of each span how far a loop lags in proportion to its speed: not with each setpoint's step."""
+def ahead_of(context: Context, column: int) -> Array:
+    """(rows,) what a stage's own steps are ahead of what goes on between them, whitened."""
+    return context.stage.ahead * context.whiten_change(_lag_of(context, column)[1], column)
+
+
+def _lag_of(context: Context, column: int) -> tuple[float, list[Array]]:
+    """How far [s] a loop lags in proportion to its speed, not with each setpoint's step; and that (rows,) of
+    each span.
+    """
     lags, speeds = [], []
     for index, view in enumerate(context.views):
         went = context.stage.predict(context, index, context.known, column)
@@ -81,7 +93,7 @@ def _lag_of(context: Context, column: int) -> list[Array]:
         speeds.append(np.gradient(went, view.span.stamp))
     each = [(float(lag @ speed), float(speed @ speed)) for lag, speed in zip(lags, speeds, strict=True)]
     along, size = np.sum(each, axis=0)
-    return [along / max(size, ROUNDED) * speed for speed in speeds]
+    return float(along / max(size, ROUNDED)), speeds
 
 
 def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:
