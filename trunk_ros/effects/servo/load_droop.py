@@ -20,7 +20,6 @@ class LoadDroop(Effect):
     signature = "The gearbox stands off its setpoint in proportion to the weight on the joint."
     source = "Proportional loop without integral part: standing error = moment over loop stiffness."
     forms = ("weight", "weight_and_friction", "apart")
-    refined = ("weight_and_friction",)
     apart = "apart"
     parameters = (
         Parameter("gain", "rad/(N*m)", (-5.0, 5.0), "standing error per moment", typical=1e-3, shared=True),
