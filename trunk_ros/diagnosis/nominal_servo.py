@@ -22,6 +22,7 @@ from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.levels import CLEARLY, HALF, LITTLE, OUTLIERS, SEVERAL, THREEFOLD
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stage import STANDING
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -95,13 +96,37 @@ def _identified(
     """The model with its servos, but for those of ``known`` joints, and what these leave, rms [rad]."""
     if set(servo_joints(recordings[0], model)) <= set(known):
         return model, 0.0
-    numbers, squares = _numbers_of(model.arm), 0.0
+    numbers, squares, found = _numbers_of(model.arm), 0.0, []
     for context, column, joint in _moved(model, recordings):
-        if context.joints[column] in known:
-            continue
-        numbers[:, joint], cost = _loop(context, column, numbers[:, joint])
+        if context.joints[column] not in known:
+            numbers[:, joint], cost = _loop(context, column, numbers[:, joint])
+            found.append((context, column, joint, cost))
+    alone = numbers.copy()
+    for context, column, joint, cost in found:
+        others = [alone[:, other] for _, _, other, _ in found if other != joint]
+        numbers[:, joint], cost = _like_others(context, column, numbers[:, joint], others, cost)
         squares += cost * context.noise[column].std ** 2 / context.count(column)
     return _with(model, numbers), float(np.sqrt(squares))
+
+
+def _like_others(
+    context: Context, column: int, own: Array, others: list[Array], cost: float
+) -> tuple[Array, float]:
+    """(5,) numbers of the servo of a joint that its ``own`` starts led to, or those of ``others`` where these
+    leave less than the ``cost``; and what is left. Drives of one arm are much alike.
+    """
+    if cost <= (1.0 + STANDING) * context.count(column):
+        return own, cost
+    loop = Loop.of(context, column)
+    starts = [
+        np.array([np.log(kp), np.log(kp * tau_v), np.log(own[2]), late]) for kp, tau_v, _, late, _ in others
+    ]
+    starts = sorted(
+        (np.clip(x, loop.low[:4], loop.high[:4]) for x in starts), key=lambda x: loop.left(_numbers(x))
+    )
+    best = min((_numbers(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left, default=own)
+    left = loop.left(best)
+    return (best, left) if left < cost - SIGNIFICANT else (own, cost)
 
 
 def _fed(model: Model, recordings: Sequence[Recording]) -> Model:
