@@ -10,7 +10,7 @@ import numpy as np
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.evidence.spreads import _ahead, _pulled, _Seen, spreads
+from trunk_ros.diagnosis.evidence.spreads import _pulled, _Seen, _still_to_go, spreads
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -63,9 +63,9 @@ def test_what_is_stated_is_as_uncertain_as_the_recording_leaves_it() -> None:
 
 
 def test_what_only_two_values_together_do_is_told_of_neither() -> None:
-    seen = _Seen(np.zeros(2), *(power * np.ones((2, 2)) for power in (1e4, 1e4, 4e4)))
+    seen = _Seen(np.zeros(2), *(power * np.ones((2, 2)) for power in (1e4, 1e4, 4e4)), np.zeros(2))
     assert np.all(_pulled(seen) > 1e3)
-    apart = _Seen(np.zeros(2), *(power * np.eye(2) for power in (1e4, 1e4, 4e4)))
+    apart = _Seen(np.zeros(2), *(power * np.eye(2) for power in (1e4, 1e4, 4e4)), np.zeros(2))
     np.testing.assert_allclose(_pulled(apart), 0.02, rtol=1e-6)
 
 
@@ -73,5 +73,5 @@ def test_a_fit_would_go_on_no_further_than_to_a_bound() -> None:
     give = effect("hard_stop").own_parameters("upper")[1]
     fit = cast(Any, SimpleNamespace(free=[Free("hard_stop", give, 0)], scale=np.array([0.1])))
     for slope, most in ((1e6, -0.01), (-1e6, 0.94)):
-        seen = _Seen(np.array([slope]), *np.full((3, 1, 1), 1e4))
-        np.testing.assert_allclose(_ahead(fit, np.array([0.01]), seen), most)
+        seen = _Seen(np.array([slope]), *np.full((3, 1, 1), 1e4), np.zeros(1))
+        np.testing.assert_allclose(_still_to_go(fit, np.array([0.01]), seen), most)

@@ -214,7 +214,7 @@ def begun(seen: Now, order: Order, width: Array, read: Read) -> State:
     else:
         seen_then = [middle(shown[min(k, 1) : k + 1, c : c + 1])[0] for c, k in enumerate(last)]
         off = read.until[last] - np.array(seen_then)
-    for _ in range(TURNS if core.rounding is None else 0):
+    if core.rounding is None:
         off = _while_held(u - start, core.width, moved - start - shown, read.since, off)
     ends = np.concatenate([start + off, start])
     _, stuck = element.run(ends, core.width[:1], None)
@@ -224,13 +224,17 @@ def begun(seen: Now, order: Order, width: Array, read: Read) -> State:
 def _while_held(moved: Array, width: Array, hidden: Array, read: Array, off: Array) -> Array:
     """How far (columns,) rad a joint lies off where its play began, by what is ``read`` (k,) as long as that
     play holds it there, whatever has ``moved`` (k, columns) by then; ``hidden``: what it would be off by, if
-    zero were read. Where it has let go of it at once, as far ``off`` as it was.
+    zero were read. Where the play lets go of it at once, as far ``off`` as it was.
     """
-    held = np.logical_and.accumulate(np.abs(moved - off) <= width, axis=0)[1:]
-    told = read[1:, None] + (hidden[1:] + hidden[:-1]) / 2.0
-    count = np.count_nonzero(held, axis=0)
-    mean = np.sum(np.where(held, told, 0.0), axis=0) / np.maximum(count, 1)
-    return np.asarray(np.where(count > 0, mean, off))
+    told, before = read[1:, None] + (hidden[1:] + hidden[:-1]) / 2.0, np.zeros(len(off))
+    for _ in range(TURNS):
+        held = np.logical_and.accumulate(np.abs(moved - off) <= width, axis=0)
+        count = np.count_nonzero(held[1:], axis=0)
+        if np.array_equal(count, before):
+            break
+        some = (told[:k, c : c + 1] if k else off[c : c + 1, None] for c, k in enumerate(count))
+        off, before = np.concatenate([middle(each) for each in some]), count
+    return off
 
 
 def middle(values: Array) -> Array:

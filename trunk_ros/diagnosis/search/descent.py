@@ -283,10 +283,8 @@ def _includes(fit: Fit, other: Fit) -> bool:
     """Whether a hypothesis has one effect in the place of what that includes in the other, which may have a
     further one beside it; or the same ones, some of which come and go.
     """
-    more, less = (
-        fit.hypothesis.keys() - other.hypothesis.keys(),
-        other.hypothesis.keys() - fit.hypothesis.keys(),
-    )
+    names, theirs = fit.hypothesis.keys(), other.hypothesis.keys()
+    more, less = names - theirs, theirs - names
     if not more and not less:
         return moments_of(other.hypothesis) < moments_of(fit.hypothesis)
     return len(more) == 1 and len(less) in (1, 2) and bool(less & {*effect(*more).replaces})
