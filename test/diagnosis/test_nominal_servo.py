@@ -11,7 +11,10 @@ from test.diagnosis.arms import diagnose
 from test.test_servo import STEP, reference
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
-from trunk_ros.diagnosis.nominal_servo import with_its_servo
+from trunk_ros.diagnosis.data.align import servo_span
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.nominal_servo import Loop, _like_others, with_its_servo
+from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
@@ -297,3 +300,16 @@ def test_that_a_simulators_setpoints_are_samples_says_nothing_of_the_arms() -> N
     some = np.arange(0, len(went.stamp), 2)
     thin = replace(arm, series={name: each.rows(some) for name, each in arm.series.items()})
     assert diagnose(arm, model="direct", against=thin).model.setpoints == "held"
+
+
+def test_a_joint_far_off_begins_again_from_the_numbers_of_the_others() -> None:
+    """A delay in the place of the velocity loop: no small step leads back."""
+    gains = {"kp": (10.0, 15.0, 20.0), "tau_v": (0.021,) * 3, "delay": (0.006,) * 3, "v_max": (9.0,) * 3}
+    recording = recorded_servos(PLAIN | gains)
+    context = first_look(ServoStage([servo_span(recording, (model := _stated()))], model))
+    wrong, right = np.array([12.5, 0.002, 9.0, 0.021, 0.0]), np.array([15.0, 0.021, 9.0, 0.006, 0.0])
+    left = Loop.of(context, 0).left(wrong)
+    found, less = _like_others(context, 0, wrong, [right], left)
+    assert less < left / 10.0
+    assert found[0] == pytest.approx(10.0, rel=0.02)
+    assert _like_others(context, 0, wrong, [], left) == (pytest.approx(wrong), left)

@@ -122,6 +122,13 @@ def test_skew_is_measured_on_a_clean_arm_and_on_one_with_physics(
         assert np.abs(off).max() < 0.1 * abs(ppm) * 1e-6 * 40.0 + 1.5e-4
 
 
+def test_skew_is_measured_beside_a_dead_band_far_wider_than_the_models(model: Model) -> None:
+    loose = replace(Arm(), capstan=5.0 * Arm().capstan)
+    right, kinds = _right(_spoiled(_run(loose), "skew", -100.0), model)
+    assert kinds == ["skew"]
+    assert right.observed[0].value == pytest.approx(-100.0, abs=10.0)
+
+
 def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(clean: Run, model: Model) -> None:
     told = replace(_right(_spoiled(clean, "skew", 100.0), model)[0].observed[0], std=20.0)
     off = _recording(clean)

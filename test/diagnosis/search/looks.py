@@ -103,6 +103,14 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
             "form": "film",
         }
     },
+    "oiled on two": {
+        "stribeck_friction": {
+            "amplitude": on(2, 4e-3) + on(4, 3e-3),
+            "velocity": np.full(5, 0.03),
+            "memory": np.full(5, 0.15),
+            "form": "film",
+        }
+    },
     "coupled": {"joint_coupling": {"gain": on(4, 0.03), "source": ["", "", "", "joint_2", ""]}},
     "rippled": {
         "transmission_ripple": {

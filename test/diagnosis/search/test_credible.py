@@ -93,3 +93,9 @@ def test_what_grows_does_so_while_the_joint_moves() -> None:
     assert seen(angle, "load_elasticity", grown=38.0)
     assert not seen(angle, "load_elasticity", grown=0.002)
     assert not seen(angle, "load_elasticity", grown=8.0)
+
+
+@pytest.mark.parametrize(("onset", "shown"), [(0.05, False), (12.0, True), (39.9, False)])
+def test_a_slip_at_an_edge_of_the_recording_is_not_seen(onset: float, shown: bool) -> None:
+    slip = Term("wire_slip", own={1: {"step": 1e-3, "onset": onset}})
+    assert (hidden(context("clean"), slip) == []) == shown

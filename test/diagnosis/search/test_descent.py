@@ -224,6 +224,26 @@ def test_a_law_that_includes_another_has_to_beat_it_as_a_step_would(share: float
     assert list(found[1].hypothesis) == [taken]
 
 
+@pytest.mark.parametrize(("part", "taken"), [(0.18, False), (0.0, True)])
+def test_what_comes_and_goes_has_to_beat_what_stays_as_a_step_would(part: float, taken: bool) -> None:
+    now = fitted("sag")
+    noise = {c: float(now.context.count(c)) for c in now.cost}
+
+    def sags(share: float, **moments: float) -> Fit:
+        own = {c: {"compliance": 0.05, **moments} for c in noise}
+        cost = {c: noise[c] + share * now.rest(c) for c in noise}
+        return Fit(Hypothesis({"load_elasticity": Term("load_elasticity", own=own)}), cost, now.context)
+
+    stays, goes = sags(0.2), sags(part, until=12.0)
+
+    def groups(best: Fit, desk: Desk) -> Iterator[Group]:
+        yield Group("law", best.cost, lambda: [goes, stays])
+
+    found = first_that_pays(now, [Move("law", groups)], Desk(share=COARSE[0]))
+    assert found is not None
+    assert bool(found[1].hypothesis["load_elasticity"].moments(0)) == taken
+
+
 def test_what_was_tried_in_vain_within_a_move_is_not_tried_again() -> None:
     now, desk, tried = fitted("backlash"), Desk(share=COARSE[0]), []
 

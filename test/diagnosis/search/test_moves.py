@@ -162,6 +162,16 @@ def test_member_begins_anew_where_a_value_was_led_to_where_it_changes_nothing() 
     assert best.hypothesis["wire_slack"].own[4]["threshold"] == pytest.approx(2e-3, rel=0.2)
 
 
+def test_like_begins_at_what_the_joint_has_that_tells_an_effect_best() -> None:
+    """A film of oil has many minima: on one joint the fit stays in a wrong one."""
+    right, far = (
+        {"amplitude": a, "velocity": v, "memory": m} for a, v, m in ((4e-3, 0.03, 0.15), (0.05, 0.02, 0.3))
+    )
+    best = improved("like", "oiled on two", Term("stribeck_friction", "film", own={1: right, 3: far}))
+    assert best.hypothesis["stribeck_friction"].own[3]["amplitude"] == pytest.approx(3e-3, rel=0.05)
+    assert best.hypothesis["stribeck_friction"].own[3]["memory"] == pytest.approx(0.15, rel=0.05)
+
+
 def test_option_finds_the_payload() -> None:
     best = improved("option", "payload", sag(range(5)))
     assert best.hypothesis["load_elasticity"].shared["payload"] == pytest.approx(0.08, rel=0.05)

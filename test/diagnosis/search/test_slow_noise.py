@@ -16,7 +16,13 @@ from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
-from trunk_ros.diagnosis.search.slow_noise import likeliest_noise, told_from_noise, wandering_in
+from trunk_ros.diagnosis.search.slow_noise import (
+    _own_or_theirs,
+    likeliest_noise,
+    told_from_noise,
+    unlikely,
+    wandering_in,
+)
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import load_model
 
@@ -146,3 +152,15 @@ def test_a_curve_of_what_swings_stays() -> None:
     assert curve is not None
     assert {"on": "time"} in [term.words.get(1) for term in curve.hypothesis.values()]
     assert steadied(curve).hypothesis.keys() == curve.hypothesis.keys()
+
+
+def test_a_noise_is_that_of_the_other_sensors_where_it_may_be() -> None:
+    """Beside one's own a creep costs nothing that takes as long; beside theirs it is seen."""
+    found = told_from_noise(left(joints=(0, 1, 3)), lambda column: {})
+    noises = found.context.wanders
+    others = replace(found.context, wanders={c: noises[c] for c in (0, 3)})
+    noise, cost = _own_or_theirs(others, found.hypothesis, 1)
+    assert noise in (noises[0], noises[3])
+    assert cost == unlikely(others, noise, found.hypothesis, 1)
+    alone = _own_or_theirs(replace(found.context, wanders={}), found.hypothesis, 1)
+    assert alone == likeliest_noise(found.context, found.hypothesis, 1)

@@ -1,0 +1,53 @@
+"""Where a joint lies at first is told by all that is read while its friction holds it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import NOISE, TRUNK, setpoints_of
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import hypothesis_of
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+STEPS, BEGIN, RESTS = 4000, 1000, slice(1000, 2500)
+RESTING = 3
+SOFT = {"load_elasticity": {"compliance": np.full(5, 0.01)}}
+
+
+def left(upstream: float, seed: int) -> Array:
+    """What the truth leaves of a joint that rests somewhere in its dead band, while the others move and so
+    change its load.
+    """
+    effects = {"load_elasticity": {**SOFT["load_elasticity"], "upstream": upstream}}
+    stamp = 0.01 * np.arange(STEPS)
+    phi = setpoints_of(0.01 * STEPS, 5, seed)
+    phi[RESTS.start - 100 : RESTS.stop, RESTING] = phi[RESTS.start - 100, RESTING]
+    phi[RESTS.stop :, RESTING] += phi[RESTS.stop - 1, RESTING] - phi[RESTS.stop, RESTING]
+    theta, _ = Chain(Model(TRUNK.arm, effects), "wire").run(phi, stamp)
+    read = theta + NOISE * np.random.default_rng(seed).normal(size=theta.shape)
+    series = {
+        "gearbox_states": JointSeries(stamp[BEGIN:] - stamp[BEGIN], TRUNK.arm.joints, phi[BEGIN:]),
+        "joint_states": JointSeries(stamp[BEGIN:] - stamp[BEGIN], TRUNK.arm.joints, read[BEGIN:]),
+    }
+    recording = Recording("made", 0, float(stamp[-1] - stamp[BEGIN]), series)
+    context = first_look(WireStage([wire_span(recording, TRUNK)], TRUNK))
+    truth = hypothesis_of(effects, "wire", 5)
+    seen = replace(context, look=context.look + 1).seen_with(truth)
+    rests = slice(0, RESTS.stop - BEGIN - 1)
+    return np.asarray(seen.views[0].span.target[rests, RESTING] - seen.predict(0, truth, RESTING)[rests])
+
+
+@pytest.mark.parametrize("upstream", [0.0, 1.0])
+def test_it_lies_where_it_was_read_whatever_pulls_meanwhile(upstream: float) -> None:
+    for seed in range(3):
+        off = left(upstream, seed)
+        assert abs(off.mean()) < 0.2 * NOISE
+        assert off.std() == pytest.approx(NOISE, rel=0.1)
