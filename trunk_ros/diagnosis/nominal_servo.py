@@ -20,10 +20,10 @@ from trunk_ros.diagnosis.data.align import servo_joints, servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.levels import CLEARLY, HALF, LITTLE, OUTLIERS, SEVERAL, THREEFOLD
-from trunk_ros.diagnosis.search.score import SIGNIFICANT
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, STRONG
 from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.stage import STANDING
 from trunk_ros.effects.servo.loop import STEP
+from trunk_ros.guards import TINY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
@@ -103,7 +103,8 @@ def _identified(
             found.append((context, column, joint, cost))
     alone = numbers.copy()
     for context, column, joint, cost in found:
-        others = [alone[:, other] for _, _, other, _ in found if other != joint]
+        told = {*(other for _, _, other, _ in found), *map(model.arm.index, known)} - {joint}
+        others = [alone[:, other] for other in sorted(told)]
         numbers[:, joint], cost = _like_others(context, column, numbers[:, joint], others, cost)
         squares += cost * context.noise[column].std ** 2 / context.count(column)
     return _with(model, numbers), float(np.sqrt(squares))
@@ -115,16 +116,16 @@ def _like_others(
     """(5,) numbers of the servo of a joint that its ``own`` starts led to, or those of ``others`` where these
     leave less than the ``cost``; and what is left. Drives of one arm are much alike.
     """
-    if cost <= (1.0 + STANDING) * context.count(column):
+    if cost <= (1.0 + STRONG) * context.count(column):
         return own, cost
-    loop = Loop.of(context, column)
-    starts = [
-        np.array([np.log(kp), np.log(kp * tau_v), np.log(own[2]), late]) for kp, tau_v, _, late, _ in others
-    ]
-    starts = sorted(
-        (np.clip(x, loop.low[:4], loop.high[:4]) for x in starts), key=lambda x: loop.left(_numbers(x))
-    )
+    loop, (_, _, top, _, _) = Loop.of(context, column), own
+    starts = [np.array([kp, kp * tau_v, top, late]) for kp, tau_v, _, late, _ in others]
+    starts = [np.array([*np.log(np.maximum(x[:3], TINY)), x[3]]) for x in starts]
+    starts = [np.clip(x, loop.low[:4], loop.high[:4]) for x in starts]
+    starts.sort(key=lambda x: loop.left(_numbers(x)))
     best = min((_numbers(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left, default=own)
+    open_top = np.where(TOP_SPEED, np.maximum(own, TOPS[-1] * _fastest(context, column)), best)
+    best = open_top if loop.left(open_top) - loop.left(best) <= SIGNIFICANT else best
     left = loop.left(best)
     return (best, left) if left < cost - SIGNIFICANT else (own, cost)
 

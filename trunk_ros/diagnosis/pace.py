@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.skew import LARGEST, unseen_skew
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SCATTER, SURE
+from trunk_ros.diagnosis.levels import HARDLY, SCATTER, SURE
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
@@ -43,13 +43,14 @@ def with_unseen_skew(context: Context, hypothesis: Hypothesis) -> Context | None
 
 def paced(context: Context, hypothesis: Hypothesis) -> Context:
     """With each recording's clocks as is likeliest under a hypothesis and by what was found at first; as it
-    is where they do not differ, or where it has them so already.
+    is where they do not differ, or where it has them so already, within what is known of them.
     """
     if context.stage.name != "wire" or not any(any(view.span.unsure) for view in context.views):
         return context
     paces = [_likeliest(context, hypothesis, k) for k in range(len(context.views))]
     moved = [
-        np.abs(pace - view.span.pace) > std for (pace, std), view in zip(paces, context.views, strict=True)
+        np.abs(pace - view.span.pace) > np.maximum(std, HARDLY * np.array(view.span.unsure))
+        for (pace, std), view in zip(paces, context.views, strict=True)
     ]
     if not np.any(moved):
         return context

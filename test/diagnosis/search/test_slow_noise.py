@@ -160,7 +160,8 @@ def test_a_noise_is_that_of_the_other_sensors_where_it_may_be() -> None:
     noises = found.context.wanders
     others = replace(found.context, wanders={c: noises[c] for c in (0, 3)})
     noise, cost = _own_or_theirs(others, found.hypothesis, 1)
-    assert noise in (noises[0], noises[3])
+    assert (noise.correlation, noise.slow) in [(noises[c].correlation, noises[c].slow) for c in (0, 3)]
+    assert noise.white == likeliest_noise(others, found.hypothesis, 1)[0].white
     assert cost == unlikely(others, noise, found.hypothesis, 1)
     alone = _own_or_theirs(replace(found.context, wanders={}), found.hypothesis, 1)
     assert alone == likeliest_noise(found.context, found.hypothesis, 1)

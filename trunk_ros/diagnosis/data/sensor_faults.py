@@ -11,7 +11,7 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART, ROUGH, SLIGHT, TENFOLD
+from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART, ROUGH, ROWS, SLIGHT, TENFOLD
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import EXACT, MEDIAN_TO_STD, count, noises
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -141,22 +141,25 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
     """(n,) where a sensor shows one angle but for its noise, while what is ``left`` (n,) beside the motor
     goes far beyond what is usual, and leaps back when the sensor goes on.
 
-    A joint that is held fast and breaks loose leaps as well, but on its way out: here the motor comes back
-    meanwhile, or the sensor had leapt to what it shows.
+    A joint that is held fast and breaks loose leaps as well, but on its way out: here the motor moves on and
+    comes back meanwhile, or the sensor had leapt to what it shows. Of single readings none leaps.
     """
     out = np.zeros(len(readings), dtype=bool)
     if left is None or len(known := np.flatnonzero(np.isfinite(readings + left))) <= AROUND:
         return out
     shown, left = readings[known], left[known] - np.median(left[known])
     usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left[_moved(shown - left)])))
-    after = median_filter(left, BESIDE, origin=-(BESIDE // 2))
-    ends = np.abs(np.diff(left)) > leap(left)
-    for last in AROUND + np.flatnonzero(ends[AROUND:] & (np.abs(after[AROUND + 1 :]) < usual)):
+    before, after = (median_filter(left, BESIDE, origin=side * (BESIDE // 2)) for side in (1, -1))
+    ends = (np.abs(after[1:] - before[:-1]) > leap(left)) & (np.abs(after[1:]) < usual)
+    far = np.maximum.accumulate(np.where(np.abs(left) > usual, np.arange(len(left)), -1))
+    for last in AROUND + np.flatnonzero(ends[AROUND:] & (far[AROUND:-1] >= 0)):
         first = _shown_since(shown[: last + 1])
+        if last - first <= AROUND or np.ptp((shown - left)[first : last + 1]) < usual:
+            continue
         beyond = np.abs(left[first : last + 1])
         came_back = (np.maximum.accumulate(beyond) - beyond).max() > usual
         leapt = first > 0 and abs(left[first] - left[first - 1]) > usual
-        if last - first > AROUND and (came_back or leapt):
+        if came_back or leapt:
             out[known[first : last + 1]] = True
     return out
 
@@ -233,7 +236,8 @@ def what_moves(recording: Recording, joint: str, stamp: Array, readings: Array) 
 
 def _slope(x: Array, y: Array) -> float:
     """Of the line with the least absolute deviations: a sensor that was dead for a while does not tilt it."""
-    weight = np.ones(len(x))
+    some = slice(None, None, max(len(x) // ROWS, 1))
+    x, y, weight = x[some], y[some], np.ones(len(x[some]))
     for _ in range(LINES):
         slope, middle = np.polyfit(x, y, 1, w=weight)
         off = np.abs(y - middle - slope * x)

@@ -55,7 +55,7 @@ class Span:
     bursts: tuple[Burst, ...] = ()
     """In which most sensors are louder."""
     unseen: float = 0.0
-    """Standard deviation [s/s] of how fast it may run without that it shows before the physics is known."""
+    """How much faster or slower [s/s] it may run without that it shows before the physics is known."""
 
     def __post_init__(self) -> None:
         """Columns lie in memory by themselves: those of one joint are no copies then."""

@@ -34,7 +34,7 @@ class _Seen(NamedTuple):
     """(n, n) variance of ``slope`` if each sample were off by itself."""
     blocks: Array
     """(n, n) the same if all that is in one of BLOCKS of time were off together."""
-    ahead: Array
+    stepped: Array
     """(n,) J^T of what the stage's own steps are ahead."""
 
 
@@ -63,17 +63,17 @@ def _with_what_is_stated_free(state: Fit) -> Hypothesis:
 def _seen(residuals: Residuals, x: Array) -> _Seen:
     n = len(x)
     blocks = np.zeros((BLOCKS, n))
-    normal, alone, ahead = *np.zeros((2, n, n)), np.zeros(n)
+    normal, alone, stepped = *np.zeros((2, n, n)), np.zeros(n)
     seen = zip(residuals.columns, residuals.slopes(x), residuals.parts(x), strict=True)
     for column, (free, slopes), rest in seen:
         if residuals.context.stage.ahead:
-            ahead[free] += slopes.T @ ahead_of(residuals.context, column)
+            stepped[free] += slopes.T @ ahead_of(residuals.context, column)
         square, here = slopes.T @ slopes, np.ix_(free, free)
         normal[here] += square
         alone[here] += max(float(np.mean(rest**2)), 1.0) * square
         ends = pairwise(np.arange(BLOCKS + 1) * len(rest) // BLOCKS)
         blocks[:, free] += [slopes[begin:end].T @ rest[begin:end] for begin, end in ends]
-    return _Seen(blocks.sum(axis=0), normal, alone, BLOCKS / (BLOCKS - 1) * blocks.T @ blocks, ahead)
+    return _Seen(blocks.sum(axis=0), normal, alone, BLOCKS / (BLOCKS - 1) * blocks.T @ blocks, stepped)
 
 
 def _deviations(residuals: Residuals, x: Array, seen: _Seen) -> Spread:
@@ -106,7 +106,7 @@ def _stepped(seen: _Seen) -> Array:
     """(n,) by how much values would be others if the stage's own steps were finer."""
     size = np.maximum(np.sqrt(np.diag(seen.normal)), BLIND)
     scaled = seen.normal / np.outer(size, size) + ROUNDED * np.eye(len(size))
-    return np.asarray(np.abs(np.linalg.solve(scaled, seen.ahead / size)) / size)
+    return np.asarray(np.abs(np.linalg.solve(scaled, seen.stepped / size)) / size)
 
 
 def _still_to_go(residuals: Residuals, x: Array, seen: _Seen) -> Array:

@@ -49,9 +49,8 @@ def off_by(context: Context, column: int) -> float:
         if context.stage.name == "wire":
             off = SLIGHT * law_of(context, column)
         else:  # of a loop nobody measures a width; drives have steps of their own
-            lag, speeds = _lag_of(context, column)
-            off = context.whiten_change(speeds, column)
-            off = off * max(FORMULAS**0.5 * abs(lag), CLEARLY * context.stage.ahead)
+            lag, speed = _lag_of(context, column)
+            off = speed * max(FORMULAS**0.5 * abs(lag), CLEARLY * context.stage.ahead)
         context.off[column] = float(off @ off)
     return context.off[column]
 
@@ -62,8 +61,8 @@ def law_of(context: Context, column: int) -> Array:
     its speed. Arms keep to them roughly, and who describes an arm rounds.
     """
     if context.stage.name != "wire":
-        lag, speeds = _lag_of(context, column)
-        return lag * context.whiten_change(speeds, column)
+        lag, speed = _lag_of(context, column)
+        return lag * speed
     exact = Hypothesis({name: term for name, term in context.known.items() if effect(name).exact})
     changes = []
     for index, view in enumerate(context.views):
@@ -79,12 +78,12 @@ def law_of(context: Context, column: int) -> Array:
 
 def ahead_of(context: Context, column: int) -> Array:
     """(rows,) what a stage's own steps are ahead of what goes on between them, whitened."""
-    return context.stage.ahead * context.whiten_change(_lag_of(context, column)[1], column)
+    return context.stage.ahead * _lag_of(context, column)[1]
 
 
-def _lag_of(context: Context, column: int) -> tuple[float, list[Array]]:
-    """How far [s] a loop lags in proportion to its speed, not with each setpoint's step; and that (rows,) of
-    each span.
+def _lag_of(context: Context, column: int) -> tuple[float, Array]:
+    """How far [s] a loop lags in proportion to its speed, not with each setpoint's step; and that (rows,),
+    whitened.
     """
     lags, speeds = [], []
     for index, view in enumerate(context.views):
@@ -93,7 +92,7 @@ def _lag_of(context: Context, column: int) -> tuple[float, list[Array]]:
         speeds.append(np.gradient(went, view.span.stamp))
     each = [(float(lag @ speed), float(speed @ speed)) for lag, speed in zip(lags, speeds, strict=True)]
     along, size = np.sum(each, axis=0)
-    return float(along / max(size, ROUNDED)), speeds
+    return float(along / max(size, ROUNDED)), context.whiten_change(speeds, column)
 
 
 def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:

@@ -41,15 +41,16 @@ def _settled(context: Context, hypothesis: Hypothesis) -> Fit:
 
 
 def told_from_clocks(now: Fit) -> Fit:
-    """With a skew of two clocks that did not show before the physics was known, and without the effects that
-    it looks like, and without those that come and go with time, where that leaves less by the price of an
-    effect, or as little without them. What the model has already stays.
+    """With a skew of two clocks that did not show before the physics was known, also without the effects that
+    it looks like or without those that come and go with time, where that scores better by the price of an
+    effect, or leaves as little without them: the best of these. What the model has already stays.
     """
     known = now.hypothesis
     new = known.keys() - now.context.known.keys()
     price = naming(now.context.stage.name) + max(need(now.context, c) for c in now.cost)
     like = frozenset(new.intersection(imitated("skew")))
     timed = frozenset(n for n in new if any(map(known[n].moments, (None, *known[n].own))))
+    found: list[tuple[float, Fit]] = []
     for gone in dict.fromkeys((timed | like, like, timed, frozenset[str]())):
         hypothesis = Hypothesis({name: term for name, term in known.items() if name not in gone})
         context = with_unseen_skew(now.context, hypothesis)
@@ -59,5 +60,5 @@ def told_from_clocks(now: Fit) -> Fit:
         alike = costed(replace(trial.context, noise=now.context.noise), trial.hypothesis)
         pays = score(alike) + price < score(now) or (gone and alike.total < now.total)
         if pays and differ(trial.context, trial.hypothesis):
-            return trial
-    return now
+            found.append((score(alike), trial))
+    return min(found, key=lambda one: one[0], default=(0.0, now))[1]

@@ -106,9 +106,20 @@ def _own_or_theirs(context: Context, hypothesis: Hypothesis, column: int) -> tup
     own, cost = likeliest_noise(context, hypothesis, column)
     unit = context.stage.unit(column)
     donors = [noise for c, noise in context.wanders.items() if c != column and context.stage.unit(c) == unit]
-    theirs = [(noise, unlikely(context, noise, hypothesis, column)) for noise in donors]
+    able = [_as_white_as(own, noise) for noise in donors]
+    theirs = [
+        (noise, unlikely(context, noise, hypothesis, column))
+        for noise in able
+        if is_plain(context, noise, hypothesis, column)
+    ]
     usual = min(theirs, key=lambda one: one[1], default=(own, np.inf))
     return usual if usual[1] < cost + _price_of(own) else (own, cost)
+
+
+def _as_white_as(own: Noise, noise: Noise) -> Noise:
+    """A noise that wanders, with the white noise that a column has of its own."""
+    std = float(np.sqrt(noise.std**2 - noise.white**2 + own.white**2))
+    return replace(noise, white=own.white, std=std)
 
 
 def _price_of(noise: Noise) -> float:
@@ -131,7 +142,7 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     def shares(c: int) -> bool:
         less = untimed(hypothesis, c)
         own, cost = likeliest_noise(context, less, c)
-        noise = replace(usual, white=own.white, std=np.sqrt(usual.std**2 - usual.white**2 + own.white**2))
+        noise = _as_white_as(own, usual)
         return unlikely(context, noise, less, c) - cost < price and is_plain(context, noise, less, c)
 
     alike = (c for c in context.columns if context.stage.unit(c) == context.stage.unit(column))

@@ -20,7 +20,7 @@ from trunk_ros.resistance import Resistance, resistance
 
 CREEPS = (2.0, 8.0)  # s
 PLAY = 1e-3  # rad, where the model has none
-WIDTHS = (2.5, 6.0)  # times the dead band that the model has
+WIDER_PLAYS = (2.5, 6.0)  # times the dead band that the model has
 SLOWLY = 0.05  # rad/s, at which friction may have fallen
 MOVES = 0.02  # rad
 BLOCK = 50  # samples may depend on each other
@@ -85,10 +85,10 @@ def some_motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | 
 
 def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -> Array:
     """(n, features): such as are (n,) of a clock's ``own``, and after them what physics does to a joint:
-    friction (always, by load, at low speed, and ``wear``: that grows), posture, load, coupling, creep, drift
-    and inertia. Of a long recording they are as large as all else: there is one copy.
+    friction (always, of wider dead bands, by load, at low speed, and ``wear``: that grows), posture, load,
+    coupling, creep, drift and inertia. Of a long recording they are as large as all else: there is one copy.
     """
-    out = np.empty((len(motion.stamp), len(own) + 16 + len(WIDTHS) + wear + 2 * len(motion.joints)))
+    out = np.empty((len(motion.stamp), len(own) + 16 + len(WIDER_PLAYS) + wear + 2 * len(motion.joints)))
     for column, feature in zip(out.T, chain(own, _features(motion, joint, wear)), strict=True):
         column[:] = feature
     return out
@@ -98,7 +98,7 @@ def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
     own, speed, load = motion.asked[:, joint], motion.speed[:, joint], motion.load[:, joint]
     dead_band = max(float(motion.arm.dead_band[joint]), PLAY)
     way, t = _way(own, dead_band), motion.time
-    yield from (_way(own, wider * dead_band) for wider in WIDTHS)
+    yield from (_way(own, wider * dead_band) for wider in WIDER_PLAYS)
     yield from (way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY))
     if wear:
         yield way * t

@@ -57,8 +57,9 @@ def unseen_skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> float:
     motion = _between_clocks(gearbox, shown, arm)
     if motion is None:
         return 0.0
-    evenly = _growth(motion, 3)[0].skew
-    return float(min(np.hypot(evenly.rate, evenly.std), LARGEST))
+    look = _growth(motion, 3)[0]
+    rate = look.skew.rate if look.shared else 0.0  # what one joint says alone is its own
+    return float(min(np.hypot(rate, look.skew.std), LARGEST))
 
 
 def _between_clocks(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:

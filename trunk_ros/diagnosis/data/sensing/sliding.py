@@ -104,6 +104,8 @@ def _shown(stamp: Array, takes: float, phase: float, follows: float) -> Array:
 
 def _rounded(saw: Array, lag: float) -> Array:
     """(n,) of a saw (n,) after a lag of the first order, in teeth; negative for a saw that falls."""
+    if lag == 0.0:
+        return saw
     if lag < 0.0:
         return np.asarray(1.0 - _rounded(1.0 - saw, -lag))
     return np.asarray(saw - lag + np.exp(-saw / lag) / -np.expm1(-1.0 / lag))
@@ -171,10 +173,10 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     at = np.searchsorted(gearbox.stamp, stamp)
     off = fill(gearbox.position)[at] - said
     moving = np.ptp(said, axis=0) > MOVES
-    arm = model.only(setpoints.joints).arm
-    load = arm.load(said * arm.ratio) if arm.has_load else np.sin(said)
     if len(stamp) < CLOCKED or not moving.any():
         return None
+    arm = model.only(setpoints.joints).arm
+    load = arm.load(said * arm.ratio) if arm.has_load else np.sin(said)
     del course, at  # of a long recording they are as large as all else
     speed = np.gradient(said, stamp, axis=0)[:, moving]
     off, said, load = off[:, moving], said[:, moving], load[:, moving]
