@@ -152,7 +152,7 @@ def test_a_sensor_that_dies_while_its_noise_goes_on_is_said_and_hides_no_physics
     position: Array, shown: str
 ) -> None:
     chance = np.random.default_rng(11)
-    angle = position[1200, 1] if shown == "where it was" else 0.0
+    angle = position[1200, 1] if shown == "where it was" else 0.4
     position[1200:1900, 1] = angle + NOISE * chance.normal(size=700)
     result = faulty(position)
     assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_2"])]

@@ -192,3 +192,15 @@ def test_mixtures_of_features_are_orthonormal_and_leave_out_what_others_say() ->
     mixed = features @ apart(features)
     assert mixed.shape == (500, 3)
     np.testing.assert_allclose(mixed.T @ mixed, np.eye(3), atol=1e-9)
+
+
+@pytest.mark.parametrize(("times", "seen"), [(4.7, False), (10.0, True)])
+def test_sizes_that_are_hardly_known_are_not_said_to_be_alike(times: float, seen: bool) -> None:
+    """Strong physics that no feature says anything of: any sizes are alike beside it."""
+    rest = SIZE / times * np.sqrt(len(STAMP) / 2.0)
+    off = _tone(FREQUENCY, np.full(5, SIZE)) + rest * np.random.default_rng(6).standard_normal(
+        (len(STAMP), 5)
+    )
+    still = 0.1 * np.sin(2 * np.pi * np.array([0.11, 0.13, 0.17, 0.19, 0.23]) * STAMP[:, None])
+    found = tone(STAMP, off.T, still.T, lambda _: np.ones((len(STAMP), 1)), 2.0)
+    assert (found is not None) == seen

@@ -150,7 +150,8 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
     shown, left = readings[known], left[known] - np.median(left[known])
     usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left[_moved(shown - left)])))
     before, after = (median_filter(left, BESIDE, origin=side * (BESIDE // 2)) for side in (1, -1))
-    ends = (np.abs(after[1:] - before[:-1]) > leap(left)) & (np.abs(after[1:]) < usual)
+    ends = (np.abs(np.diff(left)) > leap(left)) & (np.abs(after[1:] - before[:-1]) > leap(left))
+    ends &= np.abs(after[1:]) < usual
     far = np.maximum.accumulate(np.where(np.abs(left) > usual, np.arange(len(left)), -1))
     for last in AROUND + np.flatnonzero(ends[AROUND:] & (far[AROUND:-1] >= 0)):
         first = _shown_since(shown[: last + 1])

@@ -266,8 +266,7 @@ def _as_many_as_may_be(group: Group, best: Fit) -> list[Fit]:
 
 def _plainest(found: Fit, trials: list[Fit], best: Fit, desk: Desk) -> Fit:
     """The best trial; one whose effect it includes, with a further one or without, or that comes and goes
-    less, where that pays as well and what the best has more would not as a step of its own: a law with more
-    to it is bent to what is missing.
+    less, where that pays as well and what the best has more would not as a step of its own.
     """
     least = score(found)
     for other in sorted(trials, key=score):

@@ -123,7 +123,7 @@ def tone(
     weight = std**-2.0
     mean, known = float(sizes @ weight / weight.sum()), float(weight.sum() ** -0.5)
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
-    if mean < CERTAIN * known or SURE * float(np.median(std)) > mean:
+    if mean < CERTAIN * known or CERTAIN * float(np.median(std)) > mean:  # else any sizes are alike
         return None
     plain = [Band.of(stamp, first, one[:, None]) for one in asked]
     driving = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))

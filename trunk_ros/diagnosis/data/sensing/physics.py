@@ -85,10 +85,10 @@ def some_motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | 
 
 def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -> Array:
     """(n, features): such as are (n,) of a clock's ``own``, and after them what physics does to a joint:
-    friction (always, of wider dead bands, by load, at low speed, and ``wear``: that grows), posture, load,
-    coupling, creep, drift and inertia. Of a long recording they are as large as all else: there is one copy.
+    friction (always, by load, at low speed, and ``wear``: that grows), posture, load, coupling, creep, drift
+    and inertia. Of a long recording they are as large as all else: there is one copy.
     """
-    out = np.empty((len(motion.stamp), len(own) + 16 + len(WIDER_PLAYS) + wear + 2 * len(motion.joints)))
+    out = np.empty((len(motion.stamp), len(own) + 16 + wear + 2 * len(motion.joints)))
     for column, feature in zip(out.T, chain(own, _features(motion, joint, wear)), strict=True):
         column[:] = feature
     return out
@@ -96,9 +96,7 @@ def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -
 
 def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
     own, speed, load = motion.asked[:, joint], motion.speed[:, joint], motion.load[:, joint]
-    dead_band = max(float(motion.arm.dead_band[joint]), PLAY)
-    way, t = _way(own, dead_band), motion.time
-    yield from (_way(own, wider * dead_band) for wider in WIDER_PLAYS)
+    way, t = _way(own, _dead_band(motion, joint)), motion.time
     yield from (way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY))
     if wear:
         yield way * t
@@ -111,6 +109,16 @@ def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
         turned = turned + joint_angle
         yield np.sin(turned)
     yield from motion.asked.T
+
+
+def wider_plays(motion: Motion, joint: int) -> Iterator[Array]:
+    """(n,) each: what dead bands make of a joint that are wider than the model's."""
+    own, dead_band = motion.asked[:, joint], _dead_band(motion, joint)
+    return (_way(own, wider * dead_band) for wider in WIDER_PLAYS)
+
+
+def _dead_band(motion: Motion, joint: int) -> float:
+    return max(float(motion.arm.dead_band[joint]), PLAY)
 
 
 def apart(features: Array) -> Array:

@@ -14,7 +14,14 @@ from scipy.special import chdtri
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, fitted, some_motion
+from trunk_ros.diagnosis.data.sensing.physics import (
+    CLOCKED,
+    Motion,
+    beside_physics,
+    fitted,
+    some_motion,
+    wider_plays,
+)
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, HALF, MOST, NOTABLE, ROUGHLY, SURE
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SAME
@@ -151,7 +158,8 @@ def _growth(motion: Motion, ways: int) -> list[_Look]:
     said = []
     for joint in motion.moving:
         late = -motion.speed[:, joint]
-        features = beside_physics(motion, joint, *(late * way for way in growths), late, wear=bool(ways))
+        besides = late, *wider_plays(motion, joint)
+        features = beside_physics(motion, joint, *(late * way for way in growths), *besides, wear=bool(ways))
         said.append([each[: max(ways, 1)] for each in fitted(features, motion.off[:, joint])])
     over = np.ones((len(said), 1))
     return [_Look(value, std, over) for value, std in np.array(said).transpose(2, 1, 0)]
