@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import HALF
 from trunk_ros.diagnosis.search.fit import Fit, change, refit
-from trunk_ros.diagnosis.search.formed import law_of, off_by
+from trunk_ros.diagnosis.search.formed import behind
 from trunk_ros.diagnosis.search.moves.swap_all import alike
 from trunk_ros.diagnosis.search.score import naming, needed, price_of_change
 from trunk_ros.effects import effect
@@ -41,22 +41,22 @@ def unrounded(state: Fit) -> Fit:
 
 
 def _unrounded(state: Fit) -> Hypothesis | None:
-    """Without what makes a servo's loop lag otherwise than it is described by no more than that may be off:
-    all of it together, or the least of an effect on all its joints, or on one; then without what has no name
-    and hardly counts beside what that leaves.
+    """Without what makes a servo's loop lag more than it is described by no more than a drive may whose own
+    steps are finer than the model's: all of it together, or the least of an effect on all its joints, or on
+    one; then without what has no name and hardly counts beside what that leaves.
     """
     context, found = state.context, state.hypothesis
     if context.stage.name != "servo":
         return None
-    laws = {c: law_of(context, c) for c in context.columns}
+    later = {c: behind(context, c) for c in context.columns}
     changes = {n: _changes(context, found, [n]) for n in sorted(found.keys() - context.known.keys())}
-    lags = [n for n, each in changes.items() if _is_lag(each, laws)]
-    share = {(n, c): _share(context, {c: d}) for n in lags for c, d in changes[n].items()}
+    lags = [n for n, each in changes.items() if _is_lag(each, later)]
+    share = {(n, c): _share({c: d}, later) for n in lags for c, d in changes[n].items()}
     ways: dict[tuple[str, int | None], float] = {
         (n, None): max(share[n, c] for c in changes[n]) for n in lags
     }
     ways |= {(n, c): s for (n, c), s in share.items() if len(found[n].own) > 1 and found[n].own.get(c)}
-    if lags and _share(context, _changes(context, found, lags)) < 1.0:
+    if lags and _share(_changes(context, found, lags), later) < 1.0:
         return found.less(lags)
     least = min(ways, key=lambda way: (ways[way] >= 1.0, way[1] is not None, ways[way]), default=None)
     if least is not None and ways[least] < 1.0:
@@ -70,14 +70,16 @@ def _size(change: Array) -> float:
     return float(change @ change)
 
 
-def _share(context: Context, changes: dict[int, Array]) -> float:
-    """How large changes of columns are over what the model's laws may be off by, on the joint with most."""
-    return max(_size(d) / max(off_by(context, c), ROUNDED) for c, d in changes.items())
+def _share(changes: dict[int, Array], later: dict[int, Array]) -> float:
+    """How far changes of columns are from half of what a loop may be later that goes on all the time, over
+    that, on the joint with most.
+    """
+    return max(_size(d - later[c] / 2.0) / max(_size(later[c]), ROUNDED) for c, d in changes.items())
 
 
-def _is_lag(changes: dict[int, Array], laws: dict[int, Array]) -> bool:
+def _is_lag(changes: dict[int, Array], later: dict[int, Array]) -> bool:
     """Whether changes of columns are mostly along how far their loops lag."""
-    along = sum(float(d @ laws[c]) ** 2 / max(float(laws[c] @ laws[c]), ROUNDED) for c, d in changes.items())
+    along = sum(float(d @ later[c]) ** 2 / max(_size(later[c]), ROUNDED) for c, d in changes.items())
     return bool(along > HALF * sum(float(d @ d) for d in changes.values()) > 0.0)
 
 

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, ROUGH
 from trunk_ros.diagnosis.search.candidates import given
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, step
-from trunk_ros.diagnosis.search.formed import ahead_of
+from trunk_ros.diagnosis.search.formed import behind
 from trunk_ros.effects import effect
 from trunk_ros.guards import BLIND, ROUNDED
 
@@ -35,7 +35,7 @@ class _Seen(NamedTuple):
     blocks: Array
     """(n, n) the same if all that is in one of BLOCKS of time were off together."""
     stepped: Array
-    """(n,) J^T of what the stage's own steps are ahead."""
+    """(n,) J^T of what goes on between the stage's own steps."""
 
 
 def spreads(state: Fit) -> Spread:
@@ -67,7 +67,7 @@ def _seen(residuals: Residuals, x: Array) -> _Seen:
     seen = zip(residuals.columns, residuals.slopes(x), residuals.parts(x), strict=True)
     for column, (free, slopes), rest in seen:
         if residuals.context.stage.ahead:
-            stepped[free] += slopes.T @ ahead_of(residuals.context, column)
+            stepped[free] += slopes.T @ behind(residuals.context, column)
         square, here = slopes.T @ slopes, np.ix_(free, free)
         normal[here] += square
         alone[here] += max(float(np.mean(rest**2)), 1.0) * square

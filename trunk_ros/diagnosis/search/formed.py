@@ -46,23 +46,17 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
 def off_by(context: Context, column: int) -> float:
     """Squared unit-noise residual of a column by which the model's own laws may be off."""
     if column not in context.off:
-        if context.stage.name == "wire":
-            off = SLIGHT * law_of(context, column)
-        else:  # of a loop nobody measures a width; drives have steps of their own
-            lag, speed = _lag_of(context, column)
-            off = speed * max(FORMULAS**0.5 * abs(lag), CLEARLY * context.stage.ahead)
+        wire = context.stage.name == "wire"
+        off = SLIGHT * law_of(context, column) if wire else CLEARLY * behind(context, column)
         context.off[column] = float(off @ off)
     return context.off[column]
 
 
 def law_of(context: Context, column: int) -> Array:
-    """(rows,) what the laws of the model itself make of a column, whitened and with the right zero: the play
-    of its dead band and the effects that it has, but for geometry; or how far a loop lags, in proportion to
-    its speed. Arms keep to them roughly, and who describes an arm rounds.
+    """(rows,) what the laws of the model itself make of a wire, whitened and with the right zero: the play of
+    its dead band and the effects that it has, but for geometry. Arms keep to them roughly, and who describes
+    an arm rounds.
     """
-    if context.stage.name != "wire":
-        lag, speed = _lag_of(context, column)
-        return lag * speed
     exact = Hypothesis({name: term for name, term in context.known.items() if effect(name).exact})
     changes = []
     for index, view in enumerate(context.views):
@@ -76,23 +70,15 @@ def law_of(context: Context, column: int) -> Array:
     return np.asarray(law - (law @ zeros) / max(float(zeros @ zeros), ROUNDED) * zeros)
 
 
-def ahead_of(context: Context, column: int) -> Array:
-    """(rows,) what a stage's own steps are ahead of what goes on between them, whitened."""
-    return context.stage.ahead * _lag_of(context, column)[1]
-
-
-def _lag_of(context: Context, column: int) -> tuple[float, Array]:
-    """How far [s] a loop lags in proportion to its speed, not with each setpoint's step; and that (rows,),
-    whitened.
+def behind(context: Context, column: int) -> Array:
+    """(rows,) by how much a loop that goes on all the time is behind one in the stage's own steps, whitened:
+    in proportion to the speed that the model predicts, not with each setpoint's step.
     """
-    lags, speeds = [], []
+    speeds = []
     for index, view in enumerate(context.views):
         went = context.stage.predict(context, index, context.known, column)
-        lags.append(went - view.span.measured(view.span.source[:, column]))
-        speeds.append(np.gradient(went, view.span.stamp))
-    each = [(float(lag @ speed), float(speed @ speed)) for lag, speed in zip(lags, speeds, strict=True)]
-    along, size = np.sum(each, axis=0)
-    return float(along / max(size, ROUNDED)), context.whiten_change(speeds, column)
+        speeds.append(-context.stage.ahead * np.gradient(went, view.span.stamp))
+    return context.whiten_change(speeds, column)
 
 
 def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:
