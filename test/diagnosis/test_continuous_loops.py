@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import SHORT, diagnose, setpoints_of
+from test.diagnosis.arms import SHORT, diagnose, of_the_servos, setpoints_of
+from test.diagnosis.arms import recorded as recorded_arm
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
 from trunk_ros.model import Model
@@ -49,3 +50,11 @@ def test_their_setpoints_came_as_they_were_recorded() -> None:
     """The nominal servo's steps between readings make stairs that such drives do not have."""
     series = recorded(np.ones(3), read=2).series
     assert thinned(series["setpoints"], series["gearbox_states"], SHORT) is None
+
+
+@pytest.mark.parametrize(("relative", "told"), [(0.03, True), (-0.01, False)])
+def test_a_loop_that_is_quicker_is_no_continuous_one(relative: float, told: bool) -> None:
+    """That is 1.4 ms ahead; one that is half a millisecond behind may be."""
+    hidden = {"servo_bandwidth": {"relative": relative}}
+    found = diagnose([of_the_servos(recorded_arm(hidden, nominal=SHORT))], SHORT).findings
+    assert [f.effect for f in found] == (["servo_bandwidth"] if told else [])
