@@ -124,8 +124,7 @@ def _like_others(
     starts = [np.clip(x, loop.low[:4], loop.high[:4]) for x in starts]
     starts.sort(key=lambda x: loop.left(_numbers(x)))
     best = min((_numbers(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left, default=own)
-    open_top = np.where(TOP_SPEED, np.maximum(own, TOPS[-1] * _fastest(context, column)), best)
-    best = open_top if loop.left(open_top) - loop.left(best) <= SIGNIFICANT else best
+    best = _with_top(loop, best, np.maximum(own, TOPS[-1] * _fastest(context, column)))
     left = loop.left(best)
     return (best, left) if left < cost - SIGNIFICANT else (own, cost)
 
@@ -244,8 +243,13 @@ def _told_speed(context: Context, column: int, found: Array) -> Array:
     best = min((_numbers(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left)
     if loop.left(best) > loop.left(found) - SIGNIFICANT:
         return found
-    open_top = np.where(TOP_SPEED, found, best)
-    return open_top if loop.left(open_top) - loop.left(best) <= SIGNIFICANT else best
+    return _with_top(loop, best, found)
+
+
+def _with_top(loop: Loop, best: Array, other: Array) -> Array:
+    """(5,) the best numbers, with the top speed of others where that leaves no more for sure."""
+    there = np.where(TOP_SPEED, other, best)
+    return there if loop.left(there) - loop.left(best) <= SIGNIFICANT else best
 
 
 def _cost(fit: Any) -> float:

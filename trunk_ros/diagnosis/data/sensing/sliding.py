@@ -51,15 +51,13 @@ def sliding(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> Slidi
     late = _late(setpoints, gearbox, model)
     if late is None or late.able < (PART * period) ** 2 * late.weight.sum():
         return None
-    arm = model.only(setpoints.joints).arm
-    follows = float(np.mean(1.0 / arm.kp + arm.tau_v))  # s after a setpoint has acted, the shaft shows it
 
     def left(found: Sliding) -> float:
         """Squares of what the servo's own course leaves."""
         there = _late(waited(setpoints, found), gearbox, model)
         return np.inf if there is None else float(np.sum(there.off**2))
 
-    tried = _over_all(late, period, follows)
+    tried = _over_all(late, period)
     if not tried:
         return None
     found = _nearest(min(tried, key=left), left, late.stamp)
@@ -121,6 +119,8 @@ class _Lags:
     stamp: Array
     speed: Array
     off: Array
+    follows: float
+    """s after a setpoint has acted, the shaft shows it."""
     made: Callable[[], list[Array]]
 
     @cached_property
@@ -145,7 +145,13 @@ class _Lags:
 
     def rows(self, kept: np.ndarray | slice) -> _Lags:
         """Some of them."""
-        return _Lags(self.stamp[kept], self.speed[kept], self.off[kept], lambda: [q[kept] for q in self.ways])
+        return _Lags(
+            self.stamp[kept],
+            self.speed[kept],
+            self.off[kept],
+            self.follows,
+            lambda: [q[kept] for q in self.ways],
+        )
 
     def taken(self, bins: np.ndarray, many: int) -> Array:
         """(many, many) of the squared size of lags that are constant within bins (n,) of the samples: what
@@ -191,6 +197,7 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
         stamp,
         speed,
         np.column_stack(left),
+        float(np.mean(1.0 / arm.kp + arm.tau_v)),
         lambda: [design() @ mix for design, mix in zip(made, mixes, strict=True)],
     )
 
@@ -202,13 +209,13 @@ def _ways(stamp: Array, speed: Array, said: Array, load: Array) -> Array:
     return np.column_stack([*ways, load, np.gradient(load, stamp), np.sign(speed)])
 
 
-def _likeliest(late: _Lags, follows: float) -> list[Sliding]:
+def _likeliest(late: _Lags) -> list[Sliding]:
     """The best of all saws by a search over how long one tooth takes, which is too coarse to tell the best of
     them.
     """
     length = np.ptp(late.stamp)
     rates = np.arange(length / SLIDES[1], length / SLIDES[0], 1.0 / FINER) / length
-    found = [_fitted(late, way / rate, follows) for rate in rates for way in (1.0, -1.0)]
+    found = [_fitted(late, way / rate) for rate in rates for way in (1.0, -1.0)]
     out: list[Sliding] = []
     for _, saw in sorted(found, key=lambda one: -one[0]):
         apart = all(abs(1.0 / saw.takes - 1.0 / other.takes) * length > 1.0 for other in out)
@@ -216,21 +223,21 @@ def _likeliest(late: _Lags, follows: float) -> list[Sliding]:
     return out
 
 
-def _fitted(late: _Lags, takes: float, follows: float) -> tuple[float, Sliding]:
+def _fitted(late: _Lags, takes: float) -> tuple[float, Sliding]:
     """Power that a saw of this length explains, at its best phase, and the saw."""
     bins = np.floor(_saw(late.stamp, takes, 0.0) * PHASES).astype(int)
     moment = np.bincount(bins, late.moment, PHASES)
     square = np.diag(np.bincount(bins, late.weight, PHASES)) - late.taken(bins, PHASES)
     best = (-np.inf, Sliding(takes, 0.0, 0.0))
     for shift in range(PHASES):
-        saw = _rounded((np.arange(PHASES) + 0.5 + shift) % PHASES / PHASES, follows / takes)
+        saw = _rounded((np.arange(PHASES) + 0.5 + shift) % PHASES / PHASES, late.follows / takes)
         top, power = float(saw @ moment), float(saw @ square @ saw)
         if top > 0.0 < power and top**2 / power > best[0]:
             best = (top**2 / power, Sliding(takes, shift / PHASES, top / power))
     return best
 
 
-def _over_all(late: _Lags, period: float, follows: float) -> list[Sliding]:
+def _over_all(late: _Lags, period: float) -> list[Sliding]:
     """The likeliest saws of a whole recording: searched for at its beginning, then followed further and
     further.
     """
@@ -239,20 +246,20 @@ def _over_all(late: _Lags, period: float, follows: float) -> list[Sliding]:
     while True:
         seen = stamp <= stamp[0] + end
         some = late.rows(seen)
-        found = _likeliest(some, follows) if found is None else found
-        finer = [_finer(some, saw, period, follows) for saw in found]
+        found = _likeliest(some) if found is None else found
+        finer = [_finer(some, saw, period) for saw in found]
         found = [saw for saw in finer if saw is not None]
         if not found or seen.all():
             return found
         end *= 2.0
 
 
-def _finer(late: _Lags, start: Sliding, period: float, follows: float) -> Sliding | None:
+def _finer(late: _Lags, start: Sliding, period: float) -> Sliding | None:
     """The saw at its finest length and phase, where it is as high as a period and explains what there is."""
     late = late.rows(slice(None, None, max(len(late.stamp) // ROWS, 1)))
     near = 1.0 / start.takes + np.linspace(-1.0, 1.0, 41) / (FINER * np.ptp(late.stamp))
     tried = [
-        (late.power(_shown(late.stamp, 1.0 / rate, phase, follows)), 1.0 / rate, phase)
+        (late.power(_shown(late.stamp, 1.0 / rate, phase, late.follows)), 1.0 / rate, phase)
         for rate in near
         for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     ]
