@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.servo.loop import SEVERAL, servo_loop, servo_loops
+from trunk_ros.effects.servo.loop import SEVERAL, fresh, servo_loop, servo_loops
 from trunk_ros.effects.wire.play import SharpPlay
 
 LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
@@ -146,10 +147,16 @@ def back(y: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory
 
 
 def run_servo(
-    arm: Arm, effects: Sequence[Effect], now: Now, setpoints: Array, stamps: Array, start: Array
+    arm: Arm,
+    effects: Sequence[Effect],
+    now: Now,
+    setpoints: Array,
+    stamps: Array,
+    start: Array,
+    anew: Iterable[int] = (),
 ) -> tuple[Array, Array]:
     """Gearbox angle (n, columns) and the loop's state (4, columns) after it; ``setpoints`` may begin with
-    past rows.
+    past rows. At the rows ``anew`` it is where the gearbox is, whatever went before.
     """
     n, columns = len(now.stamp), len(now.ratio)
     numbers = (_seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH)
@@ -174,9 +181,20 @@ def run_servo(
         if e.acts_at == Effect.CORE:
             _set(e, core, now)
     out, state = np.empty((n, columns)), start.copy()
-    skip = len(stamps) - n
-    _step(core, fed_forward(core, setpoints, stamps), stamps, skip, state, out)
+    skip, fed = len(stamps) - n, fed_forward(core, setpoints, stamps)
+    edges = [0, *(row + 1 for row in sorted({*anew}) if row + 1 < n), n]
+    for first, last in pairwise(edges):
+        if first:
+            state = fresh(now.gearbox[first - 1], now.speed[first - 1] / now.ratio)
+        end = skip + last
+        _step(_between(core, first, last), fed[:end], stamps[:end], skip + first, state, out[first:last])
     return out, state
+
+
+def _between(core: Core, first: int, last: int) -> Core:
+    """The loop from row to row."""
+    over_time = {name: one[first:last] for name in LOOP if len(one := getattr(core, name)) > 1}
+    return replace(core, **over_time) if over_time else core
 
 
 def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.data.seen import now_of
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.data import tip_data
@@ -77,6 +77,20 @@ def test_after_a_long_gap_a_nominal_arm_shows_no_misfit() -> None:
     recording = with_gap(recorded(seconds=15.0), "gearbox_states", "joint_states", "setpoints")
     assert worst(WireStage([wire(recording)], TRUNK)) < 6e-4
     assert worst(ServoStage([servo_span(recording, TRUNK)], TRUNK)) < 6e-5
+
+
+def test_after_lost_setpoints_a_servo_that_can_go_no_faster_begins_anew() -> None:
+    """It had been far behind for long: the last setpoint before them had held it, so it seemed."""
+    recording = recorded({"velocity_saturation": {"v_max": 0.35}}, seconds=20.0)
+    stamp = recording.series["setpoints"].stamp
+    lost = kept(recording, {"setpoints": (stamp < 8.0) | (stamp > 9.0)})
+    span = servo_span(lost, TRUNK)
+    assert span.anew == pytest.approx([9.0], abs=0.02)
+    context = first_look(ServoStage([span], TRUNK))
+    slower = Term("velocity_saturation", "alike", {"v_max": 0.35}, {c: {} for c in range(5)})
+    found = Hypothesis({"velocity_saturation": slower})
+    assert max(float(np.abs(context.residual(0, found, c)).max()) for c in range(5)) < 6e-5
+    assert max(float(np.abs(context.residual(0, Hypothesis(), c)).max()) for c in range(5)) > 1e-2
 
 
 def test_a_servo_seen_rarely_is_not_blamed_for_its_unknown_start() -> None:

@@ -159,13 +159,14 @@ def test_a_sensor_that_dies_while_its_noise_goes_on_is_said_and_hides_no_physics
     assert "joint_2: its sensor sticks, first at 1" in " ".join(result.quality["made"]["notes"])
 
 
-def test_what_stops_a_joint_on_its_way_is_no_dead_sensor() -> None:
-    """A stop that holds it while the motor goes on and comes back, and what breaks loose."""
+@pytest.mark.parametrize("beyond", [0.7, 0.99])
+def test_what_stops_a_joint_on_its_way_is_no_dead_sensor(beyond: float) -> None:
+    """A stop that holds it while the motor goes on and comes back, often or once, and what breaks loose."""
     good = recorded(seconds=40.0)
     series = good.series["joint_states"]
     stopped = series.position.copy()
     for j, readings in enumerate(series.position.T):
-        chance, stop = np.random.default_rng(j), np.quantile(readings, 0.7)
+        chance, stop = np.random.default_rng(j), np.quantile(readings, beyond)
         held = readings > stop
         stopped[held, j] = stop + NOISE * chance.normal(size=held.sum())
     seen = without_faults(reshaped(good, "joint_states", position=stopped))

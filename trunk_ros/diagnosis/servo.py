@@ -68,7 +68,8 @@ class ServoStage(Stage):
         now = joined([sight.now(index, column, payload) for column in columns])
         source = np.ascontiguousarray(span.source[:, columns])
         start = fresh(now.gearbox[0], now.speed[0] / now.ratio)
-        out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start)
+        anew = np.searchsorted(now.stamp, span.anew)
+        out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start, anew)
         for block in blocks:
             if block.acts_at > block.CORE:
                 out, _ = block.run(out, now, None)

@@ -127,7 +127,9 @@ def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
 
 
 def servo_span(recording: Recording, model: ArmModel) -> Span:
-    """Setpoints against gearbox angles."""
+    """Setpoints against gearbox angles. What servos did while nobody recorded their setpoints is not known:
+    after that they begin anew as they are read.
+    """
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = servo_joints(recording, model)
     setpoints, gearbox = given(setpoints.select(joints), model), gearbox.select(joints)
@@ -136,14 +138,17 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     source = hold(setpoints.position)[held]
     measured = gearbox.position[kept]
     arm = model.for_joints(joints).arm.only(joints)
-    unsettled = _after_gaps(setpoints, grid, arm.v_max) | (grid < grid[0] + SETTLING)
+    unsettled, anew = _after_gaps(setpoints.stamp, grid, in_gaps(gearbox, grid))
+    unsettled |= grid < grid[0] + SETTLING
     valid = np.isfinite(measured) & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
     at_wires, shown = at_joints(gearbox, arm, measured=False), recording.series.get("joint_states")
     known = resistance(arm.uncoupled(), at_wires, grid, arm.driven(phi), shown)
-    return Span(recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known)
+    return Span(
+        recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known, anew=anew
+    )
 
 
 def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -> tuple[str, ...]:
@@ -159,15 +164,19 @@ def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -
     return joints
 
 
-def _after_gaps(setpoints: JointSeries, grid: Array, v_max: float | Array) -> np.ndarray:
-    """(m,): where setpoints may have been lost, and until the servo has caught up with those after."""
-    stamp, position = setpoints.stamp, hold(setpoints.position)
-    out = np.zeros(len(grid), dtype=bool)
+def _after_gaps(stamp: Array, grid: Array, lost: np.ndarray) -> tuple[np.ndarray, Array]:
+    """(m,): where setpoints at ``stamp`` (n,) s may have been lost, and until the servo has forgotten how it
+    began anew after them, and (k,) s when it did: where no gearbox angle is ``lost`` (m, joints).
+    """
+    out, anew, seen = np.zeros(len(grid), dtype=bool), [], ~np.any(lost, axis=1)
     longest = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
     for k in np.flatnonzero(np.diff(stamp) > longest):
-        catching_up = 2.0 * float((np.abs(position[k + 1] - position[k]) / v_max).max())
-        out[(grid > stamp[k] + longest / 2) & (grid < stamp[k + 1] + SETTLING + catching_up)] = True
-    return out
+        after = np.flatnonzero(seen & (grid >= stamp[k + 1] - SAME))
+        begins = float(grid[after[0]]) if len(after) else np.inf
+        out[(grid > stamp[k] + longest / 2) & (grid < begins + SETTLING)] = True
+        anew.append(begins)
+    settles = np.append(np.diff(anew) >= SETTLING, True)[: len(anew)]
+    return out, np.array(anew)[settles & np.isfinite(anew)]
 
 
 def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:

@@ -142,7 +142,8 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
     goes far beyond what is usual, and leaps back when the sensor goes on.
 
     A joint that is held fast and breaks loose leaps as well, but on its way out: here the motor moves on and
-    comes back meanwhile, or the sensor had leapt to what it shows. Of single readings none leaps.
+    comes back meanwhile, or the sensor had leapt to what it shows. One that leaves a stop goes as fast as its
+    motor does, which is no leap. Of single readings none leaps.
     """
     out = np.zeros(len(readings), dtype=bool)
     if left is None or len(known := np.flatnonzero(np.isfinite(readings + left))) <= AROUND:
@@ -150,7 +151,8 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
     shown, left = readings[known], left[known] - np.median(left[known])
     usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left[_moved(shown - left)])))
     before, after = (median_filter(left, BESIDE, origin=side * (BESIDE // 2)) for side in (1, -1))
-    ends = (np.abs(np.diff(left)) > leap(left)) & (np.abs(after[1:] - before[:-1]) > leap(left))
+    far_enough = max(leap(left), CLEARLY * float(np.abs(np.diff(shown - left)).max()))
+    ends = np.minimum(np.abs(np.diff(left)), np.abs(after[1:] - before[:-1])) > far_enough
     ends &= np.abs(after[1:]) < usual
     far = np.maximum.accumulate(np.where(np.abs(left) > usual, np.arange(len(left)), -1))
     for last in AROUND + np.flatnonzero(ends[AROUND:] & (far[AROUND:-1] >= 0)):

@@ -54,6 +54,8 @@ class Span:
     """Columns and moments [s]: a joint that rests is moved there within its dead band, by what shakes it."""
     bursts: tuple[Burst, ...] = ()
     """In which most sensors are louder."""
+    anew: Array = field(default_factory=lambda: np.zeros(0))
+    """(k,) s: when servos begin anew from what was read of them, as their setpoints before are not known."""
     unseen: float = 0.0
     """How much faster or slower [s/s] it may run without that it shows before the physics is known."""
 

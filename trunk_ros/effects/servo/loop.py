@@ -73,7 +73,7 @@ def servo_loop(
             if rubs != 0.0 and bore == bore:
                 stuck -= (bears - bore) * reach[j] / rubs
             elif rubs != 0.0:  # the run begins: friction holds what the loop does not
-                off = setpoint[0, j] + pulled + size * sine(cycles * phi + phase) - phi
+                off = setpoint[max(k - 1, 0), j] + pulled + size * sine(cycles * phi + phase) - phi
                 stuck = phi - reach[j] * min(max((bears + off - v / gain) / rubs, -1.0), 1.0)
             bore = bears
             if k > 0:
@@ -164,7 +164,7 @@ def servo_loops(
                 stuck[j] -= (load[k - skip, j] - bore[j]) * reach[j] / rub[j]
             elif rub[j] != 0.0:
                 swing = cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
-                off = setpoint[0, j] + pull[k - skip, j] + swing - phi[j]
+                off = setpoint[max(k - 1, 0), j] + pull[k - skip, j] + swing - phi[j]
                 bears = load[k - skip, j] + off - v[j] / kp[j]
                 stuck[j] = phi[j] - reach[j] * min(max(bears / rub[j], -1.0), 1.0)
             bore[j] = load[k - skip, j]

@@ -111,14 +111,17 @@ def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
     yield from motion.asked.T
 
 
-def wider_plays(motion: Motion, joint: int) -> Iterator[Array]:
-    """(n,) each: what dead bands make of a joint that are wider than the model's."""
+def wider_plays(motion: Motion, joint: int, wear: bool = True) -> Iterator[Array]:
+    """(n,) each: what dead bands make of a joint that are wider than the model's, and ``wear``: that grow."""
     own, dead_band = motion.asked[:, joint], _dead_band(motion, joint)
-    return (_way(own, wider * dead_band) for wider in WIDER_PLAYS)
+    for wider in WIDER_PLAYS:
+        yield (way := _way(own, wider * dead_band))
+        if wear:
+            yield way * motion.time
 
 
 def _dead_band(motion: Motion, joint: int) -> float:
-    return max(float(motion.arm.dead_band[joint]), PLAY)
+    return float(motion.arm.dead_band[joint]) or PLAY
 
 
 def apart(features: Array) -> Array:

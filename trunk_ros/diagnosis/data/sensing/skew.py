@@ -158,7 +158,7 @@ def _growth(motion: Motion, ways: int) -> list[_Look]:
     said = []
     for joint in motion.moving:
         late = -motion.speed[:, joint]
-        besides = late, *wider_plays(motion, joint)
+        besides = late, *wider_plays(motion, joint, wear=bool(ways))
         features = beside_physics(motion, joint, *(late * way for way in growths), *besides, wear=bool(ways))
         said.append([each[: max(ways, 1)] for each in fitted(features, motion.off[:, joint])])
     over = np.ones((len(said), 1))
