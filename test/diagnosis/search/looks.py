@@ -27,6 +27,10 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "clean": {},
     "backlash": {"backlash": {"half_width": on(3, 1.5e-3)}},
     "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
+    "alike": {
+        "backlash": {"half_width": on(2, 1.5e-3) + on(4, 1e-3)},
+        "ratio_error": {"relative": on(2, 0.02) + on(4, 0.015)},
+    },
     "unknown wheel": {"ratio_error": {"relative": on(3, -1.9)}, "zero_offset": {"offset": on(3, 1.2)}},
     "slip": {"wire_slip": {"step": on(2, 2e-3), "onset": np.full(5, 17.0)}},
     "slips twice": {

@@ -17,7 +17,8 @@ from trunk_ros.diagnosis.discrepancy.memory import in_banks, source_of
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import LITTLE
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.credible import hidden
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.moves import CURVE
 from trunk_ros.diagnosis.search.moves.curve import _is_clear
@@ -69,3 +70,28 @@ def test_a_formula_is_not_replaced_since_a_curve_stands_beside_it(gone: str, cle
     there = with_curve(now.hypothesis.without(gone), own, 3, np.zeros(KNOTS))
     trial = replace(now, hypothesis=there, cost=now.cost | {3: now.cost[3] - 1.0})
     assert _is_clear(now, trial, 3, ["coupling_curve", "ratio_error"]) == clear
+
+
+def test_curves_take_the_place_of_what_two_joints_show_only_together() -> None:
+    """Radii that grow with the angle. One joint shows its names only beside the other: that they begin at the
+    end of the recording.
+    """
+    made = recorded(seconds=40.0, size=1.6)
+    angles = made.series["joint_states"].position.copy()
+    angles[:, :2] += np.array([0.1, -0.15]) * angles[:, :2] ** 3
+    made = reshaped(made, "joint_states", position=angles)
+    first = begun(first_look(WireStage([wire_span(made, TRUNK)], TRUNK)))
+    begins = {0: 15.0, 1: 39.5}
+    names = {
+        name: Term(name, form, own={c: {value: 1e-3, "from": at} for c, at in begins.items()})
+        for name, form, value in (
+            ("ratio_error", "", "relative"),
+            ("load_elasticity", "weight", "compliance"),
+        )
+    }
+    now = costed(first.context, Hypothesis(names))
+    assert not any(hidden(now.context, term) for term in now.hypothesis.values())
+    assert hidden(now.context, now.hypothesis.without("ratio_error", 0)["ratio_error"]) == [1]
+    drawn = best_of(CURVE, now)
+    assert drawn is not None
+    assert drawn.hypothesis["unknown"].columns == [0, 1]

@@ -172,6 +172,32 @@ def test_like_begins_at_what_the_joint_has_that_tells_an_effect_best() -> None:
     assert best.hypothesis["stribeck_friction"].own[3]["memory"] == pytest.approx(0.15, rel=0.05)
 
 
+def test_alike_gives_a_joint_all_that_another_one_has_in_the_place_of_all_it_has() -> None:
+    """From a wrong pair no exchange of one effect leads to the right one."""
+    best = improved(
+        "alike",
+        "alike",
+        Term("backlash", own={1: {"half_width": 1.5e-3}}),
+        Term("ratio_error", own={1: {"relative": 0.02}}),
+        Term("stribeck_friction", "exponential", own={3: {"amplitude": 1e-3, "velocity": 0.1}}),
+        Term("zero_offset", own={3: {"offset": 1e-3}}),
+    )
+    assert best.hypothesis["ratio_error"].own[3]["relative"] == pytest.approx(0.015, rel=0.05)
+    assert best.hypothesis["backlash"].own[3]["half_width"] == pytest.approx(1e-3, rel=0.05)
+    assert best.hypothesis.keys() == {"backlash", "ratio_error"}
+
+
+def test_alike_gives_no_joint_what_follows_that_joint() -> None:
+    now = fitted(
+        "two",
+        Term("backlash", own={2: {"half_width": 1.5e-3}}),
+        Term("ratio_error", own={2: {"relative": 0.02}}),
+        Term("joint_coupling", "angle", own={2: {"gain": 1e-3}}, words={2: {"source": "joint_4"}}),
+        Term("zero_offset", own={3: {"offset": 1e-3}, 4: {"offset": 1e-3}}),
+    )
+    assert {group.what for group in MOVE["alike"].groups(now, Desk())} == {2, 4}
+
+
 def test_option_finds_the_payload() -> None:
     best = improved("option", "payload", sag(range(5)))
     assert best.hypothesis["load_elasticity"].shared["payload"] == pytest.approx(0.08, rel=0.05)

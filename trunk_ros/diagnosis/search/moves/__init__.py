@@ -1,6 +1,7 @@
 """The changes that a search tries, cheap ones first; one file each."""
 
 from trunk_ros.diagnosis.search.moves.add import ADD, FURTHER_JOINTS
+from trunk_ros.diagnosis.search.moves.alike import ALIKE
 from trunk_ros.diagnosis.search.moves.bend import BEND
 from trunk_ros.diagnosis.search.moves.curve import CURVE, EARLY_CURVE
 from trunk_ros.diagnosis.search.moves.drop import DROP
@@ -32,6 +33,7 @@ MOVES = (
     SWAP_ALL,
     SWAP_MANY,
     SWAP,
+    ALIKE,
     SHAKE,
     ADD,
     RESTART,

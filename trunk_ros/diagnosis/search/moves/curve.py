@@ -14,6 +14,7 @@ import numpy as np
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised
 from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
 from trunk_ros.diagnosis.search.candidates import OWN, own_effects
+from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_at_least
@@ -76,12 +77,23 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
         least = with_curves_at_least(now, now.hypothesis.less(local, column), [column])
         if named and open_ and least < score(now) and key not in desk.kept:
             trial = min(_curved(now, column, local), key=score, default=now)
+            if priced(trial) < score(now):
+                trial = _with_those_beside(trial)
             if beats(trial, now) and _is_clear(now, trial, column, local):
                 now = trial
             else:
                 desk.kept.add(key)
     if now is not best:
         yield now
+
+
+def _with_those_beside(trial: Fit) -> Fit:
+    """With curves as well on the joints that showed what they have only beside what a curve took the place
+    of.
+    """
+    for column in sorted({c for term in trial.hypothesis.values() for c in hidden(trial.context, term)}):
+        trial = min(_curved(trial, column, own_effects(trial.hypothesis, column)), key=score, default=trial)
+    return trial
 
 
 def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
