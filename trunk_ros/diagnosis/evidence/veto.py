@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.fit import Fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
-from trunk_ros.diagnosis.search.score import beats, score
+from trunk_ros.diagnosis.search.score import BETTER, beats, by_values, score
 from trunk_ros.effects import effect
 
 
@@ -72,7 +72,7 @@ def _is_untouched(before: Fit, now: Fit, name: str) -> bool:
 
 def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     """The best fit with a rival that explains more than the name in the place of which it was tried, of those
-    that the motion can show; None where none is better.
+    that the motion can show; or with fewer names for the same joints. None where none is better.
     """
     ahead = [
         _in_its_place(part.hypothesis, name, rival, there)
@@ -81,9 +81,19 @@ def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
         if told.rivals[rival] < 0.0 and name not in part.context.known
         if _is_shown(part.context, there[rival])
     ]
-    fits = (unrounded(refit(part.context, there)) for there in ahead)
+    fits = [unrounded(refit(part.context, there)) for there in ahead]
     best = min(fits, key=score, default=part)
-    return best if beats(best, part) else None
+    if beats(best, part):
+        return best
+    fewer = [fit for fit in fits if _says_less(fit.hypothesis, part.hypothesis)]
+    best = min(fewer, key=by_values, default=part)
+    return best if by_values(best) < by_values(part) - BETTER else None
+
+
+def _says_less(some: Hypothesis, other: Hypothesis) -> bool:
+    """Whether a hypothesis has some of the names of another one, for the same joints."""
+    joints = ({c for term in one.values() for c in term.columns} for one in (some, other))
+    return some.keys() < other.keys() and len({*map(frozenset, joints)}) == 1
 
 
 def _in_its_place(now: Hypothesis, name: str, rival: str, there: Hypothesis) -> Hypothesis:

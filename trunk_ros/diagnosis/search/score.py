@@ -181,6 +181,15 @@ def _further(context: Context, free: list[Free], columns: list[int], paid: int) 
     return FURTHER * sum(sorted(each)[paid:])
 
 
+def by_values(fit: Fit) -> float:
+    """Squared residuals, names and values: in these alone accounts differ that say something of the same
+    joints.
+    """
+    context, named = fit.context, [t for t in fit.hypothesis.values() if effect(t.effect).named]
+    free = fit.hypothesis.free(context.columns, context.columns)
+    return fit.total + naming(context.stage.name) * len(named) + _further(context, free, context.columns, 0)
+
+
 def with_curves_at_least(now: Fit, bare: Hypothesis, columns: list[int]) -> float:
     """The score that a hypothesis has with curves on some joints which leave nothing there."""
     context, cost = now.context, now.cost | dict.fromkeys(columns, 0.0)
