@@ -12,7 +12,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import HALF
+from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.fit import Fit, change, refit
 from trunk_ros.diagnosis.search.formed import behind
 from trunk_ros.diagnosis.search.moves.swap_all import alike
@@ -78,9 +78,9 @@ def _share(changes: dict[int, Array], later: dict[int, Array]) -> float:
 
 
 def _is_lag(changes: dict[int, Array], later: dict[int, Array]) -> bool:
-    """Whether changes of columns are mostly along how far their loops lag."""
+    """Whether changes of columns are nearly all along how far their loops lag."""
     along = sum(float(d @ later[c]) ** 2 / max(_size(later[c]), ROUNDED) for c, d in changes.items())
-    return bool(along > HALF * sum(float(d @ d) for d in changes.values()) > 0.0)
+    return bool(along > NEARLY * sum(float(d @ d) for d in changes.values()) > 0.0)
 
 
 def _changes(context: Context, found: Hypothesis, names: Iterable[str]) -> dict[int, Array]:
