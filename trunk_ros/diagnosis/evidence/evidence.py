@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import need, needed
+from trunk_ros.diagnosis.search.score import need, needed, priced
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
@@ -121,7 +121,8 @@ def one_evidence(state: Fit, name: str) -> Evidence:
             if own is not None:
                 out.rivals[rival], out.fitted[rival] = loss(state, own, columns), own.hypothesis
         near = [rival for rival, lost in out.rivals.items() if lost < limit]
-        alone = sorted(near, key=lambda rival: (out.rivals[rival], rival))
+        prices = {r: priced(Fit(h, {}, context)) for r, h in out.fitted.items()}
+        alone = sorted(near, key=lambda rival: (out.rivals[rival] + prices[rival], rival))
         losses += out.rivals.values()
         both = pairs(state, name, doubted, looks, out.asked, {name, *near, *state.hypothesis})
         said: list[str | list[str]] = [

@@ -25,6 +25,7 @@ class ZeroOffset(Effect):
     confused_with = (
         ("thermal_drift", "look at the start: a drift begins at zero"),
         ("backlash", "turn the joint: a dead band changes its sign"),
+        ("joint_coupling", "move the joints that stood: a coupling follows them"),
     )
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
