@@ -176,7 +176,7 @@ def _further(context: Context, free: list[Free], columns: list[int], paid: int) 
     """Of all values but so many of the cheapest, which are ``paid`` for: each by the chance on its own joint,
     one of all joints by the worst of theirs. So a further joint makes none of the others cheaper.
     """
-    most = max(chance(context, c) for c in columns)
+    most = max((chance(context, c) for c in columns), default=1.0)
     each = [most if f.column is None else chance(context, f.column) for f in free]
     return FURTHER * sum(sorted(each)[paid:])
 
