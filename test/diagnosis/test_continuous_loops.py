@@ -58,3 +58,10 @@ def test_a_loop_that_is_quicker_is_no_continuous_one(relative: float, told: bool
     hidden = {"servo_bandwidth": {"relative": relative}}
     found = diagnose([of_the_servos(recorded_arm(hidden, nominal=SHORT))], SHORT).findings
     assert [f.effect for f in found] == (["servo_bandwidth"] if told else [])
+
+
+def test_a_top_speed_that_is_hardly_lower_is_no_loop_that_is_behind() -> None:
+    """Joints that often go as fast as they can are behind by it as by a lag, but for where they do not."""
+    hidden = {"velocity_saturation": {"v_max": 0.995 * SHORT.arm.v_max}}
+    found = diagnose([of_the_servos(recorded_arm(hidden, nominal=SHORT, size=3.0))], SHORT).findings
+    assert [f.effect for f in found] == ["velocity_saturation"]

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import NOISE, diagnose, on, recorded
+from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import TIED, Evidence, likely, one_evidence
 from trunk_ros.diagnosis.first_look import first_look
@@ -19,7 +20,7 @@ from trunk_ros.diagnosis.tip.findings import EITHER
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import confused, registry
 from trunk_ros.model import load_model
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import JointSeries, Recording
 
 LATE = {"sensor_delay": {"delay": 0.02}}
 COUPLED = {"joint_coupling": {"gain": on(5, 0.1), "source": ["", "", "", "", "joint_2"]}}
@@ -70,6 +71,25 @@ def test_dead_bands_that_are_all_wider_by_nearly_one_factor_may_be_the_tension(
     assert (
         "tension_error" in judged({"backlash": {"half_width": wide}}, "backlash", exact=False).equivalents
     ) == same
+
+
+def test_a_zero_that_is_off_may_be_a_coupling_of_a_joint_that_stood_before_what_says_more() -> None:
+    """Joint 2 goes somewhere and stays there, within the dead band of joint 3, which then moves."""
+    model = load_model("trunk")
+    stamp = np.arange(6000) / 100
+    went = np.zeros((len(stamp), 5))
+    went[:, 1] = 0.3 * np.clip((stamp - 2.0) / 10.0, 0.0, 1.0) / model.arm.ratio[1]
+    went[:, 2] = 0.3 * np.sin(0.9 * np.maximum(stamp - 15.0, 0.0)) / model.arm.ratio[2]
+    coupled = {"joint_coupling": {"gain": on(3, 1e-3), "source": ["", "", "joint_2", "", ""]}}
+    shown, _ = Chain(replace(model, effects=coupled), "wire").run(went, stamp)
+    shown += NOISE * np.random.default_rng(3).standard_normal(shown.shape)
+    series = {
+        "gearbox_states": JointSeries(stamp, model.arm.joints, went),
+        "joint_states": JointSeries(stamp, model.arm.joints, shown),
+    }
+    (found,) = diagnose([Recording("made", 0, 60.0, series)]).findings
+    names = [found.effect, *found.equivalents]
+    assert {"zero_offset", "joint_coupling"} <= {*names[:3]}
 
 
 @pytest.mark.parametrize(("slow", "told"), [(0.02, False), (1.0, True)])

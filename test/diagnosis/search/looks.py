@@ -27,6 +27,7 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "clean": {},
     "backlash": {"backlash": {"half_width": on(3, 1.5e-3)}},
     "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
+    "all looser": {"backlash": {"half_width": 1e-4 * np.array([3.0, 1.5, 2.5, 1.8, 4.0])}},
     "alike": {
         "backlash": {"half_width": on(2, 1.5e-3) + on(4, 1e-3)},
         "ratio_error": {"relative": on(2, 0.02) + on(4, 0.015)},
