@@ -11,6 +11,7 @@ from test.diagnosis.arms import SHORT, diagnose, of_the_servos, setpoints_of
 from test.diagnosis.arms import recorded as recorded_arm
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.diagnosis.evidence.as_given import _is_lag
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -60,8 +61,7 @@ def test_a_loop_that_is_quicker_is_no_continuous_one(relative: float, told: bool
     assert [f.effect for f in found] == (["servo_bandwidth"] if told else [])
 
 
-def test_a_top_speed_that_is_hardly_lower_is_no_loop_that_is_behind() -> None:
+@pytest.mark.parametrize(("last", "lags"), [(0.9, True), (0.0, False)])
+def test_what_is_not_nearly_all_along_a_loops_lag_is_none(last: float, lags: bool) -> None:
     """Joints that often go as fast as they can are behind by it as by a lag, but for where they do not."""
-    hidden = {"velocity_saturation": {"v_max": 0.995 * SHORT.arm.v_max}}
-    found = diagnose([of_the_servos(recorded_arm(hidden, nominal=SHORT, size=3.0))], SHORT).findings
-    assert [f.effect for f in found] == ["velocity_saturation"]
+    assert _is_lag({0: np.array([1.0, 1.0, 1.0, last])}, {0: np.ones(4)}) == lags

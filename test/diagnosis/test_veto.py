@@ -104,7 +104,7 @@ def test_a_rival_that_is_better_takes_the_place_of_a_name() -> None:
 
 def test_one_name_on_all_joints_takes_the_place_of_two_that_explain_less() -> None:
     """A tension and more on some joints say as little of five dead bands, in fewer values."""
-    wide = {c: {"half_width": 1e-4} for c in (0, 4)}
+    wide = {c: {"half_width": 1e-4} for c in (0, 1)}
     tension = Term("tension_error", shared={"factor": 1.3}, own={c: {} for c in range(5)})
     two = fitted("all looser", Term("backlash", own=wide), tension)
     assert set(two.hypothesis) == {"backlash", "tension_error"}

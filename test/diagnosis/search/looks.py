@@ -27,7 +27,7 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "clean": {},
     "backlash": {"backlash": {"half_width": on(3, 1.5e-3)}},
     "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
-    "all looser": {"backlash": {"half_width": 1e-4 * np.array([3.0, 1.5, 2.5, 1.8, 4.0])}},
+    "all looser": {"backlash": {"half_width": 1e-5 * np.array([21.0, 23.8, 17.8, 20.6, 21.1])}},
     "alike": {
         "backlash": {"half_width": on(2, 1.5e-3) + on(4, 1e-3)},
         "ratio_error": {"relative": on(2, 0.02) + on(4, 0.015)},
