@@ -197,7 +197,10 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
         there = extended(context, best.hypothesis, candidate)
         if not may_win(leader, there, screen, candidate.gain):
             continue
-        trial = dated(refit(context, there), candidate.effect)
+        trial = refit(context, there)
+        if candidate.lasts and priced(trial) >= score(best):
+            continue  # moments that a fit makes nothing of are not worth the work of dating them
+        trial = dated(trial, candidate.effect)
         if score(trial) < score(best) and not shared_by_most(best, trial, candidate.effect):
             trial = with_what_it_stood_for(best, trial)
         own = (of(move, candidate.effect) for move in (OPTION, EVENT, SPELL))
@@ -210,12 +213,14 @@ def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
 
 
 def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) -> list[Candidate]:
-    """What a linear look finds on all joints, the best first; kept while nothing changes."""
+    """What a linear look finds on all joints: what always acts, which takes less work, the best first; kept
+    while nothing changes.
+    """
     context, key = best.context, exactly(best)
     if key not in desk.looked:
         found = on_all_joints(screen, kinds)
         most = REFITTED if local_kinds(context) else len(found)  # a servo's lags hide each other
-        desk.looked[key] = found[:most]
+        desk.looked[key] = sorted(found[:most], key=lambda candidate: candidate.lasts)
     return desk.looked[key]
 
 
