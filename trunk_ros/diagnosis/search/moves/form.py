@@ -110,15 +110,18 @@ def _reformed(now: Fit, name: str, form: str, goal: float) -> Fit | None:
 
 
 def _starts(now: Fit, name: str, form: str) -> list[Hypothesis]:
-    """Where an effect in a form may begin: each joint at what a linear look finds best, and
-    in a refined one at the values that it has; none where a joint does not show it.
+    """Where an effect in a form may begin: each joint at what a linear look finds best, and at the values
+    that it has; none where no joint shows it.
     """
     begun = _begun(now, name, form)
     if begun is None:
         return []
-    others = refinements(now.hypothesis, name, form)
-    refines = _refines(effect(name), now.hypothesis[name].form, form)
-    return [begun, *others] if refines else [begun]
+    if _refines(effect(name), now.hypothesis[name].form, form):
+        return [begun, *refinements(now.hypothesis, name, form)]
+    there = now.hypothesis.copy()
+    there[name].reform(form)
+    used = {p.name for p in effect(name).own_parameters(form) if not p.optional}
+    return [begun, there] if all(used <= there[name].values(c).keys() for c in there[name].own) else [begun]
 
 
 def _refines(kind: type[Effect], old: str, new: str) -> bool:
@@ -126,10 +129,14 @@ def _refines(kind: type[Effect], old: str, new: str) -> bool:
 
 
 def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
-    """Each joint at what a linear look finds best."""
-    kind, old = effect(name), now.hypothesis[name]
-    out = begun_on(now.context, now.hypothesis.without(name), kind, form, old.columns)
-    if out is None:
+    """Each joint at what a linear look finds best; but for joints that do not show it, as may be where it
+    stood for something else.
+    """
+    kind, old, out = effect(name), now.hypothesis[name], now.hypothesis.without(name)
+    for column in old.columns:
+        out = begun_on(now.context, out, kind, form, [column]) or out
+    left_out = set(old.columns) - (set(out[name].columns) if name in out else set())
+    if name not in out or (name in now.context.known and left_out):
         return None
     out[name].shared |= {
         p.name: old.shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in old.shared
