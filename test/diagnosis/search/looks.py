@@ -27,6 +27,13 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
     "clean": {},
     "backlash": {"backlash": {"half_width": on(3, 1.5e-3)}},
     "two": {"backlash": {"half_width": on(3, 1.5e-3)}, "ratio_error": {"relative": on(3, 0.02)}},
+    "rings": {
+        "link_resonance": {
+            "frequency": np.array([1e6, 1e6, 3.5, 1e6, 4.7]),
+            "damping": np.full(5, 0.03),
+            "form": "absolute",
+        }
+    },
     "all looser": {"backlash": {"half_width": 1e-5 * np.array([21.0, 23.8, 17.8, 20.6, 21.1])}},
     "alike": {
         "backlash": {"half_width": on(2, 1.5e-3) + on(4, 1e-3)},
