@@ -159,6 +159,15 @@ def test_a_sensor_that_dies_while_its_noise_goes_on_is_said_and_hides_no_physics
     assert "joint_2: its sensor sticks, first at 1" in " ".join(result.quality["made"]["notes"])
 
 
+def test_a_gap_in_the_motors_readings_hides_no_dead_sensor() -> None:
+    stamp, chance = np.arange(6000) / 100, np.random.default_rng(5)
+    moved = 0.4 * np.sin(0.5 * stamp)
+    readings = moved + NOISE * chance.normal(size=len(stamp))
+    readings[1200:1900] = 0.4 + NOISE * chance.normal(size=700)
+    moved[4000:4400] = np.nan
+    assert np.flatnonzero(dead(readings, readings - moved)).tolist() == list(range(1200, 1900))
+
+
 def test_a_stop_that_is_met_once_by_a_joint_that_mostly_rests_is_no_dead_sensor() -> None:
     """It leaves the stop as fast as the motor goes, which is far beyond its usual steps."""
     stamp = np.arange(12000) / 100

@@ -120,6 +120,7 @@ def test_skew_is_measured_on_a_clean_arm_and_on_one_with_physics(
         (seen,) = right.observed
         assert seen.corrected
         assert seen.std is not None
+        assert seen.std < (1.0 if run is clean else 10.0)
         assert seen.value == pytest.approx(ppm, abs=2.0 * seen.std + 1.0)
         off = right.series["joint_states"].stamp - _recording(run).series["joint_states"].stamp
         assert np.abs(off).max() < 0.1 * abs(ppm) * 1e-6 * 40.0 + 1.5e-4

@@ -78,8 +78,10 @@ class WireStage(Stage):
         width = self.arm.dead_band[None, column : column + 1].repeat(times, axis=1)
         if len(span.start[column]):
             rows, read = self._stand(span, column)
-            stood = beside(sight.now(index, column, payload, rows), times)
-            state = begun(stood, order, width, read)
+            swings = any(block.form in block.dear for block in blocks)
+            each = tuple(range(rows[-1] + 1)) if swings else rows
+            stood = beside(sight.now(index, column, payload, each), times)
+            state = begun(stood, order, width, read, list(rows) if swings else slice(None))
         now = beside(sight.now(index, column, payload), times)
         shown, true, _ = wire_pass(now.gearbox, now, order, Core(nominal_width=width, width=width), state)
         return shown, true
@@ -195,10 +197,10 @@ def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Arr
     return shown
 
 
-def begun(seen: Now, order: Order, width: Array, read: Read) -> State:
+def begun(seen: Now, order: Order, width: Array, read: Read, rows: list[int] | slice) -> State:
     """The state in which the friction element shows what was measured, as far as its play lets it, while
     nothing had moved what comes to it; of a sharp play as long as that holds the joint. ``seen``: the
-    surroundings (k,) while the motor stood.
+    surroundings while the motor stood, of which ``rows`` (k,) count: what swings is computed at each step.
     """
     core, memory = Core(nominal_width=width, width=width), Memory()
     adjusted(core, order, seen, {}, memory)
@@ -207,6 +209,8 @@ def begun(seen: Now, order: Order, width: Array, read: Read) -> State:
     moved, _ = element.run(u, core.width, None)
     true = through(moved, order.after, seen, {}, memory)
     shown = through(true, order.sensor, seen, {}, memory)
+    u, moved, shown = (signal[rows] for signal in (u, moved, shown))
+    wide = core.width[rows] if len(core.width) > 1 else core.width
     stands = np.maximum.accumulate(np.abs(u - u[0]), axis=0) < STANDS
     last, start = np.count_nonzero(stands, axis=0) - 1, u[:1]
     if np.all(last == len(u) - 1):
@@ -215,7 +219,7 @@ def begun(seen: Now, order: Order, width: Array, read: Read) -> State:
         seen_then = [middle(shown[min(k, 1) : k + 1, c : c + 1])[0] for c, k in enumerate(last)]
         off = read.until[last] - np.array(seen_then)
     if core.rounding is None:
-        off = _while_held(u - start, core.width, moved - start - shown, read.since, off)
+        off = _while_held(u - start, wide, moved - start - shown, read.since, off)
     ends = np.concatenate([start + off, start])
     _, stuck = element.run(ends, core.width[:1], None)
     return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)

@@ -212,6 +212,19 @@ def test_alike_gives_no_joint_what_follows_that_joint() -> None:
     assert {group.what for group in MOVE["alike"].groups(now, Desk())} == {2, 4}
 
 
+def test_alike_takes_what_is_allowed_of_joints_with_the_same_names() -> None:
+    """One follows the joint itself, the other does not."""
+    words = {1: {"source": "joint_3"}, 2: {"source": "joint_5"}}
+    now = fitted(
+        "two",
+        Term("backlash", own={c: {"half_width": 1.5e-3} for c in (1, 2)}),
+        Term("ratio_error", own={c: {"relative": 0.02} for c in (1, 2)}),
+        Term("joint_coupling", "angle", own={c: {"gain": 1e-3} for c in (1, 2)}, words=words),
+        Term("zero_offset", own={4: {"offset": 1e-3}}),
+    )
+    assert 4 in {group.what for group in MOVE["alike"].groups(now, Desk())}
+
+
 def test_option_finds_the_payload() -> None:
     best = improved("option", "payload", sag(range(5)))
     assert best.hypothesis["load_elasticity"].shared["payload"] == pytest.approx(0.08, rel=0.05)

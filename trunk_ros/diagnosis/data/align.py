@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.arm_model import ArmModel
+from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import MOVED, comes_back, is_wide, passed, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
@@ -127,8 +128,8 @@ def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
 
 
 def servo_span(recording: Recording, model: ArmModel) -> Span:
-    """Setpoints against gearbox angles. What servos did while nobody recorded their setpoints is not known:
-    after that they begin anew as they are read.
+    """Setpoints against gearbox angles. What servos did while nobody recorded their setpoints for long is not
+    known: after that they begin anew as they are read.
     """
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = servo_joints(recording, model)
@@ -138,7 +139,7 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     source = hold(setpoints.position)[held]
     measured = gearbox.position[kept]
     arm = model.for_joints(joints).arm.only(joints)
-    unsettled, anew = _after_gaps(setpoints.stamp, grid, in_gaps(gearbox, grid))
+    unsettled, anew = _after_gaps(setpoints, grid, in_gaps(gearbox, grid), arm.v_max)
     unsettled |= grid < grid[0] + SETTLING
     valid = np.isfinite(measured) & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
@@ -164,19 +165,25 @@ def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -
     return joints
 
 
-def _after_gaps(stamp: Array, grid: Array, lost: np.ndarray) -> tuple[np.ndarray, Array]:
-    """(m,): where setpoints at ``stamp`` (n,) s may have been lost, and until the servo has forgotten how it
-    began anew after them, and (k,) s when it did: where no gearbox angle is ``lost`` (m, joints).
+def _after_gaps(
+    setpoints: JointSeries, grid: Array, lost: np.ndarray, v_max: float | Array
+) -> tuple[np.ndarray, Array]:
+    """(m,): where setpoints may have been lost, and until the servo has caught up with those after; and (k,)
+    s when it begins anew after a long gap: once those before it act no more, where some gearbox angle is not
+    ``lost`` (m, joints).
     """
-    out, anew, seen = np.zeros(len(grid), dtype=bool), [], ~np.any(lost, axis=1)
+    stamp, position = setpoints.stamp, hold(setpoints.position)
+    out, anew, seen = np.zeros(len(grid), dtype=bool), [], grid[~np.all(lost, axis=1)]
     longest = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
     for k in np.flatnonzero(np.diff(stamp) > longest):
-        after = np.flatnonzero(seen & (grid >= stamp[k + 1] - SAME))
-        begins = float(grid[after[0]]) if len(after) else np.inf
-        out[(grid > stamp[k] + longest / 2) & (grid < begins + SETTLING)] = True
-        anew.append(begins)
-    settles = np.append(np.diff(anew) >= SETTLING, True)[: len(anew)]
-    return out, np.array(anew)[settles & np.isfinite(anew)]
+        catching_up = 2.0 * float((np.abs(position[k + 1] - position[k]) / v_max).max())
+        until = stamp[k + 1] + SETTLING + catching_up
+        if stamp[k + 1] - stamp[k] > SETTLING:
+            after = seen[np.searchsorted(seen, stamp[k + 1] + REMEMBERED - SAME) :]
+            anew.extend(after[:1])
+            until = max(until, after[0] + SETTLING) if len(after) else np.inf
+        out[slice(*np.searchsorted(grid, (stamp[k] + longest / 2, until)))] = True
+    return out, np.unique(anew)
 
 
 def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:

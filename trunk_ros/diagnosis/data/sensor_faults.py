@@ -151,8 +151,8 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
     shown, left = readings[known], left[known] - np.median(left[known])
     usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left[_moved(shown - left)])))
     before, after = (median_filter(left, BESIDE, origin=side * (BESIDE // 2)) for side in (1, -1))
-    far_enough = max(leap(left), CLEARLY * float(np.abs(np.diff(shown - left)).max()))
-    ends = np.minimum(np.abs(np.diff(left)), np.abs(after[1:] - before[:-1])) > far_enough
+    leaps = np.maximum(leap(left), CLEARLY * maximum_filter(np.abs(np.diff(shown - left)), 2 * BESIDE + 1))
+    ends = np.minimum(np.abs(np.diff(left)), np.abs(after[1:] - before[:-1])) > leaps
     ends &= np.abs(after[1:]) < usual
     far = np.maximum.accumulate(np.where(np.abs(left) > usual, np.arange(len(left)), -1))
     for last in AROUND + np.flatnonzero(ends[AROUND:] & (far[AROUND:-1] >= 0)):

@@ -121,8 +121,9 @@ def one_evidence(state: Fit, name: str) -> Evidence:
             if own is not None:
                 out.rivals[rival], out.fitted[rival] = loss(state, own, columns), own.hypothesis
         near = [rival for rival, lost in out.rivals.items() if lost < limit]
-        prices = {r: priced(Fit(h, {}, context)) for r, h in out.fitted.items()}
-        alone = sorted(near, key=lambda rival: (out.rivals[rival] + prices[rival], rival))
+        own_price = priced(Fit(state.hypothesis, {}, context))
+        more = {r: max(priced(Fit(out.fitted[r], {}, context)) - own_price, 0.0) for r in near}
+        alone = sorted(near, key=lambda rival: (out.rivals[rival] + more[rival], rival))
         losses += out.rivals.values()
         both = pairs(state, name, doubted, looks, out.asked, {name, *near, *state.hypothesis})
         said: list[str | list[str]] = [

@@ -17,9 +17,11 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.evidence.unseen import unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import usable
+from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, groups, refit
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import BETTER, beats, by_values, score
+from trunk_ros.diagnosis.search.state import moments_of
 from trunk_ros.effects import effect
 
 
@@ -85,15 +87,33 @@ def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     best = min(fits, key=score, default=part)
     if beats(best, part):
         return best
-    fewer = [fit for fit in fits if _says_less(fit.hypothesis, part.hypothesis)]
+    fewer = [fit for fit in fits if _says_less(fit.hypothesis, part.hypothesis) and _is_credible(fit)]
     best = min(fewer, key=by_values, default=part)
     return best if by_values(best) < by_values(part) - BETTER else None
 
 
 def _says_less(some: Hypothesis, other: Hypothesis) -> bool:
-    """Whether a hypothesis has some of the names of another one, for the same joints."""
-    joints = ({c for term in one.values() for c in term.columns} for one in (some, other))
-    return some.keys() < other.keys() and len({*map(frozenset, joints)}) == 1
+    """Whether a hypothesis has some of the names of another one, for the same joints, and no moment or source
+    besides.
+    """
+    return (
+        some.keys() < other.keys()
+        and _joints(some) == _joints(other)
+        and moments_of(some) <= moments_of(other)
+        and _sources(some) <= _sources(other)
+    )
+
+
+def _joints(one: Hypothesis) -> set[int]:
+    return {c for term in one.values() for c in term.columns}
+
+
+def _sources(one: Hypothesis) -> set[tuple[int, str]]:
+    return {(c, word) for term in one.values() for c, said in term.words.items() for word in said.values()}
+
+
+def _is_credible(fit: Fit) -> bool:
+    return not unshown(fit.context, fit.hypothesis)
 
 
 def _in_its_place(now: Hypothesis, name: str, rival: str, there: Hypothesis) -> Hypothesis:

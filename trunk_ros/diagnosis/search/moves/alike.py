@@ -17,11 +17,14 @@ from trunk_ros.effects import effect
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each joint, by the joints that differ from it by more than what other moves exchange in a step."""
+    """Each joint, by the joints that differ from it by more than one effect for another."""
     theirs = {c: _of_its_own(best, c) for c in best.context.columns}
     for column, mine in theirs.items():
-        others = {names: c for c, names in theirs.items() if mine and len(names ^ mine) > SEVERAL}
-        others = {names: c for names, c in others.items() if _may_be_its_own(best, names, c, column)}
+        others = {
+            names: c
+            for c, names in theirs.items()
+            if mine and len(names ^ mine) > SEVERAL and _may_be_its_own(best, names, c, column)
+        }
         if others:
             yield Group(column, [column, *others.values()], partial(_alike, best, column, others))
 

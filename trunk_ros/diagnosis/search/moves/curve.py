@@ -78,7 +78,7 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
         if named and open_ and least < score(now) and key not in desk.kept:
             trial = min(_curved(now, column, local), key=score, default=now)
             if priced(trial) < score(now):
-                trial = _with_those_beside(trial)
+                trial = _with_those_beside(now, trial)
             if beats(trial, now) and _is_clear(now, trial, column, local):
                 now = trial
             else:
@@ -87,12 +87,15 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
         yield now
 
 
-def _with_those_beside(trial: Fit) -> Fit:
-    """With curves as well on the joints that showed what they have only beside what a curve took the place
-    of.
+def _with_those_beside(now: Fit, trial: Fit) -> Fit:
+    """With curves as well on the joints that showed what they have only beside the names that a curve took
+    the place of, where these explain clearly more.
     """
     for column in sorted({c for term in trial.hypothesis.values() for c in hidden(trial.context, term)}):
-        trial = min(_curved(trial, column, own_effects(trial.hypothesis, column)), key=score, default=trial)
+        local = own_effects(trial.hypothesis, column)
+        if all(effect(name).named for name in local):
+            drawn = min(_curved(trial, column, local), key=score, default=trial)
+            trial = drawn if _is_clear(now, drawn, column, own_effects(now.hypothesis, column)) else trial
     return trial
 
 
