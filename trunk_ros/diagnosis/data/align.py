@@ -28,7 +28,7 @@ from trunk_ros.recording.signal.resample import (
     stops_to_measure,
 )
 from trunk_ros.resistance import resistance
-from trunk_ros.servo_course import as_the_servo_went, given
+from trunk_ros.servo_course import all_setpoints, as_the_servo_went, given
 from trunk_ros.start import TURNS
 from trunk_ros.transmission import at_joints
 
@@ -128,15 +128,16 @@ def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
 
 
 def servo_span(recording: Recording, model: ArmModel) -> Span:
-    """Setpoints against gearbox angles. What servos did while nobody recorded their setpoints for long is not
-    known: after that they begin anew as they are read.
+    """Setpoints against gearbox angles. Lost setpoints are bridged, and what servos did while nobody recorded
+    theirs for long is not known: after that they begin anew as they are read.
     """
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = servo_joints(recording, model)
     setpoints, gearbox = given(setpoints.select(joints), model), gearbox.select(joints)
-    grid, rows, kept = joint_grid(setpoints.stamp, gearbox.stamp, fine=False)
-    held = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
-    source = hold(setpoints.position)[held]
+    asked = all_setpoints(recording, joints, model) or setpoints
+    grid, rows, kept = joint_grid(asked.stamp, gearbox.stamp, fine=False)
+    held = np.clip(np.searchsorted(asked.stamp, grid + SAME, side="right") - 1, 0, None)
+    source = hold(asked.position)[held]
     measured = gearbox.position[kept]
     arm = model.for_joints(joints).arm.only(joints)
     unsettled, anew = _after_gaps(setpoints, grid, in_gaps(gearbox, grid), arm.v_max)
