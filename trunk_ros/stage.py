@@ -156,7 +156,7 @@ def run_servo(
     anew: Iterable[int] = (),
 ) -> tuple[Array, Array]:
     """Gearbox angle (n, columns) and the loop's state (4, columns) after it; ``setpoints`` may begin with
-    past rows. At the rows ``anew`` it is where the gearbox is, whatever went before.
+    past rows. After each of the rows ``anew`` it goes on from where the gearbox is there.
     """
     n, columns = len(now.stamp), len(now.ratio)
     numbers = (_seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH)
