@@ -53,6 +53,12 @@ def test_the_arm_of_own_arm_is_a_model(files: Path) -> None:
     assert load_model(files / "my-arm.yaml").arm.joints == ("shoulder", "elbow", "wrist")
 
 
+def test_effects_that_are_known_are_told_as_the_page_tells_them(files: Path) -> None:
+    model = load_model(files / "my-known-arm.yaml")
+    assert list(model.effects) == ["load_elasticity", "joint_coupling", "viscous_lag"]
+    assert model.effects["load_elasticity"]["upstream"] == 1.0
+
+
 def test_the_mapping_of_own_arm_is_a_mapping(files: Path) -> None:
     assert load_mapping(files / "my-map.yaml").joints == ("shoulder", "elbow")
 

@@ -51,6 +51,23 @@ def test_limits_beyond_a_turn_are_asked_about(tmp_path: Path, capsys: pytest.Cap
     assert "beyond a turn" not in check(tmp_path, capsys, "joints: [a, b]")
 
 
+SLIDE = """<robot name="g"><link name="base"/><link name="palm"/><link name="finger"/>
+<joint name="wrist" type="revolute"><parent link="base"/><child link="palm"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="grip" type="prismatic"><parent link="palm"/><child link="finger"/><axis xyz="1 0 0"/>
+<limit lower="0" upper="0.1" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_limits_and_backlash_are_in_the_units_of_each_joint(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "arm.urdf").write_text(SLIDE)
+    said = check(tmp_path, capsys, "urdf: arm.urdf", "[1.0, 1.0]\n      dead_band: [0.001, 0.002]")
+    wrist, grip = (line.split() for line in said.splitlines()[2:4])
+    assert wrist == ["wrist", "1", "1", "mrad", "-1.000", "…", "+1.000", "rad"]
+    assert grip == ["grip", "1", "2", "mm", "+0.000", "…", "+0.100", "m"]
+
+
 @pytest.mark.parametrize(("ratio", "refused"), [("[0.5, 1]", True), ("[1, 1]", False), ("[1.0, 0.5]", False)])
 def test_a_list_that_ros_2_cannot_read_is_said(
     ratio: str, refused: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -114,3 +114,15 @@ def test_topics_that_say_where_servos_are_to_go_are_setpoints_in_the_mapping_to_
     assert not any("joint_states" in line for line in servo[3:])
     wire = foreign(Path("run.bag"), {"/camera": kind, "/motors": kind})
     assert [line.split(":")[0].strip() for line in wire[-3:-1]] == ["gearbox_states", "joint_states"]
+
+
+def test_the_noise_of_a_slide_is_said_in_millimetres(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = np.arange(0.0, 30.0, 0.01)
+    went = 0.2 * np.sin(np.outer(t, [1.0]))
+    read = went + np.random.default_rng(1).normal(0.0, 4e-4, went.shape)
+    write_recording(tmp_path / "slide", Recording.from_arrays(t, went, read, joints=["slide"], unit="m"))
+    assert main(["info", str(tmp_path / "slide")]) == 0
+    (wire,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  wire")]
+    assert wire.endswith("mm") and "rad" not in wire

@@ -93,14 +93,15 @@ def of_model(model: Model, given: dict[str, Any]) -> list[str]:
     parameters.
     """
     from trunk_ros.arm.parameters import ANY_ANGLE
+    from trunk_ros.diagnosis.verdict.units import sized
 
     arm = model.arm
     rows = [("joint", "ratio", "backlash", "limits")]
     for j, joint in enumerate(arm.joints):
-        low, high = float(arm.lower[j]), float(arm.upper[j])
-        limits = f"{low:+.3f} … {high:+.3f} rad" if max(-low, high) < ANY_ANGLE else "none"
+        low, high, unit = float(arm.lower[j]), float(arm.upper[j]), arm.units.get(joint, "rad")
+        limits = f"{low:+.3f} … {high:+.3f} {unit}" if max(-low, high) < ANY_ANGLE else "none"
         name = "any joint" if model.any_joints else joint
-        rows.append((name, f"{arm.ratio[j]:.6g}", f"{1e3 * arm.dead_band[j]:.3g} mrad", limits))
+        rows.append((name, f"{arm.ratio[j]:.6g}", sized(float(arm.dead_band[j]), unit), limits))
     load = f"known, from {arm.load_from}" if arm.has_load else "unknown: effects of load are not tried"
     effects = [f"effect {name}: {_said(values)}" for name, values in model.in_order()]
     return [

@@ -166,17 +166,22 @@ def spoken(found: dict[str, Any]) -> list[str]:
         rows.append((joint, span, f"{m['speed']:.2g} {m['unit']}/s", str(m["turns"])))
     lines += [*columns(rows), "", "what can be diagnosed"]
     for stage, told in found["stages"].items():
-        lines += _stage(stage, told)
+        lines += _stage(stage, told, {joint: m["unit"] for joint, m in found["joints"].items()})
     odd = [f"{name}: {one}" for name in ("mixed up", "note") for one in found[name.replace(" ", "_")]]
     return [*lines, "", *odd] if odd else lines
 
 
-def _stage(stage: str, told: dict[str, Any]) -> list[str]:
+def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]:
     if not told["possible"]:
         return [f"  {stage:6}no: {told['missing']}"]
-    noise = [value for value in told["joints"].values() if value]
-    sensed = f"; noise {1e3 * min(noise):.2g} … {1e3 * max(noise):.2g} mrad" if noise else ""
-    lines = [f"  {stage:6}yes: {', '.join(told['joints'])}{sensed}"]
+    from trunk_ros.diagnosis.verdict.units import sized
+
+    noise: dict[str, list[float]] = {}
+    for joint, value in told["joints"].items():
+        if value:
+            noise.setdefault(units.get(joint, "rad"), []).append(value)
+    sensed = [f"{sized(min(some), unit, 2)} … {sized(max(some), unit, 2)}" for unit, some in noise.items()]
+    lines = [f"  {stage:6}yes: {', '.join(told['joints'])}{'; noise ' * bool(sensed)}{', '.join(sensed)}"]
     if told["silent"]:
         lines.append(f"        hardly moves: {', '.join(told['silent'])}")
     lines.append(f"        tried: {', '.join(told['effects'])}")

@@ -11,9 +11,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from trunk_ros.diagnosis.verdict.units import SMALL
 from trunk_ros.evaluate.score import Row
-
-SCALE = {"rad": (1e3, "mrad"), "m": (1e3, "mm")}
 
 
 def show(rows: Sequence[Row], console: Console) -> None:
@@ -22,7 +21,7 @@ def show(rows: Sequence[Row], console: Console) -> None:
     for head in ("rms before", "rms", "worst before", "worst", "noise", "rms/noise"):
         table.add_column(head, justify="right")
     for row in rows:
-        factor, unit = SCALE.get(row.unit, (1.0, row.unit))
+        factor, unit = SMALL.get(row.unit, (1.0, row.unit))
         sizes = (row.rms_before, row.rms_after, row.worst_before, row.worst_after, row.noise)
         said = [f"{size * factor:.3g} {unit}" for size in sizes]
         table.add_row(row.recording, row.model, row.stage, row.joint, *said, f"{row.in_noise:.2f}")
