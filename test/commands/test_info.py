@@ -125,4 +125,5 @@ def test_the_noise_of_a_slide_is_said_in_millimetres(
     write_recording(tmp_path / "slide", Recording.from_arrays(t, went, read, joints=["slide"], unit="m"))
     assert main(["info", str(tmp_path / "slide")]) == 0
     (wire,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  wire")]
-    assert wire.endswith("mm") and "rad" not in wire
+    assert wire.endswith("mm")
+    assert "rad" not in wire

@@ -168,6 +168,12 @@ class Hypothesis(dict[str, Term]):
             del out[name]
         return out
 
+    def reformed(self, name: str, form: str) -> Hypothesis:
+        """A copy with an effect in another form."""
+        out = self.copy()
+        out[name].reform(form)
+        return out
+
     def less(self, names: Iterable[str], column: int | None = None) -> Hypothesis:
         """A copy without some effects, on one joint or at all."""
         return reduce(lambda out, name: out.without(name, column), names, self)

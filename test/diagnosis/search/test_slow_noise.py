@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, smoothed, with_curve
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.slow_noise import (
@@ -35,6 +36,7 @@ def left(
     wanders: float = WANDERS,
     swings: float = 0.0,
     joints: tuple[int, ...] = (1,),
+    forgets: float = FORGETS,
     **values: object,
 ) -> Fit:
     """What a nominal arm leaves of one with an effect, of which some sensors wander: the second one."""
@@ -42,7 +44,7 @@ def left(
     shown = recording.series["joint_states"]
     steps = np.random.default_rng(5).normal(size=(len(joints), len(shown.stamp)))
     wander = np.zeros((len(shown.stamp), 5))
-    wander[:, joints] = lfilter([1.0], [1.0, -FORGETS], steps * wanders * np.sqrt(1.0 - FORGETS**2)).T
+    wander[:, joints] = lfilter([1.0], [1.0, -forgets], steps * wanders * np.sqrt(1.0 - forgets**2)).T
     wander += swings * np.sin(2.0 * np.pi * shown.stamp / 12.0)[:, None] * (np.arange(5) == 1)
     series = {**recording.series, "joint_states": replace(shown, position=shown.position + wander)}
     model = load_model("trunk")
@@ -123,6 +125,14 @@ def test_nor_is_physics_of_its_own_joint(name: str, values: dict[str, object]) -
     assert told(left(name, **values)) == set()
 
 
+def over_time(fit: Fit) -> Hypothesis:
+    """With a curve over time on the second joint."""
+    place = Place("unknown", "time", *ends(fit.context, 1, "time"))
+    design = design_of(fit.context, 1, place)
+    values = smoothed(design, fit.context.whitened(fit.hypothesis, 1), place.curve.bend())[0]
+    return with_curve(fit.hypothesis, place, 1, values)
+
+
 def test_a_curve_that_only_follows_such_readings_gives_way_to_their_noise() -> None:
     fit = left()
     curve = curve_fit(fit.context, fit.hypothesis, 1)
@@ -136,14 +146,20 @@ def test_a_curve_that_only_follows_such_readings_gives_way_to_their_noise() -> N
 def test_such_a_curve_gives_way_also_where_a_noise_was_told_beside_it() -> None:
     """Half of the noise of a resting arm was jumps that had come first, and stayed."""
     fit = left()
-    over_time = Place("unknown", "time", *ends(fit.context, 1, "time"))
-    design = design_of(fit.context, 1, over_time)
-    values = smoothed(design, fit.context.whitened(fit.hypothesis, 1), over_time.curve.bend())[0]
-    curve = with_curve(fit.hypothesis, over_time, 1, values)
+    curve = over_time(fit)
     beside = likeliest_noise(fit.context, curve, 1)[0]
     found = steadied(costed(wandering_in(fit.context, {1: beside}), curve))
     assert not found.hypothesis
     assert found.context.wanders[1].std > beside.std
+
+
+def test_what_such_a_curve_held_besides_has_its_name_then() -> None:
+    """Jumps stood for a zero that was off, and for readings that wandered about it."""
+    fit = left("zero_offset", forgets=0.9, offset=on(2, 3e-3))
+    found = steadied(costed(fit.context, over_time(fit)))
+    assert found.hypothesis.keys() == {"zero_offset"}
+    assert found.hypothesis["zero_offset"].own[1]["offset"] == pytest.approx(3e-3, abs=1e-4)
+    assert found.context.wanders[1].std < 2.0 * WANDERS
 
 
 def test_a_curve_of_what_swings_stays() -> None:

@@ -4,25 +4,28 @@ arm does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import replace
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SEVERAL
+from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
+from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.descent import Desk, descend
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit, refit_column
 from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.slow_noise import (
     is_plain,
     likelier,
+    likeliest_noise,
     told,
     unlikely,
     untimed,
     wandering_in,
 )
+from trunk_ros.diagnosis.search.trial import PROMISING, looks
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -32,11 +35,11 @@ def steadied(now: Fit) -> Fit:
     names that hold in that noise. In such noise what moves slowly costs next to nothing: so where what is
     left is not that noise any more, it was none.
     """
-    context, found = now.context, dict[int, Noise]()
+    context, found, bare = now.context, dict[int, Noise](), dict[int, Hypothesis]()
     if context.step >= SLOW:
         return now
     for column in context.columns:
-        less = untimed(now.hypothesis, column)
+        less = bare[column] = _bare(now, column)
         timed = less is not now.hypothesis
         if column in context.wanders and not timed:
             continue
@@ -46,7 +49,7 @@ def steadied(now: Fit) -> Fit:
                 found[column] = likely[0]
     again = context.work.besides()
     while both := found | _of_the_others(context, now.hypothesis, {**context.wanders, **found}):
-        done = _held(replace(now, context=replace(context, work=again)), both, found)
+        done = _held(replace(now, context=replace(context, work=again)), both, {c: bare[c] for c in found})
         wrong = [c for c in found if not is_plain(done.context, done.context.noise[c], done.hypothesis, c)]
         if not wrong:
             context.work.took(again)
@@ -56,15 +59,33 @@ def steadied(now: Fit) -> Fit:
     return now
 
 
-def _held(now: Fit, noise: dict[int, Noise], timed: Iterable[int]) -> Fit:
-    """With noises of joints, without what only follows the readings of some of them about, and with names
-    that hold then.
+def _bare(now: Fit, column: int) -> Hypothesis:
+    """Without what only follows the readings of a column about. It may have held what has a name, such as a
+    constant: with that, where it always acts and the noise that is left is likelier by the price of a name.
     """
-    bare = now.hypothesis
-    for column in timed:
-        bare = untimed(bare, column)
+    context, less = now.context, untimed(now.hypothesis, column)
+    if less is now.hypothesis:
+        return less
+    plain = costed_on(now, less, column)
+    found = looks(plain, less, column, open_kinds(context, less, column), PROMISING)
+    steady = (look for look in found if not any(t.moments(column) for t in look.hypothesis.on(column)))
+    best = sorted(steady, key=lambda look: -look.gain)[:REFITTED]
+    named = [refit_column(plain, look.hypothesis, column).hypothesis for look in best]
+    costs = [likeliest_noise(context, each, column)[1] for each in (less, *named)]
+    costs[0] -= need(context, column)
+    return [less, *named][costs.index(min(costs))]
+
+
+def _held(now: Fit, noise: dict[int, Noise], bare: Mapping[int, Hypothesis]) -> Fit:
+    """With noises of joints, with what is ``bare`` of curves over time on some of them, and with names that
+    hold then.
+    """
+    less = now.hypothesis.copy()
+    for column, there in bare.items():
+        less.take(column, there)
+    less = Hypothesis({name: term for name, term in less.items() if term.own})
     steady = replace(wandering_in(now.context, noise), claims=True)
-    return descend(refit(steady, bare), (DROP, SWAP_ALL, SWAP), Desk())
+    return descend(refit(steady, less), (DROP, SWAP_ALL, SWAP), Desk())
 
 
 def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, Noise]) -> dict[int, Noise]:

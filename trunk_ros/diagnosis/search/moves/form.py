@@ -59,8 +59,7 @@ def _groups(best: Fit, desk: Desk, shaking: bool, early: bool = False) -> Iterat
 
 def _promise(best: Fit, name: str) -> float:
     """What values of each joint's own may gain by a linear look, less what they cost."""
-    apart = best.hypothesis.copy()
-    apart[name].reform(effect(name).apart)
+    apart = best.hypothesis.reformed(name, effect(name).apart)
     screen = Screen(best.context, apart, apart[name].columns)
     gain = sum(best.cost[c] - screen.left(c) for c in apart[name].columns if c in best.cost)
     further = priced(Fit(apart, best.cost, best.context)) - priced(best)
@@ -82,8 +81,7 @@ def reforms(best: Fit, desk: Desk, name: str, forms: Sequence[str]) -> Iterator[
 
 def _goal(best: Fit, name: str, form: str) -> float:
     """What squared residuals have to come to, if all else on the effect's joints is not needed any more."""
-    there = best.hypothesis.copy()
-    there[name].reform(form)
+    there = best.hypothesis.reformed(name, form)
     for column in there[name].columns:
         there = there.less([term.effect for term in there.on(column) if term.effect != name], column)
     return score(best) - priced(Fit(there, {}, best.context))
@@ -118,8 +116,7 @@ def _starts(now: Fit, name: str, form: str) -> list[Hypothesis]:
         return []
     if _refines(effect(name), now.hypothesis[name].form, form):
         return [begun, *refinements(now.hypothesis, name, form)]
-    there = now.hypothesis.copy()
-    there[name].reform(form)
+    there = now.hypothesis.reformed(name, form)
     used = {p.name for p in effect(name).own_parameters(form) if not p.optional}
     return [begun, there] if all(used <= there[name].values(c).keys() for c in there[name].own) else [begun]
 
@@ -149,8 +146,7 @@ def refinements(hypothesis: Hypothesis, name: str, form: str) -> Iterator[Hypoth
     known = effect(name).own_parameters(hypothesis[name].form)
     added = [p for p in effect(name).own_parameters(form) if p not in known]
     for k in range(max((len(p.scan) for p in added), default=0)):
-        out = hypothesis.copy()
-        out[name].reform(form)
+        out = hypothesis.reformed(name, form)
         for parameter in added:
             start = parameter.scan[k % len(parameter.scan)] if parameter.scan else parameter.typical
             for values in [out[name].shared] if parameter.shared else out[name].own.values():
