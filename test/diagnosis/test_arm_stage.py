@@ -267,3 +267,22 @@ def test_between_the_counts_of_coarse_encoders_the_tip_is_where_the_gearbox_puts
     left = np.concatenate(problem.residual(done.values))
     assert (np.sqrt(np.mean(left**2, axis=0)) < 1.2 * NOISE).all()
     assert done.values == {}
+
+
+@pytest.mark.parametrize("effects", [{}, TILT])
+def test_a_joint_that_rests_between_two_counts_of_its_encoder_is_no_tilt(effects: dict[str, Any]) -> None:
+    """Its reading is off by as much all the time, which counts once and not at each pose."""
+    rng, stamp, step = np.random.default_rng(0), np.arange(3000) / 100.0, 1.5e-3
+    theta = 0.625 * setpoints_of(30.0, 5, 0)
+    theta[:, 0] = 0.0
+    shown = theta + 1e-4 * rng.normal(size=theta.shape)
+    shown[:, 0] = step / 3.0
+    tip = in_plane(Chain(Model(TRUNK.arm, effects), "arm").tip(theta, stamp))
+    series = {"joint_states": JointSeries(stamp, TRUNK.arm.joints, shown)}
+    recording = Recording("rests", 0, float(stamp[-1]), series)
+    seen = with_pose(recording, stamp, tip + NOISE * rng.normal(size=tip.shape))
+    std = step / np.sqrt(12.0)
+    for stays, found in ((0.0, {"base_tilt"}), (30.0, set(effects))):  # s for which a reading stays
+        told_of = fitted_tip([seen], TRUNK, 0.0, {"joint_1": (std, stays)})
+        assert told_of is not None
+        assert {f.effect for f in judged_tip(*told_of)[1]} == found

@@ -32,6 +32,7 @@ from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
+from trunk_ros.diagnosis.tip.lasting import lasting_of
 from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
 from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION
 from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
@@ -99,8 +100,8 @@ class Diagnoser:
         self.left: dict[str, Error] = {}  # by the fit of the wires, of each joint
         self.went: tuple[Array, ...] = ()
         """How far the motors went: standard deviation, least and most (joints,) rad on the joints' side."""
-        self.lasting: dict[str, float] = {}
-        """Joint noise [rad] that lasts from sample to sample."""
+        self.lasting: dict[str, tuple[float, float]] = {}
+        """Joint noise [rad] that lasts from sample to sample, and how long [s] it stays the same."""
 
     def run(self) -> Diagnosis:
         """All stages."""
@@ -195,8 +196,7 @@ class Diagnoser:
         if state is not None:
             for some in (self.recordings, self.wires):
                 some[:] = put_right_beside(some, state)
-            noises = zip(self.joints, state.context.noise, state.context.stage.steps, strict=True)
-            self.lasting = {j: n.std if n.correlation > 0.0 else steps for j, n, steps in noises}
+            self.lasting = lasting_of(state.context)
 
     def _stage(self, stage: Stage) -> Fit | None:
         give_back()

@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.tip.data import UNITS, tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
+from trunk_ros.diagnosis.tip.lasting import lasting_on
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import model_effects
 from trunk_ros.diagnosis.verdict.finding import Finding
@@ -27,15 +28,15 @@ Told = tuple[dict[str, Any], list[Finding], dict[str, Values]]
 
 
 def fitted_tip(
-    recordings: list[Recording], model: Model, late: float, lasting: dict[str, float]
+    recordings: list[Recording], model: Model, late: float, lasting: dict[str, tuple[float, float]]
 ) -> tuple[ArmProblem, ArmFit] | None:
     """Joint angles and tip at the same moments, and the fit to them: a joint sensor that is ``late`` s is not
     blamed on the arm. None where too little of the tip was recorded.
 
-    ``model``: with what was found of the wires; ``lasting``: joint noise [rad] that lasts from sample to
-    sample.
+    ``model``: with what was found of the wires; ``lasting``: by joint, noise [rad] that lasts from sample
+    to sample, and how long [s] it stays the same.
     """
-    noise = np.array([lasting.get(joint, 0.0) for joint in model.arm.joints])
+    noise = lasting_on(model.arm.joints, lasting)
     fitted = []
     for delay in {0.0, late}:  # a simulated tip may be as late as the joints
         data = [d for d in (tip_data(r, model, delay) for r in recordings) if d is not None]

@@ -19,6 +19,7 @@ from trunk_ros.diagnosis.levels import ROUGH, SCATTER, TENFOLD, TURNS
 from trunk_ros.diagnosis.search.fit import GAINED
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT, naming
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
+from trunk_ros.diagnosis.tip.lasting import Lasting, lasting_on
 from trunk_ros.diagnosis.tip.linear import Linear, Normal
 from trunk_ros.diagnosis.tip.slopes import Slopes
 from trunk_ros.diagnosis.tip.values import (
@@ -57,10 +58,10 @@ class ArmProblem:
     """Forward selection of arm effects by linear least squares, relinearised."""
 
     def __init__(
-        self, data: list[TipData], lasting: Array | None = None, effects: Mapping[str, Values] | None = None
+        self, data: list[TipData], lasting: Lasting | None = None, effects: Mapping[str, Values] | None = None
     ):
-        """``lasting`` (joints,) rad: standard deviations of joint noise that lasts from sample to sample,
-        which the tip's own scatter does not show. ``effects``: what the model has already.
+        """``lasting``: joint noise that the tip's own scatter does not show. ``effects``: what the model has
+        already.
         """
         self.data, self.arm = data, data[0].arm
         self.signals = signals_of(data)
@@ -75,7 +76,9 @@ class ArmProblem:
         self._normals: dict[bytes, Normal] = {}
         self._scores: dict[frozenset[Key], float] = {}
         self.linearise(self.known)
-        self.from_joints = np.zeros(len(self.signals)) if lasting is None else self._at_the_tip(lasting)
+        lasting = lasting or lasting_on(self.arm.joints, {})
+        self.from_joints = self._at_the_tip(lasting.std)
+        self.standing = self._at_the_tip(lasting.counted([d.stamp for d in data]))
         self.estimate_noise(self.known)
         free = self._free()
         self.estimate_noise(free)
@@ -111,7 +114,8 @@ class ArmProblem:
         masks = [np.ones(len(rest), dtype=bool) for rest in rests]
         own = [noise_of([rest[:, k] for rest in rests], masks, longest).std for k in range(len(self.signals))]
         self.noise = np.maximum(np.sqrt(np.square(own) + self.from_joints**2), RESOLVED)
-        self.alike = max(alike([rest[:, k] for rest in rests]) for k in range(len(self.signals)))
+        of_rest = [alike([rest[:, k] for rest in rests]) for k in range(len(self.signals))]
+        self.alike = max(*of_rest, *np.square(self.standing / self.noise).tolist())
         self._normals.clear()
         self._scores.clear()
 
