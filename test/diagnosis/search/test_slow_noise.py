@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +13,9 @@ from test.concealed.awkward import slow_noise
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, smoothed, with_curve
-from trunk_ros.diagnosis.evidence.wandering import steadied
+from trunk_ros.diagnosis.evidence.wandering import _bare, _held, steadied
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.slow_noise import (
@@ -25,6 +26,7 @@ from trunk_ros.diagnosis.search.slow_noise import (
     wandering_in,
 )
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.model import load_model
 
 FORGETS = 0.97  # from sample to sample
@@ -37,6 +39,7 @@ def left(
     swings: float = 0.0,
     joints: tuple[int, ...] = (1,),
     forgets: float = FORGETS,
+    known: dict[str, Any] | None = None,
     **values: object,
 ) -> Fit:
     """What a nominal arm leaves of one with an effect, of which some sensors wander: the second one."""
@@ -47,7 +50,7 @@ def left(
     wander[:, joints] = lfilter([1.0], [1.0, -forgets], steps * wanders * np.sqrt(1.0 - forgets**2)).T
     wander += swings * np.sin(2.0 * np.pi * shown.stamp / 12.0)[:, None] * (np.arange(5) == 1)
     series = {**recording.series, "joint_states": replace(shown, position=shown.position + wander)}
-    model = load_model("trunk")
+    model = replace(load_model("trunk"), effects=known or {})
     stage = WireStage([wire_span(replace(recording, series=series), model)], model, recording.units)
     return begun(first_look(stage))
 
@@ -160,6 +163,32 @@ def test_what_such_a_curve_held_besides_has_its_name_then() -> None:
     assert found.hypothesis.keys() == {"zero_offset"}
     assert found.hypothesis["zero_offset"].own[1]["offset"] == pytest.approx(3e-3, abs=1e-4)
     assert found.context.wanders[1].std < 2.0 * WANDERS
+
+
+def test_what_a_model_carries_on_no_joint_stays_where_such_a_curve_goes() -> None:
+    carries = {"load_elasticity": {"compliance": np.zeros(5), "payload": 0.4}}
+    fit = left("zero_offset", forgets=0.9, known=carries, offset=on(2, 3e-3))
+    found = steadied(costed(fit.context, over_time(fit))).hypothesis
+    assert "zero_offset" in found
+    assert found["load_elasticity"].shared == {"payload": 0.4}
+
+
+def test_a_name_in_another_form_than_that_of_a_joint_takes_nothing_from_it() -> None:
+    fit = left("zero_offset", forgets=0.9, offset=on(2, 3e-3))
+    noise = {1: likeliest_noise(fit.context, fit.hypothesis, 1)[0]}
+    both = over_time(fit)
+    both["hard_stop"] = Term("hard_stop", "upper", own={0: {"upper": 0.5}})
+    other = Hypothesis({"hard_stop": Term("hard_stop", "lower", own={1: {"lower": -0.5}})})
+    found = _held(costed(fit.context, both), noise, {1: other}).hypothesis
+    assert "hard_stop" not in found or all(found["hard_stop"].own.values())
+
+
+def test_no_name_is_looked_for_where_the_work_is_done() -> None:
+    fit = left("zero_offset", forgets=0.9, offset=on(2, 3e-3))
+    now = costed(replace(fit.context, work=Work(most=0.0)), over_time(fit))
+    before = now.context.work.done
+    assert not _bare(now, 1)
+    assert now.context.work.done == before
 
 
 def test_a_curve_of_what_swings_stays() -> None:

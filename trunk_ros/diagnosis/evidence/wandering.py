@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import Noise
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.descent import Desk, descend
@@ -38,18 +38,21 @@ def steadied(now: Fit) -> Fit:
     context, found, bare = now.context, dict[int, Noise](), dict[int, Hypothesis]()
     if context.step >= SLOW:
         return now
+    again = context.work.besides()
+    on_top = replace(now, context=replace(context, work=again))
     for column in context.columns:
-        less = bare[column] = _bare(now, column)
+        less = bare[column] = _bare(on_top, column)
         timed = less is not now.hypothesis
         if column in context.wanders and not timed:
             continue
         if timed or not is_plain(context, context.noise[column], less, column):
             likely = likelier(context, less, now.hypothesis, column)
-            if likely is not None and (timed or not told(context, less, column)):
+            if likely is None or (not timed and told(context, less, column)):
+                continue
+            if likely[1] > need(context, column) * len(_new(less, now.hypothesis, column)):
                 found[column] = likely[0]
-    again = context.work.besides()
     while both := found | _of_the_others(context, now.hypothesis, {**context.wanders, **found}):
-        done = _held(replace(now, context=replace(context, work=again)), both, {c: bare[c] for c in found})
+        done = _held(on_top, both, {c: bare[c] for c in found})
         wrong = [c for c in found if not is_plain(done.context, done.context.noise[c], done.hypothesis, c)]
         if not wrong:
             context.work.took(again)
@@ -64,26 +67,40 @@ def _bare(now: Fit, column: int) -> Hypothesis:
     constant: with that, where it always acts and the noise that is left is likelier by the price of a name.
     """
     context, less = now.context, untimed(now.hypothesis, column)
-    if less is now.hypothesis:
+    if less is now.hypothesis or context.work.over:
         return less
     plain = costed_on(now, less, column)
-    found = looks(plain, less, column, open_kinds(context, less, column), PROMISING)
-    steady = (look for look in found if not any(t.moments(column) for t in look.hypothesis.on(column)))
-    best = sorted(steady, key=lambda look: -look.gain)[:REFITTED]
-    named = [refit_column(plain, look.hypothesis, column).hypothesis for look in best]
-    costs = [likeliest_noise(context, each, column)[1] for each in (less, *named)]
+    kinds = [kind for kind in open_kinds(context, less, column) if kind.regime != "time"]
+    able = (
+        look
+        for look in looks(plain, less, column, kinds, PROMISING)
+        if not any(term.moments(column) for term in _new(look.hypothesis, less, column))
+    )
+    best = sorted(able, key=lambda look: -look.gain)[:REFITTED]
+    trials = [refit_column(plain, there, column) for there in (less, *(look.hypothesis for look in best))]
+    costs = [likeliest_noise(context, trial.hypothesis, column)[1] for trial in trials]
     costs[0] -= need(context, column)
-    return [less, *named][costs.index(min(costs))]
+    chosen = costs.index(min(costs))
+    return trials[chosen].hypothesis if chosen else less
+
+
+def _new(there: Hypothesis, before: Hypothesis, column: int) -> list[Term]:
+    """What a joint has that it had not before."""
+    had = {term.effect for term in before.on(column)}
+    return [term for term in there.on(column) if term.effect not in had]
 
 
 def _held(now: Fit, noise: dict[int, Noise], bare: Mapping[int, Hypothesis]) -> Fit:
-    """With noises of joints, with what is ``bare`` of curves over time on some of them, and with names that
-    hold then.
+    """With noises of joints, without the curves over time on those that are ``bare`` of them, with what these
+    have in their place, as far as joints have it in the same form, and with names that hold then.
     """
-    less = now.hypothesis.copy()
+    less = now.hypothesis
     for column, there in bare.items():
-        less.take(column, there)
-    less = Hypothesis({name: term for name, term in less.items() if term.own})
+        less = untimed(less, column)
+        for term in _new(there, less, column):
+            if term.effect not in less or less[term.effect].form == term.form:
+                less = less.copy()
+                less.have(column, term)
     steady = replace(wandering_in(now.context, noise), claims=True)
     return descend(refit(steady, less), (DROP, SWAP_ALL, SWAP), Desk())
 

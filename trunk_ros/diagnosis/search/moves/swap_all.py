@@ -128,7 +128,7 @@ def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect])
         used = kind.used(form)
         shared = {p.name: old.shared[p.name] for p in used if p.shared and p.name in old.shared}
         names = [p.name for p in used if not p.shared]
-        for k in range(max(map(len, starts.values()))):
+        for k in range(max(map(len, starts.values()), default=0)):
             values = {c: {**starts[c][k % len(starts[c])], **old.own[c]} for c in old.columns}
             own = {c: {n: found[n] for n in names if n in found} for c, found in values.items()}
             term = Term(kind.id, form, dict(shared), own, given=old.given)
