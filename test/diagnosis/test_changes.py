@@ -228,6 +228,7 @@ def test_what_the_model_has_is_as_it_was_where_nothing_is_said_of_it() -> None:
 def test_a_payload_that_no_joint_gives_way_to_is_carried_on() -> None:
     carries = {"load_elasticity": {"compliance": np.zeros(5), "payload": 0.4}}
     model = replace(load_model("trunk"), effects=carries)
-    result = diagnose([recorded({"backlash": {"half_width": on(2, 6e-4)}}, 30.0)], model=model)
+    seen = arms.recorded({"backlash": {"half_width": arms.on(2, 6e-4)}}, 30.0)
+    result = diagnose([seen], model=model)
     assert [f.effect for f in result.findings] == ["backlash"]
     assert result.model.effects["load_elasticity"]["payload"] == 0.4
