@@ -57,6 +57,9 @@ def test_effects_that_are_known_are_told_as_the_page_tells_them(files: Path) -> 
     model = load_model(files / "my-known-arm.yaml")
     assert set(model.effects) == {"load_elasticity", "joint_coupling", "viscous_lag"}
     assert model.effects["load_elasticity"]["upstream"] == 1.0
+    assert model.effects["load_elasticity"]["payload_from"] == 30.0
+    assert model.effects["joint_coupling"]["source"] == ["", "shoulder", ""]
+    assert model.effects["viscous_lag"]["form"] == "proportional"
 
 
 def test_the_mapping_of_own_arm_is_a_mapping(files: Path) -> None:

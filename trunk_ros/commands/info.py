@@ -165,23 +165,25 @@ def spoken(found: dict[str, Any]) -> list[str]:
         span = f"{m['low']:+.3f} … {m['high']:+.3f} {m['unit']}"
         rows.append((joint, span, f"{m['speed']:.2g} {m['unit']}/s", str(m["turns"])))
     lines += [*columns(rows), "", "what can be diagnosed"]
+    units = {joint: m["unit"] for joint, m in found["joints"].items()}
     for stage, told in found["stages"].items():
-        lines += _stage(stage, told, {joint: m["unit"] for joint, m in found["joints"].items()})
+        lines += _stage(stage, told, units)
     odd = [f"{name}: {one}" for name in ("mixed up", "note") for one in found[name.replace(" ", "_")]]
     return [*lines, "", *odd] if odd else lines
 
 
 def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]:
-    if not told["possible"]:
-        return [f"  {stage:6}no: {told['missing']}"]
     from trunk_ros.diagnosis.verdict.units import sized
 
+    if not told["possible"]:
+        return [f"  {stage:6}no: {told['missing']}"]
     noise: dict[str, list[float]] = {}
     for joint, value in told["joints"].items():
         if value:
             noise.setdefault(units.get(joint, "rad"), []).append(value)
     sensed = [f"{sized(min(some), unit, 2)} … {sized(max(some), unit, 2)}" for unit, some in noise.items()]
-    lines = [f"  {stage:6}yes: {', '.join(told['joints'])}{'; noise ' * bool(sensed)}{', '.join(sensed)}"]
+    said = f"; noise {', '.join(sensed)}" if sensed else ""
+    lines = [f"  {stage:6}yes: {', '.join(told['joints'])}{said}"]
     if told["silent"]:
         lines.append(f"        hardly moves: {', '.join(told['silent'])}")
     lines.append(f"        tried: {', '.join(told['effects'])}")

@@ -13,7 +13,7 @@ from test.concealed.awkward import slow_noise
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, smoothed, with_curve
-from trunk_ros.diagnosis.evidence.wandering import _bare, _held, steadied
+from trunk_ros.diagnosis.evidence.wandering import _bare, _put_together, steadied
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
@@ -173,14 +173,16 @@ def test_what_a_model_carries_on_no_joint_stays_where_such_a_curve_goes() -> Non
     assert found["load_elasticity"].shared == {"payload": 0.4}
 
 
-def test_a_name_in_another_form_than_that_of_a_joint_takes_nothing_from_it() -> None:
-    fit = left("zero_offset", forgets=0.9, offset=on(2, 3e-3))
-    noise = {1: likeliest_noise(fit.context, fit.hypothesis, 1)[0]}
-    both = over_time(fit)
-    both["hard_stop"] = Term("hard_stop", "upper", own={0: {"upper": 0.5}})
-    other = Hypothesis({"hard_stop": Term("hard_stop", "lower", own={1: {"lower": -0.5}})})
-    found = _held(costed(fit.context, both), noise, {1: other}).hypothesis
-    assert "hard_stop" not in found or all(found["hard_stop"].own.values())
+@pytest.mark.parametrize(("form", "taken"), [("upper", True), ("lower", False)])
+def test_a_name_is_put_to_that_of_another_joint_in_the_same_form_alone(form: str, taken: bool) -> None:
+    """In another form it would have no value."""
+    found = over_time(left())
+    found["hard_stop"] = Term("hard_stop", "upper", own={0: {"upper": 0.5}})
+    other = Hypothesis({"hard_stop": Term("hard_stop", form, own={1: {form: 0.4}})})
+    together = _put_together(found, {1: other})
+    assert together.keys() == {"hard_stop"}
+    assert together["hard_stop"].own == {0: {"upper": 0.5}} | ({1: {"upper": 0.4}} if taken else {})
+    assert "unknown" in found
 
 
 def test_no_name_is_looked_for_where_the_work_is_done() -> None:

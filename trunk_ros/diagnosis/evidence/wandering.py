@@ -91,18 +91,24 @@ def _new(there: Hypothesis, before: Hypothesis, column: int) -> list[Term]:
 
 
 def _held(now: Fit, noise: dict[int, Noise], bare: Mapping[int, Hypothesis]) -> Fit:
-    """With noises of joints, without the curves over time on those that are ``bare`` of them, with what these
-    have in their place, as far as joints have it in the same form, and with names that hold then.
+    """With noises of joints, with those that are ``bare`` of curves over time, and with names that hold
+    then.
     """
-    less = now.hypothesis
-    for column, there in bare.items():
-        less = untimed(less, column)
-        for term in _new(there, less, column):
-            if term.effect not in less or less[term.effect].form == term.form:
-                less = less.copy()
-                less.have(column, term)
     steady = replace(wandering_in(now.context, noise), claims=True)
-    return descend(refit(steady, less), (DROP, SWAP_ALL, SWAP), Desk())
+    return descend(refit(steady, _put_together(now.hypothesis, bare)), (DROP, SWAP_ALL, SWAP), Desk())
+
+
+def _put_together(found: Hypothesis, bare: Mapping[int, Hypothesis]) -> Hypothesis:
+    """Without the curves over time on joints that are ``bare`` of them, with what these have in their place,
+    as far as other joints have it in the same form.
+    """
+    out = found.copy()
+    for column, there in bare.items():
+        out = untimed(out, column)
+        for term in _new(there, out, column):
+            if term.effect not in out or out[term.effect].form == term.form:
+                out.have(column, term)
+    return out
 
 
 def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, Noise]) -> dict[int, Noise]:

@@ -77,8 +77,8 @@ class ArmProblem:
         self._scores: dict[frozenset[Key], float] = {}
         self.linearise(self.known)
         lasting = lasting or lasting_on(self.arm.joints, {})
-        self.from_joints = self._at_the_tip(lasting.std)
-        self.standing = self._at_the_tip(lasting.counted([d.stamp for d in data]))
+        counted = lasting.counted([d.stamp for d in data])
+        self.from_joints, self.standing = self._at_the_tip(np.stack([lasting.std, counted]))
         self.estimate_noise(self.known)
         free = self._free()
         self.estimate_noise(free)
@@ -134,12 +134,12 @@ class ArmProblem:
         return self.strays > 0
 
     def _at_the_tip(self, lasting: Array) -> Array:
-        """(signals,) what lasting noise of the joints comes to at the tip."""
+        """(k, signals) what lasting noises of the joints (k, joints) come to at the tip."""
         body, _ = self._bent(self.data[0], self.known)
-        power = np.zeros(len(self.signals))
+        power = np.zeros((len(lasting), len(self.signals)))
         for d in self.data:
-            ways = body.jacobian(d.theta)[:, self.rows] * lasting
-            power += np.mean((ways**2).sum(axis=2), axis=0)
+            ways = np.mean(body.jacobian(d.theta)[:, self.rows] ** 2, axis=0)
+            power += lasting**2 @ ways.T
         return np.asarray(np.sqrt(power / len(self.data)))
 
     # Prediction
