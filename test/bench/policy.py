@@ -1,8 +1,10 @@
 """``python -m test.bench policy``: what the diagnosis hangs on. Every constant a third up and a third down.
 
-They are changed in a copy of the package, and the same concealed cases are diagnosed with it. Several at
-once, each up or down by chance, and then all of them the other way: where F1 stays, it hangs on none of them;
-where it does not, each half is tried on its own, down to single ones (group testing, Dorfman 1943).
+They are changed in copies of the package, all at once: each up or down by chance, and in the next copy all
+the other way. A few of the concealed cases are diagnosed with each pair of copies, and what goes wrong with
+one of a pair and not with the other is put down to each constant by its sign, so that every diagnosis tells
+of all of them (a factorial experiment, Fisher 1926). Those that seem to matter are then changed alone, on the
+cases that some copy got wrong.
 """
 
 from __future__ import annotations
@@ -17,11 +19,12 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -32,7 +35,10 @@ ROOT = Path(__file__).parents[2]
 PACKAGE = "trunk_ros"
 FACTORS = (2 / 3, 4 / 3)
 MOST = 0.01  # of F1: what may hang on one constant
-CASES, SEEDS, AT_ONCE = 150, 52000, 12
+CASES, SEEDS = 150, 52000
+FEW = 6  # cases that are diagnosed with a copy
+SEEN = 2  # pairs of copies that see a case
+SURE = 2.0  # standard errors from which a constant seems to matter
 KINDS = (None, None, "masses", "everyday", "awkward", "events")  # None: the proof's own mixture
 
 
@@ -52,15 +58,21 @@ class Constant:
         return f"{Path(self.path).stem}.{self.name}"
 
     def scaled(self, factor: float) -> str:
-        """The text of its value times a factor; whole numbers stay whole, and change by one at least."""
+        """The text of its value times a factor; whole numbers stay whole, and change by one where they can;
+        of a share that would exceed 1 it is what is left to 1 that changes.
+        """
         return re.sub(r"(?<![\w.])[\d_]*\.?\d+(e[+-]?\d+)?", lambda n: _scaled(n[0], factor), self.value)
 
 
 def _scaled(number: str, factor: float) -> str:
     if not number.replace("_", "").isdigit():
-        return repr(float(number) * factor)
+        value = float(number)
+        share = value < 1.0 < value * max(FACTORS)
+        return repr(1.0 - (1.0 - value) * (2.0 - factor) if share else value * factor)
     whole = int(number)
-    return str(min(round(whole * factor), whole - 1) if factor < 1 else max(round(whole * factor), whole + 1))
+    if factor > 1:
+        return str(max(round(whole * factor), whole + 1))
+    return str(max(min(round(whole * factor), whole - 1), 1))
 
 
 def constants(root: Path = ROOT) -> list[Constant]:
@@ -95,6 +107,7 @@ def _is_numbers(value: ast.expr) -> bool:
 
 
 Change = tuple[Constant, float]
+Marks = dict[str, dict[str, Any]]
 
 
 def changed(changes: Sequence[Change], folder: Path) -> None:
@@ -108,32 +121,136 @@ def changed(changes: Sequence[Change], folder: Path) -> None:
         path.write_bytes(text[: constant.start] + constant.scaled(factor).encode() + text[end:])
 
 
-def dealt(every: Sequence[Constant], at_once: int) -> Iterator[list[Change]]:
-    """All constants in groups, each with a factor; always the same ones."""
+def dealt(every: Sequence[Constant], pairs: int) -> NDArray[np.int64]:
+    """(pairs, constants) of +1 and -1: whether the first of a pair of copies has a constant up or down.
+    Always the same ones; each is up as often as down, or once more.
+    """
     rng = np.random.default_rng(SEEDS)
-    order = rng.permutation(len(every))
-    signs = rng.integers(0, 2, len(every))
-    for begin in range(0, len(every), at_once):
-        yield [(every[k], FACTORS[signs[k]]) for k in order[begin : begin + at_once]]
+    even = np.where(np.arange(pairs)[:, None] % 2, 1, -1).repeat(len(every), axis=1)
+    return np.asarray(rng.permuted(even, axis=0))
 
 
-def mirrored(changes: Sequence[Change]) -> list[Change]:
-    """The same constants, each the other way."""
-    return [(constant, FACTORS[1 - FACTORS.index(factor)]) for constant, factor in changes]
+def wrong(mark: dict[str, Any]) -> int:
+    """Names that a case has missed or false."""
+    return len(mark["missed"]) + len(mark["false"])
 
 
-def f1_of(package: Path, cases: Path, results: Path, workers: int) -> float:
-    """F1 over the cases, diagnosed by the package in a folder. Raises RuntimeError where it fails on all."""
-    words = [str(cases), "--workers", str(workers), "--label", "policy", "--results", str(results)]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (package, ROOT)))}
-    subprocess.run(
-        [sys.executable, "-m", "test.concealed.score", *words, "--diagnose-only"],
-        cwd=package, env=environment, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    marks = [json.loads(path.read_text()) for path in sorted(results.rglob("score.json"))]
-    if all(one.get("failed") for one in marks):
-        raise RuntimeError(f"every case fails, {marks[0]['name']} with: {marks[0]['failed']}")
-    return float(summed_up(marks)["all"]["f1"])
+@dataclass
+class Bench:
+    """Cases in a folder, and where the answers of each package go: what is there is not made again."""
+
+    cases: Path
+    results: Path
+    workers: int
+    console: Console
+    rows: list[dict[str, Any]] = field(default_factory=list)
+
+    def marks(self, name: str, changes: Sequence[Change], some: Sequence[str]) -> Marks:
+        """Marks of some cases, diagnosed by a package with changes. Raises RuntimeError where all fail."""
+        folder = self.results / name
+        (folder / "cases").mkdir(parents=True, exist_ok=True)
+        for case in some:
+            if not (folder / "cases" / case).exists():
+                (folder / "cases" / case).symlink_to(self.cases / case)
+        if not all((folder / "policy" / case / "score.json").exists() for case in some):
+            self._diagnosed(folder, changes)
+        marks = {case: json.loads((folder / "policy" / case / "score.json").read_text()) for case in some}
+        if all(one.get("failed") for one in marks.values()):
+            first = next(iter(marks))
+            raise RuntimeError(f"every case fails, {first} with: {marks[first]['failed']}")
+        return marks
+
+    def _diagnosed(self, folder: Path, changes: Sequence[Change]) -> None:
+        package = folder / "package"
+        shutil.rmtree(package, ignore_errors=True)  # of a run that was stopped
+        changed(changes, package)
+        words = [str(folder / "cases"), "--workers", str(self.workers), "--results", str(folder)]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (package, ROOT)))}
+        subprocess.run(
+            [sys.executable, "-m", "test.concealed.score", *words, "--label", "policy", "--diagnose-only"],
+            cwd=package, env=environment, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        shutil.rmtree(package)
+
+    def all_at_once(self, every: Sequence[Constant], plain: Marks) -> tuple[list[Marks], list[Constant]]:
+        """Marks of each copy, and the constants that seem to matter, those that do most first."""
+        names = sorted(plain)
+        parts = [names[first : first + FEW] for first in range(0, len(names), FEW)]
+        signs = dealt(every, SEEN * len(parts))
+        told, differences, by = [], [], []
+        for pair, sign in enumerate(signs):
+            part = parts[pair % len(parts)]
+            both = [self.marks(f"pair_{pair}_{way:+d}", _moved(every, way * sign), part) for way in (1, -1)]
+            told += both
+            differences += [wrong(both[0][case]) - wrong(both[1][case]) for case in part]
+            by += [sign] * len(part)
+            here = [sum(map(wrong, marks.values())) for marks in (*both, {c: plain[c] for c in part})]
+            self.console.print(
+                f"pair {pair + 1} of {len(signs)}: {here[0]} and {here[1]} wrong for {here[2]}"
+            )
+        found, scatter = effects(np.array(by), np.array(differences, dtype=float))
+        f1 = {str(each): _in_f1(plain, one) for each, one in zip(every, found, strict=True)}
+        self.rows.append({"all_at_once": f1, "std": abs(_in_f1(plain, scatter))})
+        order = np.argsort(-np.abs(found))
+        return told, [every[k] for k in order if abs(found[k]) > SURE * scatter]
+
+    def alone(self, some: Sequence[Constant], plain: Marks, cases: Sequence[str]) -> None:
+        """Each up and down, with what that comes to in F1 over all cases, of which ``cases`` are tried."""
+        table = Table("constant", "changed to", "F1", title=f"one at a time, on {len(cases)} cases")
+        for each in some:
+            for factor in FACTORS:
+                marks = self.marks(f"{each}_{factor:.2f}", [(each, factor)], cases)
+                f1 = f1_of({**plain, **marks}) - f1_of(plain)
+                told = {"changed_to": {str(each): each.scaled(factor)}, "f1": f1}
+                self.rows.append(told)
+                mark = " *" if abs(f1) > MOST else ""
+                table.add_row(f"{each} = {each.value}", each.scaled(factor), f"{f1:+.3f}{mark}")
+        self.console.print(table if table.row_count else "no constant seems to matter")
+
+
+def effects(signs: NDArray[np.int64], differences: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """(constants,) wrong names a case that each constant makes when it is up and not as it is, and their
+    standard error; ``signs`` (runs, constants), ``differences`` (runs,) of wrong names between two copies.
+    """
+    found = signs.T @ differences / (2 * len(differences))
+    return found, float(np.sqrt(np.mean(differences**2) / len(differences)) / 2)
+
+
+def _moved(every: Sequence[Constant], signs: NDArray[np.int64]) -> list[Change]:
+    return [(each, FACTORS[int(sign > 0)]) for each, sign in zip(every, signs, strict=True)]
+
+
+def _in_f1(plain: Marks, wrong_a_case: float) -> float:
+    """What wrong names a case come to in F1: 2 TP / (2 TP + wrong), where nearly all are right."""
+    names = sum(len(one["hits"]) + len(one["missed"]) for one in plain.values())
+    return -float(wrong_a_case) * len(plain) / max(2 * names, 1)
+
+
+def f1_of(marks: Marks) -> float:
+    """F1 over cases."""
+    return float(summed_up(list(marks.values()))["all"]["f1"])
+
+
+def measured(bench: Bench, wanted: Sequence[Constant], every: Sequence[Constant]) -> dict[str, Any]:
+    """The figures, of ``wanted`` constants alone where these are not ``every``."""
+    cases = sorted(path.name for path in bench.cases.glob("case_*"))
+    plain = bench.marks("plain", [], cases)
+    bench.console.print(f"F1 {f1_of(plain):.3f} as it is, {len(cases)} cases")
+    told = {"schema": "trunk_ros/policy/2", "f1": f1_of(plain), "cases": len(cases), "rows": bench.rows}
+    if len(wanted) < len(every):
+        bench.alone(wanted, plain, cases)
+        return told
+    copies, some = bench.all_at_once(every, plain)
+    runs = [mark for marks in copies for mark in marks.values()]
+    f1 = float(summed_up(runs)["all"]["f1"])
+    seconds = [float(np.median([one["seconds"] for one in each])) for each in (runs, plain.values())]
+    bench.console.print(
+        f"F1 {f1:.3f} with all {len(every)} changed, {len(runs)} diagnoses by {len(copies)} copies; "
+        f"one constant is known to {bench.rows[0]['std']:.3f}; median {seconds[0]:.1f} s for {seconds[1]:.1f}"
+    )
+    doubtful = sorted({c for marks in copies for c, one in marks.items() if wrong(one) or wrong(plain[c])})
+    bench.alone(some, plain, doubtful)
+    return {**told, "f1_all_at_once": f1, "copies": len(copies), "diagnoses": len(runs)}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -141,12 +258,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m test.bench policy", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="FILE.NAME", help="constants, all by default")
     parser.add_argument("--cases", type=int, default=CASES, help=f"cases to diagnose, default {CASES}")
-    parser.add_argument(
-        "--at-once", type=int, default=AT_ONCE, help=f"constants that are changed together, default {AT_ONCE}"
-    )
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--list", action="store_true", help="name all constants, and end")
     parser.add_argument("--output", type=Path, help="JSON file for the figures")
+    parser.add_argument(
+        "--results", type=Path, help="folder for cases and answers; run again, it goes on there"
+    )
     asked = parser.parse_args(argv)
     every = constants()
     if asked.list:
@@ -155,44 +272,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     unknown = set(asked.names) - {str(each) for each in every}
     if unknown:
         parser.error(f"no constant {', '.join(sorted(unknown))}: --list names them")
-    console = Console(width=None if sys.stdout.isatty() else 110)
-    rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder:
-        there = Path(folder)
+        there = (asked.results or Path(folder)).absolute()
         for seed in range(SEEDS, SEEDS + asked.cases):
             generate(range(seed, seed + 1), there / "cases", KINDS[seed % len(KINDS)])
-        plain = f1_of(ROOT, there / "cases", there / "plain", asked.workers)
-        console.print(f"F1 {plain:.3f} as it is, {asked.cases} cases")
-
-        def keep() -> None:
-            """What is known so far."""
-            if asked.output:
-                told = {"schema": "trunk_ros/policy/1", "f1": plain, "cases": asked.cases, "rows": rows}
-                asked.output.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-
-        wanted = [each for each in every if not asked.names or str(each) in asked.names]
-        waiting = list(dealt(wanted, asked.at_once))[::-1]
-        while waiting:
-            group = waiting.pop()
-            tried = []
-            for changes in (group, mirrored(group)):
-                package = there / "package"
-                changed(changes, package)
-                tried.append(f1_of(package, there / "cases", package / "results", asked.workers) - plain)
-                shutil.rmtree(package)
-                told = {str(each): each.scaled(factor) for each, factor in changes}
-                rows.append({"changed_to": told, "f1": plain + tried[-1]})
-                words = ", ".join(f"{each} {each.value} -> {told[str(each)]}" for each, _ in changes)
-                console.print(f"{tried[-1]:+.3f} {words}")
-                keep()
-            if max(map(abs, tried)) > MOST and len(group) > 1:
-                half = len(group) // 2
-                waiting += [group[half:], group[:half]]
-    table = Table("constant", "changed to", "F1", title=f"F1 hangs on these by more than {MOST}")
-    for row in rows:
-        if abs(row["f1"] - plain) > MOST and len(row["changed_to"]) == 1:
-            table.add_row(*row["changed_to"].popitem(), f"{row['f1'] - plain:+.3f}")
-    console.print(table if table.row_count else f"F1 hangs on none of them by more than {MOST}")
+        console = Console(width=None if sys.stdout.isatty() else 110)
+        bench = Bench(there / "cases", there / "results", asked.workers, console)
+        told = measured(bench, [each for each in every if str(each) in asked.names] or every, every)
+    if asked.output:
+        asked.output.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     return 0
 
 

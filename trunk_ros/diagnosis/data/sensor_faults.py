@@ -150,7 +150,8 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
         return out
     shown, left = readings[known], left[known] - np.median(left[known])
     usual = TENFOLD * MEDIAN_TO_STD * float(np.median(np.abs(left[_moved(shown - left)])))
-    before, after = (median_filter(left, BESIDE, origin=side * (BESIDE // 2)) for side in (1, -1))
+    wide = BESIDE | 1  # a window has a middle
+    before, after = (median_filter(left, wide, origin=side * (wide // 2)) for side in (1, -1))
     leaps = np.maximum(leap(left), CLEARLY * maximum_filter(np.abs(np.diff(shown - left)), 2 * BESIDE + 1))
     ends = np.minimum(np.abs(np.diff(left)), np.abs(after[1:] - before[:-1])) > leaps
     ends &= np.abs(after[1:]) < usual
