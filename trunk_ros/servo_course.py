@@ -17,6 +17,7 @@ from trunk_ros.recording.signal.resample import SAME, joint_grid, stops_to_measu
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
 DRIFT = 0.5  # standard deviations of noise: four of the mean over AGREES samples
 WILD = 6.0  # standard deviations of noise
+PIECE = 2**17  # samples that are computed together: of long recordings more would not fit into memory
 AGREES = 65  # samples around a moment whose readings must all be those of the servo's course
 
 
@@ -24,7 +25,11 @@ def servo_course(setpoints: JointSeries, wanted: Floats, model: ArmModel) -> Joi
     """Gearbox angles of the model's servos under setpoints, at the stamps ``wanted`` (n,) s."""
     grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
     last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
-    phi, _ = Chain(model.only(setpoints.joints), "servo").run(hold(setpoints.position)[last], grid)
+    held, chain = hold(setpoints.position), Chain(model.only(setpoints.joints), "servo")
+    phi, state = np.empty((len(grid), held.shape[1])), None
+    for first in range(0, len(grid), PIECE):
+        piece = slice(first, first + PIECE)
+        phi[piece], state = chain.run(held[last[piece]], grid[piece], state)
     return JointSeries(wanted[kept], setpoints.joints, phi[rows])
 
 
@@ -67,20 +72,23 @@ def as_the_servo_went(
     if setpoints is None:
         return phi
     course = servo_course(setpoints, np.union1d(stamp, grid), model)
-    there = course.position[np.searchsorted(course.stamp, stamp)]
-    off = _off(there - fill(gearbox.position), steps)
+    there, on_grid = np.searchsorted(course.stamp, stamp), np.searchsorted(course.stamp, grid)
     before = np.clip(np.searchsorted(stamp, grid + SAME, side="right") - 1, 0, len(stamp) - 1)
     after = np.clip(np.searchsorted(stamp, grid - SAME), 0, len(stamp) - 1)
-    went = course.position[np.searchsorted(course.stamp, grid)]
-    return np.where(off[before] | off[after], phi, went)
+    went, readings = phi.copy(), fill(gearbox.position)
+    for joint, step in enumerate(steps):  # of a long recording that of all would not fit into memory
+        led = course.position[:, joint]
+        off = _off(led[there] - readings[:, joint], step)
+        went[:, joint] = np.where(off[before] | off[after], phi[:, joint], led[on_grid])
+    return went
 
 
-def _off(apart: Floats, steps: Floats) -> np.ndarray:
-    """(n, joints): near which a course is not that of the readings, which are ``apart`` from it; noise has no
+def _off(apart: Floats, step: float) -> np.ndarray:
+    """(n,) near which a course is not that of the readings, which are ``apart`` from it (n,); noise has no
     course of its own.
     """
-    rounded = (np.abs(apart) <= (0.5 + ON_GRID) * steps) & (steps > 0.0)
-    noise = np.median(np.abs(np.diff(apart, axis=0)), axis=0) * MEDIAN_TO_STD / np.sqrt(2.0)
-    drifts = np.abs(uniform_filter1d(apart, AGREES, axis=0)) > DRIFT * noise
-    noisy = ~drifts & (np.abs(apart) < WILD * noise) & (noise > HIDDEN * steps)
-    return np.asarray(maximum_filter1d(~(rounded | noisy), AGREES, axis=0))
+    rounded = (np.abs(apart) <= (0.5 + ON_GRID) * step) & (step > 0.0)
+    noise = float(np.median(np.abs(np.diff(apart)))) * MEDIAN_TO_STD / np.sqrt(2.0)
+    drifts = np.abs(uniform_filter1d(apart, AGREES)) > DRIFT * noise
+    noisy = ~drifts & (np.abs(apart) < WILD * noise) & (noise > HIDDEN * step)
+    return np.asarray(maximum_filter1d(~(rounded | noisy), AGREES))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from trunk_ros.diagnosis import aside as module
-from trunk_ros.diagnosis.aside import aside
+from trunk_ros.diagnosis.aside import aside, size_of
 from trunk_ros.recording.recording import JointSeries, Recording
 
 
@@ -31,21 +31,30 @@ def long(monkeypatch: pytest.MonkeyPatch) -> list[Recording]:
 
 def test_long_recordings_are_away_within_and_as_they_were_afterwards(long: list[Recording]) -> None:
     wires, before = [long[0]], position(long).copy()
-    with aside(long, wires):
+    with aside(size_of(long), long, wires):
         assert [*long, *wires] == []
     assert np.array_equal(position(long), before)
     assert wires[0] is long[0]  # what was one thing is not there twice
 
 
 def test_they_come_back_after_an_error(long: list[Recording]) -> None:
-    with pytest.raises(ValueError, match="wrong"), aside(long):
+    with pytest.raises(ValueError, match="wrong"), aside(size_of(long), long):
         raise ValueError("wrong")
     assert len(long) == 1
 
 
+def test_what_is_made_meanwhile_is_there_beside_what_was_away(long: list[Recording]) -> None:
+    drawn = {"wire": position(long)}
+    with aside(size_of(long), drawn):
+        assert drawn == {}
+        drawn["servo"] = np.zeros(3)
+    assert drawn.keys() == {"wire", "servo"}
+    assert np.array_equal(drawn["wire"], position(long))
+
+
 def test_short_recordings_stay() -> None:
     short = of(1000)
-    with aside(short):
+    with aside(size_of(short), short):
         assert len(short) == 1
 
 
@@ -56,8 +65,8 @@ def test_recordings_stay_where_no_disk_has_room(
         raise OSError("no space left on device")
 
     monkeypatch.setattr(module.pickle, "dump", full)
-    with aside(long):
+    with aside(size_of(long), long):
         assert len(long) == 1
     monkeypatch.setattr(tempfile, "TemporaryFile", full)
-    with aside(long):
+    with aside(size_of(long), long):
         assert len(long) == 1

@@ -6,24 +6,27 @@ import pickle
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from typing import IO
+from typing import IO, Any
 
 from trunk_ros.diagnosis.heap import RETURNED, give_back
 from trunk_ros.recording.recording import Recording
 
 
+def size_of(recordings: Sequence[Recording]) -> int:
+    """Bytes of all joints' positions."""
+    return sum(series.position.nbytes for r in recordings for series in r.series.values())
+
+
 @contextmanager
-def aside(*lists: list[Recording]) -> Iterator[None]:
-    """Lists of long recordings are empty within, and as they were afterwards: while a stage is searched that
-    has all that it needs of them, they lie in the directory for temporary files. Short ones, and those for
-    which there is no room, stay.
+def aside(size: int, *kept: list[Any] | dict[Any, Any]) -> Iterator[None]:
+    """What is kept of recordings of so much ``size`` is gone within, and back afterwards: while nobody looks
+    at it, it lies in the directory for temporary files. Of small ones, and where there is no room, it stays.
     """
-    size = sum(series.position.nbytes for r in lists[0] for series in r.series.values())
-    file = _written(lists) if size >= RETURNED else None
+    file = _written(kept) if size >= RETURNED else None
     if file is None:
         yield
         return
-    for some in lists:
+    for some in kept:
         some.clear()
     give_back()
     with file:
@@ -32,14 +35,14 @@ def aside(*lists: list[Recording]) -> Iterator[None]:
         finally:
             give_back()
             file.seek(0)
-            for some, back in zip(lists, pickle.load(file), strict=True):
-                some.extend(back)
+            for some, back in zip(kept, pickle.load(file), strict=True):
+                some.update(back) if isinstance(some, dict) else some.extend(back)
 
 
-def _written(lists: Sequence[list[Recording]]) -> IO[bytes] | None:
+def _written(kept: Sequence[list[Any] | dict[Any, Any]]) -> IO[bytes] | None:
     with suppress(OSError), ExitStack() as closing:
         file: IO[bytes] = closing.enter_context(tempfile.TemporaryFile())
-        pickle.dump(lists, file, pickle.HIGHEST_PROTOCOL)
+        pickle.dump(kept, file, pickle.HIGHEST_PROTOCOL)
         file.flush()  # a full disk shows here at the latest
         closing.pop_all()
         return file

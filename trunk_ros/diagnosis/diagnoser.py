@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.against import SERVO, Simulator
-from trunk_ros.diagnosis.aside import aside
+from trunk_ros.diagnosis.aside import aside, size_of
 from trunk_ros.diagnosis.beside import put_right_beside
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import common_joints, servo_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.data.other_simulator import shifted
-from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.diagnosis.data.quality import quality_by_name
+from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
 from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
@@ -72,6 +72,7 @@ class Diagnoser:
         self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
         self.units = recordings[0].units
         self.experiments, self.settle, self.servos = experiments, settle, servos
+        self.size = size_of(recordings)
         topics = set.intersection(*(set(r.series) for r in recordings))
         servo_alone = "joint_states" not in topics and {"setpoints", "gearbox_states"} <= topics
         tip_alone = "gearbox_states" not in topics and all(r.tip is not None for r in recordings)
@@ -94,7 +95,8 @@ class Diagnoser:
             if against is None
             else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
-        self.result = Diagnosis({}, [], [], [], self.model, plots=Plots())
+        self.plots = Plots()
+        self.result = Diagnosis({}, [], [], [], self.model, plots=self.plots)
         self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
         self.left: dict[str, Error] = {}  # by the fit of the wires, of each joint
@@ -107,8 +109,9 @@ class Diagnoser:
         """All stages."""
         self.result.stages["servo"] = {"compared": False, "joints": {}}  # comes first in what is said
         self.wire()
-        self.servo()  # with the payload that the wires show
-        self.tip()
+        with aside(self.size, self.plots.signals):
+            self.servo()  # with the payload that the wires show
+            self.tip()
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
         self._say_what_is_mixed_up()
         self._refuse_if_nothing_was_seen()
@@ -116,7 +119,7 @@ class Diagnoser:
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
         self.result.model = self._with_limits(replace(self.model, effects=kept, duration=longest))
-        self.result.quality = _by_name(self.recordings, self.model, self.mixed, self.result.model)
+        self.result.quality = quality_by_name(self.recordings, self.model, self.mixed, self.result.model)
         return self.result
 
     def _with_limits(self, model: Model) -> Model:
@@ -158,10 +161,11 @@ class Diagnoser:
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         found = replace(self.model, effects={**self.model.effects, **self.effects})
-        stage = ServoStage(spans, found, self.units, recorded)
+        filled = how_far_off(recorded, self.joints)
         del recorded
-        with aside(self.recordings, self.wires):
-            self._stage(stage)
+        with aside(self.size, self.recordings, self.wires):
+            self._stage(ServoStage(spans, found, self.units, filled))
+            spans.clear()
 
     def found_servos(self) -> Servos:
         """Those of joints of which the model says nothing and the recordings tell."""
@@ -187,7 +191,7 @@ class Diagnoser:
             self.result.stages["wire"] = {"compared": False, "joints": {}}
             return
         self.say("wire")
-        with aside(self.recordings, self.wires):
+        with aside(self.size, self.recordings, self.wires):
             wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
             self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
             del wires
@@ -256,7 +260,6 @@ class Diagnoser:
                 self.result.trajectories[file] = done.motion
 
     def _plot(self, context: Context, hypothesis: Hypothesis) -> None:
-        assert self.result.plots is not None
         for c in context.columns:
             span = context.views[0].span
             drawn = {
@@ -268,7 +271,7 @@ class Diagnoser:
             }
             told = {"stamp": span.stamp, "valid": span.valid[:, c].copy(), "noise": context.noise[c].std}
             single = {key: values.astype(np.float32) for key, values in drawn.items()}
-            self.result.plots.signals[context.stage.name, context.joints[c]] = {**told, **single}
+            self.plots.signals[context.stage.name, context.joints[c]] = {**told, **single}
 
     def tip(self) -> None:
         """Joint to tip."""
@@ -286,15 +289,3 @@ class Diagnoser:
             self.recordings[0] = replace(self.recordings[0], notes=(*self.recordings[0].notes, note))
         self.result.findings += found
         self.effects |= values
-
-
-def _by_name(
-    recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]], fitted: Model
-) -> dict[str, Any]:
-    """Quality by name of recording; those of one name are numbered."""
-    out: dict[str, Any] = {}
-    for number, recording in enumerate(recordings, start=1):
-        name = recording.name if recording.name not in out else f"{recording.name} ({number})"
-        found = mixed[number - 1] if mixed else []
-        out[name] = quality_of_recording(recording, model, found, fitted)
-    return out

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, MutableMapping
 from typing import Any, TypeVar
 
+import numpy as np
+
 Key = TypeVar("Key", bound=Hashable)
 
 NUMBER = 4
@@ -19,6 +21,18 @@ FACTORS = 8
 """Sizes of which one logarithm is taken: a product of more might be no number."""
 BOUND = 64
 """Blocks of one joint kept: what a fit leaves as it is is not made anew."""
+
+
+def pieces(rows: int) -> list[slice]:
+    """Rows that are computed together; of short recordings all of them."""
+    return [slice(k, k + CELLS) for k in range(0, max(rows, 1), CELLS)]
+
+
+def precision(rows: int) -> type[np.floating[Any]]:
+    """What is kept of so many rows of much that effects or features make: of long recordings in single
+    precision, which is less than any of it is known to.
+    """
+    return np.float64 if rows <= CELLS else np.float32
 
 
 def make_room(kept: MutableMapping[Key, Any], rows: int, among: Iterable[Key]) -> None:

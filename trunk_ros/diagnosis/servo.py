@@ -10,7 +10,6 @@ from trunk_ros.chain import Chain, run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.seen import joined
-from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
@@ -18,7 +17,6 @@ from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
 from trunk_ros.effects.servo.loop import STEP, fresh
 from trunk_ros.model import Model
-from trunk_ros.recording.recording import Recording
 
 
 class ServoStage(Stage):
@@ -33,11 +31,11 @@ class ServoStage(Stage):
         spans: Sequence[Span],
         model: Model,
         units: dict[str, str] | None = None,
-        recordings: Sequence[Recording] = (),
+        filled: Array | None = None,
     ):
-        """``recordings``: those of the spans, which tell how far setpoints that were filled in are off."""
+        """``filled``: by how much (joints,) rad rms setpoints are off that nobody recorded."""
         super().__init__(spans, model, units)
-        self.filled = how_far_off(recordings, self.joints)
+        self.filled = np.zeros(len(self.joints)) if filled is None else filled
 
     def _view(self, span: Span) -> View:
         """The joints are where their wires take them, not just where the gearboxes are."""

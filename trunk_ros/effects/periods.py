@@ -29,8 +29,8 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
         return ()
     bent = np.polynomial.Polynomial.fit(x, rest, 3)
     sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent(x))
-    size = FINER * len(sums)
-    turns = 2 * np.pi * np.fft.rfftfreq(size, cell)
-    power = np.where((turns > low) & (turns < high), np.abs(np.fft.rfft(sums, size)), 0.0)
+    turn = 2 * np.pi / (FINER * len(sums) * cell)
+    power = np.abs(np.fft.rfft(sums, FINER * len(sums)))
+    power[: int(low / turn) + 1] = power[int(np.ceil(high / turn)) :] = 0.0
     peaks = 1 + np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] > power[2:]))
-    return tuple(turns[peaks[np.argsort(-power[peaks])][:most]].tolist())
+    return tuple((turn * peaks[np.argsort(-power[peaks])][:most]).tolist())

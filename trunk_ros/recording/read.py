@@ -153,7 +153,9 @@ def _decode(path: Path, contents: Contents, progress: Progress) -> tuple[dict[st
 
 
 def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], remarks: list[str]) -> Recording:
-    """Series with common stamps; RecordingError if no topic has a message."""
+    """Series with common stamps; RecordingError if no topic has a message. What was decoded is given up topic
+    by topic: of a long recording both would not fit into memory.
+    """
     full = {key: decoder for key, decoder in decoders.items() if decoder.pieces}
     remarks = loss_remarks(contents, decoders) + recorder_remarks(contents.custom) + remarks
     if not full:
@@ -165,6 +167,7 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     for key, decoder in full.items():
         contents.allowance.check(table_bytes(decoder.pieces))
         series[key], count, remark = joint_series(decoder.pieces, start_ns)
+        decoder.pieces.clear()
         counts[key] = replace(
             count,
             messages=count.messages + decoder.blank,

@@ -74,3 +74,15 @@ def quality_of_recording(
         "mix_ups": [{**asdict(one), "joints": list(one.joints)} for one in mixed],
         "observed": [asdict(one) for one in recording.observed],
     }
+
+
+def quality_by_name(
+    recordings: list[Recording], model: Model, mixed: Sequence[list[MixUp]], fitted: Model
+) -> dict[str, Any]:
+    """The same by name of recording; those of one name are numbered."""
+    out: dict[str, Any] = {}
+    for number, recording in enumerate(recordings, start=1):
+        name = recording.name if recording.name not in out else f"{recording.name} ({number})"
+        found = mixed[number - 1] if mixed else []
+        out[name] = quality_of_recording(recording, model, found, fitted)
+    return out

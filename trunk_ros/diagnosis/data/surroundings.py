@@ -13,7 +13,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
-from trunk_ros.diagnosis.machine import CELLS, make_room
+from trunk_ros.diagnosis.machine import make_room, pieces, precision
 from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.effects.now import Made
 
@@ -218,11 +218,8 @@ def _off(target: Array, predicted: Array, valid: np.ndarray, out: Array) -> None
 
 def _by_pieces(of: Callable[[Array], Array], angles: Array) -> Array:
     """What is known (m, ...) at angles (m, joints); of long recordings in single precision."""
-    if len(angles) <= CELLS:
-        return of(angles)
-    return np.concatenate(
-        [of(angles[k : k + CELLS]).astype(np.float32) for k in range(0, len(angles), CELLS)]
-    )
+    many, kept = pieces(len(angles)), precision(len(angles))
+    return of(angles) if len(many) == 1 else np.concatenate([of(angles[k]).astype(kept) for k in many])
 
 
 def _row_of(masses: Array, joint: int) -> Array:

@@ -8,6 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.levels import SEVERAL, TENFOLD
+from trunk_ros.diagnosis.machine import precision
 
 FINER = 4  # steps of a first look to each line's width, by which two waves part by a period
 
@@ -27,10 +28,9 @@ def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
     cell = np.round((stamp - stamp[0]) / step).astype(int)
     even = np.bincount(cell, weights=off) / np.maximum(np.bincount(cell), 1)
     size = next_fast_len(FINER * len(even))
-    power = np.abs(rfft(even, size)) ** 2
-    frequencies = np.arange(len(power)) / (size * step)
-    allowed = (frequencies >= low) & (frequencies <= high)
-    first = float(frequencies[allowed][int(np.argmax(power[allowed]))])
+    lines = np.abs(rfft(even.astype(precision(len(even)), copy=False), size))
+    least, most = int(np.ceil(low * size * step)), int(high * size * step)
+    first = (least + int(np.argmax(lines[least : most + 1]))) / (size * step)
     near = (max(first - 0.5 / span, low), min(first + 0.5 / span, high))
     best = minimize_scalar(lambda f: -_explained(f, stamp, off), bounds=near, method="bounded",
                            options={"xatol": 1e-4 / span})  # fmt: skip

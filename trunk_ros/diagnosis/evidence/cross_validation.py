@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +17,14 @@ from trunk_ros.diagnosis.search.fit import Fit, refit
 
 BLOCKS = 10
 DEALT = 5  # of many recordings, each of which is left out once
+
+
+class Block(NamedTuple):
+    """What errors come to in a block of time: samples, their mean, and the mean of their squares."""
+
+    many: int
+    mean: float
+    power: float
 
 
 @dataclass(frozen=True)
@@ -41,7 +51,7 @@ class Error:
 def _between(state: Fit) -> dict[int, tuple[float, float]]:
     """Zero and usual error [rad] of each column's recordings, each judged by a fit to others."""
     context, many = state.context, len(state.context.views)
-    left: dict[int, list[list[Array]]] = {c: [] for c in context.columns}
+    left: dict[int, list[list[Block]]] = {c: [] for c in context.columns}
     for fold in range(min(many, DEALT)):
         out = [k % DEALT == fold for k in range(many)]
         others = context.only(
@@ -56,9 +66,9 @@ def _between(state: Fit) -> dict[int, tuple[float, float]]:
 def held_out(state: Fit) -> dict[int, Error]:
     """Error of each column, each block of time judged by a fit to the other half of the blocks."""
     context = state.context
-    after: dict[int, list[Array]] = {c: [] for c in context.columns}
+    after: dict[int, list[Block]] = {c: [] for c in context.columns}
     for fold in (0, 1):
-        for c, errors in _unseen(state, fold).items():
+        for c, errors in _unseen(state, fold):
             after[c] += _blocks(context, errors, c, (fold,))
     nominal = context.seen_with(context.known)
     before = {c: _blocks(context, _errors(nominal, context.known, c), c, (0, 1)) for c in context.columns}
@@ -69,12 +79,13 @@ def held_out(state: Fit) -> dict[int, Error]:
     return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], new[c][1], new[c][0]) for c in noise}
 
 
-def _unseen(state: Fit, fold: int) -> dict[int, list[Array]]:
-    """Errors by column and span of what was fitted to the samples outside a fold alone."""
+def _unseen(state: Fit, fold: int) -> Iterator[tuple[int, list[Array]]]:
+    """Each column, and its errors by span of what was fitted to the samples outside a fold alone."""
     context = state.context
     half = context.only([fold_of(len(view.span.rows)) != fold for view in context.views])
     fitted = _fitted_anew(half, state.hypothesis)
-    return {c: _errors(half, fitted, c) for c in context.columns}
+    for c in context.columns:
+        yield c, _errors(half, fitted, c)
 
 
 def _fitted_anew(context: Context, hypothesis: Hypothesis) -> Hypothesis:
@@ -108,7 +119,7 @@ def _errors(context: Context, hypothesis: Hypothesis, column: int) -> list[Array
     return [view.span.target[:, column] - p for view, p in zip(context.views, said, strict=True)]
 
 
-def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int, ...]) -> list[Array]:
+def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int, ...]) -> list[Block]:
     """What counts of a column's errors, by blocks of time."""
     out = []
     for view, error in zip(context.views, errors, strict=True):
@@ -116,41 +127,47 @@ def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int
     return out
 
 
-def _cut(error: Array, valid: np.ndarray, folds: tuple[int, ...]) -> list[Array]:
+def _cut(error: Array, valid: np.ndarray, folds: tuple[int, ...]) -> list[Block]:
     """What counts of errors (n,), by blocks of time."""
     number = number_of(len(error))
-    chosen = [(number == block) & valid for block in range(BLOCKS) if block % 2 in folds]
-    return [error[rows] for rows in chosen if rows.any()]
+    chosen = (error[(number == block) & valid] for block in range(BLOCKS) if block % 2 in folds)
+    return [Block(len(e), float(e.mean()), float(np.mean(e**2))) for e in chosen if len(e)]
 
 
 def _by_recording(
     context: Context, errors: list[Array], column: int, chosen: list[bool]
-) -> list[list[Array]]:
+) -> list[list[Block]]:
     """What counts of a column's errors in some recordings, by blocks of time."""
     parts = zip(context.views, errors, chosen, strict=True)
     return [_cut(error, view.span.valid[:, column], (0, 1)) for view, error, here in parts if here]
 
 
-def _zero(runs: list[list[Array]]) -> tuple[float, float]:
+def _zero(runs: list[list[Block]]) -> tuple[float, float]:
     """What errors by recording and block have throughout, beyond what means over blocks that differ have by
     chance, and what they vary by usually.
     """
-    means = [np.array([block.mean() for block in blocks]) for blocks in runs]
+    means = [np.array([block.mean for block in blocks]) for blocks in runs]
     power = [m.mean() ** 2 - m.var(ddof=1) / len(m) for m in means if len(m) > 1]
-    rest = [block - m.mean() for blocks, m in zip(runs, means, strict=True) for block in blocks]
+    rest = [_beside(block, m.mean()) for blocks, m in zip(runs, means, strict=True) for block in blocks]
     return float(np.sqrt(max(np.mean(power or [0.0]), 0.0))), _usual(rest)
 
 
-def _usual(blocks: list[Array]) -> float:
-    return float(np.sqrt(np.median([np.mean(b**2) for b in blocks]))) if blocks else float("nan")
+def _beside(block: Block, zero: float) -> Block:
+    """The same beside a constant."""
+    mean = block.mean - zero
+    return Block(block.many, mean, max(block.power - block.mean**2, 0.0) + mean**2)
 
 
-def _rms(blocks: list[Array]) -> tuple[float, float]:
+def _usual(blocks: list[Block]) -> float:
+    return float(np.sqrt(np.median([b.power for b in blocks]))) if blocks else float("nan")
+
+
+def _rms(blocks: list[Block]) -> tuple[float, float]:
     """Root mean square over all blocks, and its standard error from their scatter."""
     if not blocks:
         return float("nan"), float("nan")
-    power = np.array([np.mean(b**2) for b in blocks])
-    weight = np.array([len(b) for b in blocks]) / sum(len(b) for b in blocks)
+    power = np.array([b.power for b in blocks])
+    weight = np.array([b.many for b in blocks]) / sum(b.many for b in blocks)
     mean = float(weight @ power)
     if len(blocks) < 2 or mean == 0.0:
         return float(np.sqrt(mean)), 0.0

@@ -33,7 +33,7 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
     what is late, a reading or a setpoint, has no formula either.
     """
     context = fit.context
-    seen = {c: (context.whitened(fit.hypothesis, c), _line(fit, c)) for c in fit.cost}
+    seen = {c: _rest_and_line(fit, c) for c in fit.cost}
     left = {c: min(fit.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
     if len(seen) < SEVERAL:
         return left
@@ -91,6 +91,13 @@ def _right_line(context: Context, column: int, rest: Array, line: Array) -> floa
         line = line[:, 1:]
         found = np.linalg.lstsq(line, rest, rcond=None)[0]
     return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)
+
+
+def _rest_and_line(fit: Fit, column: int) -> tuple[Array, Array]:
+    """(4,) what is left of a column, and (4, 3) its line: in the few coordinates in which all of them lie."""
+    both = np.column_stack([_line(fit, column), fit.context.whitened(fit.hypothesis, column)])
+    few = np.asarray(np.linalg.qr(both, mode="r"))
+    return few[:, -1], few[:, :-1]
 
 
 def _line(fit: Fit, column: int) -> Array:

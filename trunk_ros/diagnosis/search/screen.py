@@ -141,17 +141,17 @@ class Screen:
         """
         if not changes:
             return None
-        span = self.context.views[0].span
+        view = self.context.views[0]
         seen = [
-            (span.stamp[span.valid[:, c]], self.beyond_values(self.rest[c], c), d, self.basis[c])
+            (view.span.stamp[view.columns[c].counted], self.beyond_values(self.rest[c], c), d, self.basis[c])
             for c, d in changes.items()
         ]
         price = float(np.median([need(self.context, c) for c in changes]))
         value = FURTHER * float(np.mean([chance(self.context, c) for c in changes]))
         prices = Prices(price, value)
         if once:
-            return best_window(seen, span.stamp, within, prices)
-        return best_course(seen, span.stamp, within, prices, grows)
+            return best_window(seen, view.span.stamp, within, prices)
+        return best_course(seen, view.span.stamp, within, prices, grows)
 
     def forms(self, kind: type[Effect], column: int) -> list[Candidate]:
         """The best start of each form that comes near the best one."""

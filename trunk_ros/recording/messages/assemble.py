@@ -145,10 +145,13 @@ def _values(
         if (values := getattr(piece, which)) is not None:
             whole[begin:end, [joints.index(joint) for joint in piece.joints]] = values
         begin = end
-    whole = whole[order]
-    whole[~is_reading(whole)] = np.nan
-    picked: Floats = np.take_along_axis(whole, np.maximum(source, 0), axis=0)
-    return np.where(source < 0, np.nan, picked)
+    out = np.empty(source.shape)
+    for joint, (found, message) in enumerate(
+        zip(whole.T, source.T, strict=True)
+    ):  # of long recordings one by one
+        picked = found[order[message]]
+        out[:, joint] = np.where((message < 0) | ~is_reading(picked), np.nan, picked)
+    return out
 
 
 def _not_finite(piece: Piece) -> int:

@@ -16,9 +16,10 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, apart, beside_physics, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, along, apart, beside_physics, motion_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, JOINTS, SURE
+from trunk_ros.diagnosis.machine import pieces
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
@@ -53,18 +54,26 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
         return []
     motion = motion_of(gearbox, shown, arm)
-    off, found = motion.off, list[Hum]()
+    found = list[Hum]()
 
     def features(joint: int) -> Array:
         return beside_physics(motion, joint, motion.speed[:, joint])  # which late readings show
 
     while len(found) < TONES:
-        more = tone(motion.stamp, off.T, motion.asked.T, features, COMES_BACK)
+        off = (_but_for(found, motion, joint) for joint in range(len(shown.joints)))
+        more = tone(motion.stamp, off, motion.asked.T, features, COMES_BACK)
         if more is None:
             break
-        off = off - more.at(motion.stamp)
         found.append(more)
     return found
+
+
+def _but_for(found: list[Hum], motion: Motion, joint: int) -> Array:
+    """(n,) that a joint is off but for tones that were found."""
+    off = motion.shown[:, joint] - motion.asked[:, joint]
+    for hum in found:
+        off -= _turning(hum.frequency, motion.stamp) @ hum.waves[:, joint]
+    return np.asarray(off)
 
 
 @dataclass(frozen=True)
@@ -134,8 +143,11 @@ def tone(
 
 def _beside(features: Array, one: Array) -> tuple[Array, Array]:
     """What features (n, k) do not say of a signal (n,), and the mixtures by which they are orthonormal."""
-    mix = apart(features)
-    return one - features @ (mix @ (mix.T @ (features.T @ one))), mix
+    mix, rest = apart(features), one.copy()
+    told = mix @ (mix.T @ along(features, one))
+    for rows in pieces(len(one)):
+        rest[rows] -= features[rows] @ told
+    return rest, mix
 
 
 def _shared(stamp: Array, waves: _Waves, power: Array, first: float) -> float:

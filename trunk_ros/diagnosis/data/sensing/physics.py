@@ -12,6 +12,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.levels import ROWS
+from trunk_ros.diagnosis.machine import pieces, precision
 from trunk_ros.guards import BLIND, ROUNDED, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.fill import fill
@@ -88,7 +89,8 @@ def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -
     friction (always, by load, at low speed, and ``wear``: that grows), posture, load, coupling, creep, drift
     and inertia. Of a long recording they are as large as all else: there is one copy.
     """
-    out = np.empty((len(motion.stamp), len(own) + 16 + wear + 2 * len(motion.joints)))
+    rows = len(motion.stamp)
+    out = np.empty((rows, len(own) + 16 + wear + 2 * len(motion.joints)), precision(rows))
     for column, feature in zip(out.T, chain(own, _features(motion, joint, wear)), strict=True):
         column[:] = feature
     return out
@@ -124,9 +126,15 @@ def _dead_band(motion: Motion, joint: int) -> float:
     return float(motion.arm.dead_band[joint]) or PLAY
 
 
+def along(features: Array, others: Array) -> Array:
+    """(k, ...) products of features (n, k) with others (n, ...), in double precision."""
+    each = ((features[k].astype(float, copy=False), others[k]) for k in pieces(len(features)))
+    return np.asarray(sum(one.T @ other.astype(float, copy=False) for one, other in each))
+
+
 def apart(features: Array) -> Array:
     """(k, fewer): the mixtures of features (n, k) that are orthonormal and say the same."""
-    square = features.T @ features
+    square = along(features, features)
     size = np.sqrt(np.maximum(square.diagonal(), TINY))
     power, mix = np.linalg.eigh(square / np.outer(size, size))
     told = power > BLIND * power[-1]

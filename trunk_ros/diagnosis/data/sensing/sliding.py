@@ -174,22 +174,18 @@ class _Lags:
 def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags | None:
     """How late the gearbox is behind the nominal servo's course."""
     course = servo_course(setpoints, gearbox.stamp, model)
-    kept = course.stamp > course.stamp[0] + SETTLING
-    stamp, said = course.stamp[kept], course.position[kept]
-    at = np.searchsorted(gearbox.stamp, stamp)
-    off = fill(gearbox.position)[at] - said
-    moving = np.ptp(said, axis=0) > MOVES
-    if len(stamp) < CLOCKED or not moving.any():
+    begins = int(np.searchsorted(course.stamp, course.stamp[0] + SETTLING, side="right"))
+    stamp, said = course.stamp[begins:], course.position[begins:]
+    if len(stamp) < CLOCKED or not len(moving := np.flatnonzero(np.ptp(said, axis=0) > MOVES)):
         return None
+    at, readings = np.searchsorted(gearbox.stamp, stamp), fill(gearbox.position)
     arm = model.only(setpoints.joints).arm
     load = arm.load(said * arm.ratio) if arm.has_load else np.sin(said)
-    del course, at  # of a long recording they are as large as all else
-    speed = np.gradient(said, stamp, axis=0)[:, moving]
-    off, said, load = off[:, moving], said[:, moving], load[:, moving]
-    pairs = list(zip(speed.T, said.T, load.T, strict=True))
+    speed = np.column_stack([np.gradient(said[:, joint], stamp) for joint in moving])
+    pairs = [(speed[:, k], said[:, joint], load[:, joint]) for k, joint in enumerate(moving)]
     mixes, left = [], []
-    for one, pair in zip(off.T, pairs, strict=True):
-        design = _ways(stamp, *pair)
+    for joint, pair in zip(moving, pairs, strict=True):  # of a long recording not of all joints at once
+        one, design = readings[at, joint] - said[:, joint], _ways(stamp, *pair)
         mixes.append(apart(design))
         left.append(one - design @ (mixes[-1] @ (mixes[-1].T @ (design.T @ one))))
     made = [partial(_ways, stamp, *pair) for pair in pairs]
@@ -204,9 +200,11 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
 
 def _ways(stamp: Array, speed: Array, said: Array, load: Array) -> Array:
     """(n, k) what a constant lag, other gains, load and a top speed make of a servo."""
-    acts = np.gradient(speed, stamp)
-    ways = [np.ones_like(said), speed, acts, np.gradient(acts, stamp), np.abs(speed) * speed, said]
-    return np.column_stack([*ways, load, np.gradient(load, stamp), np.sign(speed)])
+    acts, out = np.gradient(speed, stamp), np.empty((len(stamp), 9))
+    out[:, 0], out[:, 1], out[:, 2], out[:, 3] = 1.0, speed, acts, np.gradient(acts, stamp)
+    out[:, 4], out[:, 5], out[:, 6] = np.abs(speed) * speed, said, load
+    out[:, 7], out[:, 8] = np.gradient(load, stamp), np.sign(speed)
+    return out
 
 
 def _likeliest(late: _Lags) -> list[Sliding]:
