@@ -4,14 +4,14 @@ to a whole period, over and over.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 from scipy.optimize import minimize
 
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.align import SETTLING
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, apart
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
@@ -111,9 +111,9 @@ def _rounded(saw: Array, lag: float) -> Array:
 
 @dataclass(frozen=True)
 class _Lags:
-    """(n, joints): speed, and what of a servo's errors is off but for what ``ways`` says, an orthonormal
-    basis (n, k) for each joint: what a constant lag, other gains, load and a top speed make of it. It is only
-    made where a saw is looked for.
+    """(n, joints): speed, and what of a servo's errors is off but for what is ``made`` of each joint, an
+    orthonormal basis (n, k): what a constant lag, other gains, load and a top speed make of it. That is only
+    asked for where a saw is looked for.
     """
 
     stamp: Array
@@ -121,12 +121,14 @@ class _Lags:
     off: Array
     follows: float
     """s after a setpoint has acted, the shaft shows it."""
-    made: Callable[[], list[Array]]
+    made: Callable[[], Iterator[Array]]
 
     @cached_property
-    def ways(self) -> list[Array]:
-        """(n, k) each."""
-        return self.made()
+    def along(self) -> Array:
+        """(n, all joints' k) speed times the bases: what lags share with these was taken off before."""
+        return np.hstack(
+            [speed[:, None] * basis for speed, basis in zip(self.speed.T, self.made(), strict=True)]
+        )
 
     @cached_property
     def moment(self) -> Array:
@@ -150,25 +152,34 @@ class _Lags:
             self.speed[kept],
             self.off[kept],
             self.follows,
-            lambda: [q[kept] for q in self.ways],
+            lambda: (basis[kept] for basis in self.made()),
         )
 
-    def taken(self, bins: np.ndarray, many: int) -> Array:
-        """(many, many) of the squared size of lags that are constant within bins (n,) of the samples: what
-        the ways take of it, as they were taken off before.
+    def within(self, bins: np.ndarray, many: int) -> tuple[Array, Array]:
+        """Of lags that are constant within bins (n,) of the samples: what they share with the moment (many,),
+        and their squares (many, many).
         """
-        out = np.zeros((many, many))
-        for speed, ways in zip(self.speed.T, self.ways, strict=True):
-            each = np.array([np.bincount(bins, speed * way, many) for way in ways.T])
-            out += each.T @ each
-        return out
+        sums = np.zeros((many, 2 + self.along.shape[1]))
+        _summed(bins, self.moment, self.weight, self.along, sums)
+        return sums[:, 0], np.diag(sums[:, 1]) - sums[:, 2:] @ sums[:, 2:].T
 
-    def power(self, saw: Array) -> tuple[float, float]:
-        """What lags (n,) explain at their best size, and that."""
-        top, square = float(saw @ self.moment), float((saw**2) @ self.weight)
-        pairs = zip(self.speed.T, self.ways, strict=True)
-        square -= sum(float(np.sum(((saw * speed) @ ways) ** 2)) for speed, ways in pairs)
-        return (top**2 / square, top / square) if top > 0.0 < square else (0.0, 0.0)
+    def powers(self, saws: Array) -> tuple[Array, Array]:
+        """What lags (m, n) explain at their best sizes (m,), and these; 0 where that is none."""
+        top = saws @ self.moment
+        square = (saws**2) @ self.weight - np.sum((saws @ self.along) ** 2, axis=1)
+        some = (top > 0.0) & (square > 0.0)
+        size = np.divide(top, square, out=np.zeros_like(top), where=some)
+        return top * size, size
+
+
+@compiled
+def _summed(bins: np.ndarray, moment: Array, weight: Array, along: Array, sums: Array) -> None:
+    for k in range(len(bins)):
+        row = sums[bins[k]]
+        row[0] += moment[k]
+        row[1] += weight[k]
+        for other in range(along.shape[1]):
+            row[2 + other] += along[k, other]
 
 
 def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags | None:
@@ -194,7 +205,7 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
         speed,
         np.column_stack(left),
         float(np.mean(1.0 / arm.kp + arm.tau_v)),
-        lambda: [design() @ mix for design, mix in zip(made, mixes, strict=True)],
+        lambda: (design() @ mix for design, mix in zip(made, mixes, strict=True)),
     )
 
 
@@ -213,7 +224,7 @@ def _likeliest(late: _Lags) -> list[Sliding]:
     """
     length = np.ptp(late.stamp)
     rates = np.arange(length / SLIDES[1], length / SLIDES[0], 1.0 / FINER) / length
-    found = [_fitted(late, way / rate) for rate in rates for way in (1.0, -1.0)]
+    found = [one for rate in rates for one in _fitted(late, 1.0 / rate)]
     out: list[Sliding] = []
     for _, saw in sorted(found, key=lambda one: -one[0]):
         apart = all(abs(1.0 / saw.takes - 1.0 / other.takes) * length > 1.0 for other in out)
@@ -221,18 +232,18 @@ def _likeliest(late: _Lags) -> list[Sliding]:
     return out
 
 
-def _fitted(late: _Lags, takes: float) -> tuple[float, Sliding]:
-    """Power that a saw of this length explains, at its best phase, and the saw."""
+def _fitted(late: _Lags, takes: float) -> Iterator[tuple[float, Sliding]]:
+    """Power that a saw of this length explains that rises, and one that falls, at its best phase, and it."""
     bins = np.floor(_saw(late.stamp, takes, 0.0) * PHASES).astype(int)
-    moment = np.bincount(bins, late.moment, PHASES)
-    square = np.diag(np.bincount(bins, late.weight, PHASES)) - late.taken(bins, PHASES)
-    best = (-np.inf, Sliding(takes, 0.0, 0.0))
-    for shift in range(PHASES):
-        saw = _rounded((np.arange(PHASES) + 0.5 + shift) % PHASES / PHASES, late.follows / takes)
-        top, power = float(saw @ moment), float(saw @ square @ saw)
-        if top > 0.0 < power and top**2 / power > best[0]:
-            best = (top**2 / power, Sliding(takes, shift / PHASES, top / power))
-    return best
+    moment, square = late.within(bins, PHASES)
+    phases = np.add.outer(np.arange(PHASES), np.arange(PHASES) + 0.5) % PHASES / PHASES
+    for length in (takes, -takes):
+        saws = _rounded(phases, late.follows / length)
+        top, power = saws @ moment, np.sum((saws @ square) * saws, axis=1)
+        size = np.divide(top, power, out=np.zeros(PHASES), where=(top > 0.0) & (power > 0.0))
+        best = int(np.argmax(top * size))
+        yield float(top[best] * size[best]), Sliding(length, best / PHASES, float(size[best]))
+        moment, square = moment[::-1], square[::-1, ::-1]  # of a tooth that falls
 
 
 def _over_all(late: _Lags, period: float) -> list[Sliding]:
@@ -256,12 +267,14 @@ def _finer(late: _Lags, start: Sliding, period: float) -> Sliding | None:
     """The saw at its finest length and phase, where it is as high as a period and explains what there is."""
     late = late.rows(slice(None, None, max(len(late.stamp) // ROWS, 1)))
     near = 1.0 / start.takes + np.linspace(-1.0, 1.0, 41) / (FINER * np.ptp(late.stamp))
-    tried = [
-        (late.power(_shown(late.stamp, 1.0 / rate, phase, late.follows)), 1.0 / rate, phase)
-        for rate in near
-        for phase in start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
-    ]
-    (power, size), takes, phase = max(tried, key=lambda one: one[0][0])
+    phases = start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
+    best = (-np.inf, 0.0, 0.0, 0.0)
+    for rate in near:
+        saws = np.array([_shown(late.stamp, 1.0 / rate, phase, late.follows) for phase in phases])
+        powers, sizes = late.powers(saws)
+        k = int(np.argmax(powers))
+        best = max(best, (float(powers[k]), float(sizes[k]), 1.0 / rate, phases[k]))
+    power, size, takes, phase = best
     if abs(size - period) > (1.0 - MOST) * period or power < MOST * late.able:
         return None
     return Sliding(float(takes), float(phase), period)
