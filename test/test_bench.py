@@ -6,12 +6,13 @@ import importlib
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from test.bench import __main__ as bench
 from test.bench import policy, reality
@@ -19,6 +20,7 @@ from test.bench.compare import changes
 from test.bench.diagnosis import HIDDEN, diagnosed
 from test.bench.releases import last
 from test.bench.row import Row
+from test.concealed.summary import pooled_rates
 from test.diagnosis.arms import recorded
 from trunk_ros import __version__
 from trunk_ros.recording.write import write_recording
@@ -136,14 +138,70 @@ def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     assert said.stdout.strip() == "0.05"
 
 
-def test_policy_changes_each_constant_once_in_either_direction() -> None:
+def test_a_share_stays_below_one_and_a_count_above_none() -> None:
+    def changed(text: str) -> list[str]:
+        return [policy.Constant("x.py", "SHARE", 1, text).scaled(factor) for factor in policy.FACTORS]
+
+    assert [float(each) for each in changed("0.9")] == pytest.approx([0.9 - 0.1 / 3, 0.9 + 0.1 / 3])
+    assert [float(each) for each in changed("0.6")] == pytest.approx([0.4, 0.8])
+    assert changed("(1, 4)") == ["(1, 3)", "(2, 5)"]
+
+
+def test_policy_moves_each_constant_up_as_often_as_down() -> None:
+    signs = policy.dealt(policy.constants(), 50)
+    assert signs.shape == (50, len(policy.constants()))
+    assert np.all(np.abs(signs) == 1)
+    assert np.all(signs.sum(axis=0) == 0)
+    assert np.array_equal(signs, policy.dealt(policy.constants(), 50))
+    assert np.abs(np.corrcoef(signs.T) - np.eye(signs.shape[1])).max() < 0.8  # none is another one's mirror
+
+
+class Pretended(policy.Bench):
+    """As if one constant, when it is smaller, cost a name of every second case, and nothing else did."""
+
+    def marks(self, name: str, changes: Sequence[policy.Change], some: Sequence[str]) -> policy.Marks:
+        lower = ("levels.SURE", policy.FACTORS[0]) in [(str(each), factor) for each, factor in changes]
+        lost = {case: lower and int(case.removeprefix("case_")) % 2 == 0 for case in some}
+        hit, miss = {"effect": "backlash", "confidence": 0.9}, ["backlash", 3.0]
+        told = {"false": [], "known": True, "count": 1, "seconds": 1.0}
+        return {
+            case: {**told, "hits": [hit] * (not gone), "missed": [miss] * gone} for case, gone in lost.items()
+        }
+
+
+@pytest.fixture
+def pretended(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Pretended:
+    monkeypatch.setattr(policy, "summed_up", lambda marks: {"all": pooled_rates(marks)})
+    for case in range(60):
+        (tmp_path / f"case_{case:02d}").mkdir()
+    return Pretended(tmp_path, tmp_path / "results", 1, Console(quiet=True))
+
+
+def test_policy_finds_the_one_constant_that_matters(pretended: Pretended) -> None:
     every = policy.constants()
-    groups = list(policy.dealt(every, 12))
-    assert sorted(str(each) for group in groups for each, _ in group) == sorted(map(str, every))
-    assert max(map(len, groups)) == 12
-    for group in groups:
-        both = zip(group, policy.mirrored(group), strict=True)
-        assert all({a[1], b[1]} == set(policy.FACTORS) for a, b in both)
+    told = policy.measured(pretended, every, every)
+    matters = told["rows"][0]["all_at_once"]
+    others = {name: f1 for name, f1 in matters.items() if name != "levels.SURE"}
+    assert matters["levels.SURE"] == pytest.approx(0.125)  # half of what it costs below, and of what it gains
+    assert max(map(abs, others.values())) < matters["levels.SURE"]
+    alone = {name: row["f1"] for row in told["rows"][1:] for name in row["changed_to"] if row["f1"]}
+    assert alone.keys() == {"levels.SURE"}
+    assert alone["levels.SURE"] == pytest.approx(-1.0 / 3.0)  # 30 of 60 names: 60 / 90
+
+
+def test_policy_tries_constants_that_are_named_alone(pretended: Pretended) -> None:
+    by_name = {str(each): each for each in policy.constants()}
+    told = policy.measured(pretended, [by_name["levels.PART"]], policy.constants())
+    assert [list(row["changed_to"]) for row in told["rows"]] == [["levels.PART"]] * 2
+    assert [row["f1"] for row in told["rows"]] == [0.0, 0.0]
+
+
+def test_policy_does_not_go_on_with_answers_of_other_constants(tmp_path: Path) -> None:
+    bench = policy.Bench(tmp_path / "cases", tmp_path / "results", 1, Console(quiet=True))
+    (tmp_path / "results" / "pair_0_+1").mkdir(parents=True)
+    (tmp_path / "results" / "pair_0_+1" / "changed_to.json").write_text('{"levels.PART": "0.05"}')
+    with pytest.raises(RuntimeError, match="other constants"):
+        bench.marks("pair_0_+1", [(policy.constants()[0], 4 / 3)], [])
 
 
 def test_policy_refuses_a_constant_that_there_is_not(capsys: pytest.CaptureFixture[str]) -> None:

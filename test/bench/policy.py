@@ -152,6 +152,11 @@ class Bench:
         for case in some:
             if not (folder / "cases" / case).exists():
                 (folder / "cases" / case).symlink_to(self.cases / case)
+        told = {str(each): each.scaled(factor) for each, factor in changes}
+        about = folder / "changed_to.json"
+        if about.exists() and json.loads(about.read_text()) != told:
+            raise RuntimeError(f"{folder} has answers of other constants: give another --results")
+        about.write_text(json.dumps(told, indent=1))
         if not all((folder / "policy" / case / "score.json").exists() for case in some):
             self._diagnosed(folder, changes)
         marks = {case: json.loads((folder / "policy" / case / "score.json").read_text()) for case in some}
@@ -172,11 +177,15 @@ class Bench:
         )  # fmt: skip
         shutil.rmtree(package)
 
-    def all_at_once(self, every: Sequence[Constant], plain: Marks) -> tuple[list[Marks], list[Constant]]:
-        """Marks of each copy, and the constants that seem to matter, those that do most first."""
+    def all_at_once(
+        self, every: Sequence[Constant], plain: Marks, pairs: int | None = None
+    ) -> tuple[list[Marks], list[Constant]]:
+        """Marks of each copy, and the constants that seem to matter, those that do most first. ``pairs``: of
+        copies, the first ones of all.
+        """
         names = sorted(plain)
         parts = [names[first : first + FEW] for first in range(0, len(names), FEW)]
-        signs = dealt(every, SEEN * len(parts))
+        signs = dealt(every, SEEN * len(parts))[:pairs]
         told, differences, by = [], [], []
         for pair, sign in enumerate(signs):
             part = parts[pair % len(parts)]
@@ -231,7 +240,9 @@ def f1_of(marks: Marks) -> float:
     return float(summed_up(list(marks.values()))["all"]["f1"])
 
 
-def measured(bench: Bench, wanted: Sequence[Constant], every: Sequence[Constant]) -> dict[str, Any]:
+def measured(
+    bench: Bench, wanted: Sequence[Constant], every: Sequence[Constant], pairs: int | None = None
+) -> dict[str, Any]:
     """The figures, of ``wanted`` constants alone where these are not ``every``."""
     cases = sorted(path.name for path in bench.cases.glob("case_*"))
     plain = bench.marks("plain", [], cases)
@@ -240,7 +251,7 @@ def measured(bench: Bench, wanted: Sequence[Constant], every: Sequence[Constant]
     if len(wanted) < len(every):
         bench.alone(wanted, plain, cases)
         return told
-    copies, some = bench.all_at_once(every, plain)
+    copies, some = bench.all_at_once(every, plain, pairs)
     runs = [mark for marks in copies for mark in marks.values()]
     f1 = float(summed_up(runs)["all"]["f1"])
     seconds = [float(np.median([one["seconds"] for one in each])) for each in (runs, plain.values())]
@@ -258,6 +269,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m test.bench policy", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="FILE.NAME", help="constants, all by default")
     parser.add_argument("--cases", type=int, default=CASES, help=f"cases to diagnose, default {CASES}")
+    parser.add_argument(
+        "--pairs", type=int, help="of copies, at least 2, by default as many as see each case twice"
+    )
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--list", action="store_true", help="name all constants, and end")
     parser.add_argument("--output", type=Path, help="JSON file for the figures")
@@ -278,7 +292,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             generate(range(seed, seed + 1), there / "cases", KINDS[seed % len(KINDS)])
         console = Console(width=None if sys.stdout.isatty() else 110)
         bench = Bench(there / "cases", there / "results", asked.workers, console)
-        told = measured(bench, [each for each in every if str(each) in asked.names] or every, every)
+        told = measured(
+            bench, [each for each in every if str(each) in asked.names] or every, every, asked.pairs
+        )
     if asked.output:
         asked.output.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     return 0
