@@ -138,13 +138,13 @@ def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     assert said.stdout.strip() == "0.05"
 
 
-def test_a_share_stays_below_one_and_a_count_above_none() -> None:
+def test_a_share_stays_below_one_and_one_is_one() -> None:
     def changed(text: str) -> list[str]:
         return [policy.Constant("x.py", "SHARE", 1, text).scaled(factor) for factor in policy.FACTORS]
 
     assert [float(each) for each in changed("0.9")] == pytest.approx([0.9 - 0.1 / 3, 0.9 + 0.1 / 3])
     assert [float(each) for each in changed("0.6")] == pytest.approx([0.4, 0.8])
-    assert changed("(1, 4)") == ["(1, 3)", "(2, 5)"]
+    assert changed("(1, 4)") == ["(1, 3)", "(1, 5)"]
 
 
 def test_policy_moves_each_constant_up_as_often_as_down() -> None:

@@ -58,8 +58,8 @@ class Constant:
         return f"{Path(self.path).stem}.{self.name}"
 
     def scaled(self, factor: float) -> str:
-        """The text of its value times a factor; whole numbers stay whole, and change by one where they can;
-        of a share that would exceed 1 it is what is left to 1 that changes.
+        """The text of its value times a factor; whole numbers stay whole, change by one at least, and 1
+        is no number to change; of a share that would exceed 1 it is what is left to 1 that changes.
         """
         return re.sub(r"(?<![\w.])[\d_]*\.?\d+(e[+-]?\d+)?", lambda n: _scaled(n[0], factor), self.value)
 
@@ -70,9 +70,9 @@ def _scaled(number: str, factor: float) -> str:
         share = value < 1.0 < value * max(FACTORS)
         return repr(1.0 - (1.0 - value) * (2.0 - factor) if share else value * factor)
     whole = int(number)
-    if factor > 1:
-        return str(max(round(whole * factor), whole + 1))
-    return str(max(min(round(whole * factor), whole - 1), 1))
+    if whole == 1:
+        return number
+    return str(min(round(whole * factor), whole - 1) if factor < 1 else max(round(whole * factor), whole + 1))
 
 
 def constants(root: Path = ROOT) -> list[Constant]:
