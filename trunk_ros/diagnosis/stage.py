@@ -158,6 +158,12 @@ class Stage(ABC):
         """The same of hypotheses that may be computed together."""
         return [self.predict(sight, index, hypothesis, column) for hypothesis, column in pairs]
 
+    def swings(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        """(k,) sums of squares, over the samples of a column that count, of swings of which nothing but the
+        readings says how far they go.
+        """
+        return np.empty(0)
+
     def seen(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
         """What is seen with the angles and loads that a hypothesis predicts, where the stage has any; as it
         is where they are nearly the same.

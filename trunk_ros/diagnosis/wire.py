@@ -21,6 +21,8 @@ from trunk_ros.diagnosis.levels import ROUGH, TURNS
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import Sight, Stage
+from trunk_ros.diagnosis.swung import swung
+from trunk_ros.effects import effect
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.moments import Payload
@@ -52,15 +54,25 @@ class WireStage(Stage):
         self._stands: dict[tuple[str, int], tuple[Array, tuple[int, ...], Read]] = {}
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
-        payload, blocks = payload_of(hypothesis), hypothesis.bound(column)
+        return self._swinging(sight, index, hypothesis, column, hypothesis.bound(column))[0]
+
+    def swings(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
+        if not _swings(sight, index, hypothesis, column):
+            return super().swings(sight, index, hypothesis, column)
+        return self._swinging(sight, index, hypothesis, column, hypothesis.bound(column))[1]
+
+    def _swinging(
+        self, sight: Sight, index: int, hypothesis: Hypothesis, column: int, blocks: list[Effect]
+    ) -> tuple[Array, Array]:
+        payload = payload_of(hypothesis)
         shown, _ = self._passed(sight, index, column, payload, blocks)
         span, now = sight.views[index].span, sight.now(index, column, payload)
-        return _besides(span, column, now, blocks, span.measured(shown[:, 0]))
+        return swung(span, column, now, blocks, span.measured(shown[:, 0]))
 
     def _predict_alike(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> Sequence[Array]:
         hypothesis, column = pairs[0]
         payload, blocks = payload_of(hypothesis), bind_together(pairs) if len(pairs) > 1 else []
-        if not blocks or any(b.transients(sight.now(index, column, payload)) is not None for b in blocks):
+        if not blocks or any(_swings(sight, index, *pair) for pair in pairs):
             return super()._predict_alike(sight, index, pairs)
         shown, _ = self._passed(sight, index, column, payload, blocks, len(pairs))
         return [sight.views[index].span.measured(each) for each in shown.T]
@@ -124,6 +136,14 @@ class WireStage(Stage):
         return tuple(view.turned(path, ROUGH if hypothesis.shakes else 0.0) for view, path in pairs)
 
 
+def _swings(sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> bool:
+    """Whether a hypothesis lets a joint swing by what nobody saw."""
+    if all(effect(name).transients is Effect.transients for name in hypothesis):  # asked at each prediction
+        return False
+    now = sight.now(index, column, payload_of(hypothesis))
+    return any(block.transients(now) is not None for block in hypothesis.bound(column))
+
+
 def _chain(arm: Arm, hypothesis: Hypothesis) -> Chain:
     """All joints at once."""
     return Chain(Model(arm, hypothesis.model_effects(len(arm.joints))), "wire")
@@ -182,19 +202,6 @@ def _history(chain: Chain, span: Span, seconds: float) -> Array:
     rows = span.rows[:seen] - before
     driven = Driven(span.gearbox[before:], span.grid[before:], rows, angles, span.velocity[before:], known)
     return history(chain, driven)
-
-
-def _besides(span: Span, column: int, now: Now, blocks: list[Effect], shown: Array) -> Array:
-    """The prediction (n,) with what went on besides, as far as the recording shows it."""
-    for block in blocks:
-        shapes = block.transients(now)
-        if shapes is not None:
-            shapes, valid = span.measured(shapes), span.valid[:, column]
-            off = span.target[valid, column] - shown[valid]
-            seen = shapes[valid]
-            normal = seen.T @ seen + 1e-9 * max(len(seen), 1) * np.eye(seen.shape[1])
-            shown = shown + shapes @ np.linalg.solve(normal, seen.T @ off)
-    return shown
 
 
 def begun(seen: Now, order: Order, width: Array, read: Read, rows: list[int] | slice) -> State:

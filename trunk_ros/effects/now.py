@@ -50,6 +50,8 @@ class Now:
     """With the payload that it carries; None where its links' masses are of no account."""
     carried: Payload = NOTHING
     """What it takes up and puts down besides."""
+    unseen: Array = field(default_factory=lambda: np.empty((0, 2)))
+    """(k, 2) s between which nobody saw the motor: ``gearbox`` is a guess there."""
 
     @property
     def winding(self) -> Array:

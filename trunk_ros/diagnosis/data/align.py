@@ -17,7 +17,7 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
 from trunk_ros.recording.signal.fill import hold
-from trunk_ros.recording.signal.gaps import in_gaps, usual
+from trunk_ros.recording.signal.gaps import in_gaps, unseen, usual
 from trunk_ros.recording.signal.resample import (
     LONGEST_GAP,
     SAME,
@@ -75,6 +75,8 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
     span = replace(span, unsure=(1e-6 * _unsure(recording, "skew"), _unsure(recording, "early")))
+    if not stops_to_measure(gearbox.stamp):
+        span = replace(span, lost=tuple(unseen(gearbox, joint) for joint in range(len(joints))))
     if stops_to_measure(span.stamp):
         return with_the_unseen(span, stops_to_measure(gearbox.stamp))
     return replace(with_the_unseen(span, stops=False), early=early) if early.any() else span

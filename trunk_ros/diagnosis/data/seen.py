@@ -103,6 +103,7 @@ def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now
         columns=(column,),
         arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
         carried=NOTHING if payload.always else payload,
+        unseen=view.span.lost[column] if view.span.lost else np.empty((0, 2)),
     )
     seen.known = Inertia(view, payload)
     return seen
@@ -135,7 +136,7 @@ def joined(each: Sequence[Now]) -> Now:
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
     lazy = isinstance(now, Seen)
-    whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt"}
+    whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt", "unseen"}
     whole |= {"load", "wires"} if lazy else set()
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
     if lazy:

@@ -56,6 +56,8 @@ class Span:
     """In which most sensors are louder."""
     anew: Array = field(default_factory=lambda: np.zeros(0))
     """(k,) s: when servos begin anew from what was read of them, as their setpoints before are not known."""
+    lost: tuple[Array, ...] = ()
+    """Of each joint (k, 2) s between which nobody saw its motor; none at all where it is seen at stops."""
     unseen: float = 0.0
     """How much faster or slower [s/s] it may run without that it shows before the physics is known."""
 

@@ -50,7 +50,7 @@ def priced(fit: Fit) -> float:
     """The same, whether the motion can show it or not."""
     if not fit.priced:  # asked for again with each trial that it is compared with
         prices = sum(price(fit, term) for term in fit.hypothesis.values())
-        fit.priced.append(fit.total + prices + _throws(fit))
+        fit.priced.append(fit.total + prices + _throws(fit) + _swings(fit))
     return fit.priced[0]
 
 
@@ -249,6 +249,17 @@ def _throws(fit: Fit) -> float:
                 for throw in throws(view, c, found, predicted):
                     gain = throw.seen * (throw.far / context.noise[c].std) ** 2 / likely
                     total += min(gain, FURTHER * likely * (1.0 + abs(throw.far) / part))
+    return total
+
+
+def _swings(fit: Fit) -> float:
+    """Of free swings that nothing foretold: two values each, and none costs more than it gains."""
+    context, total = fit.context, 0.0
+    for c in (c for c, left in fit.cost.items() if left > 0.0):
+        likely = chance(context, c)
+        for index in range(len(context.views)):  # no work of the search, see credible._jumps
+            gains = context.stage.swings(context, index, fit.hypothesis, c) / context.noise[c].std ** 2
+            total += float(np.sum(np.minimum(gains / likely, 2.0 * FURTHER * likely)))
     return total
 
 

@@ -14,9 +14,9 @@ from trunk_ros.effects.effect import Effect, Motion, Now
 from trunk_ros.effects.filters import oscillator, rate
 from trunk_ros.effects.now import View
 from trunk_ros.effects.periods import periods
+from trunk_ros.effects.swing import Swings, seen_again, stops
 from trunk_ros.effects.wire.elements import beside
 from trunk_ros.effects.wire.held_link import HeldLink
-from trunk_ros.effects.wire.swing import free_swings, stops
 from trunk_ros.effects.wire.swinging_links import RIGID, Links
 from trunk_ros.parameter import Parameter
 
@@ -112,13 +112,17 @@ class LinkResonance(Effect):
         oscillator(x, now.dt, self._omega, self["damping"], self.form in ("relative", "links"), state, out)
         return x + self["share"] * (out - x) if self.form == "beam" else out, state
 
-    def transients(self, now: Now) -> Array | None:
-        if self.form != "beam" or self._omega[0] == 0.0:
+    def transients(self, now: Now) -> Swings | None:
+        if self._omega[0] == 0.0:
             return None
-        moments = stops(now.stamp, np.ascontiguousarray(now.gearbox[:, 0]))
-        if not len(moments):
-            return None
-        return free_swings(now.stamp, moments, float(self._omega[0]), float(self["damping"][0]))
+        arm = Links.arm_of(self, now)
+        if arm is not None:
+            return Links(arm, now.columns, self._omega, self["damping"]).freed(now)
+        moments = seen_again(now.unseen, float(self._omega[0]))
+        if self.form == "beam":
+            moments = np.union1d(moments, stops(now.stamp, np.ascontiguousarray(now.gearbox[:, 0])))
+        omega, zeta = (np.full(len(moments), one[0]) for one in (self._omega, self["damping"]))
+        return Swings(moments, omega, zeta) if len(moments) else None
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None

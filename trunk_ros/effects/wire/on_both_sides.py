@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.swing import Swings
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
@@ -36,6 +37,10 @@ class OnBothSides(Effect):
 
     def downstream(self) -> Effect | None:
         return None if self.form == HELD else self._sides[1]
+
+    def transients(self, now: Now) -> Swings | None:
+        links = Links.on_wires(self, now) if self.form == HELD else None
+        return None if links is None else links.freed(now)
 
     def included(self, now: Now) -> Mapping[str, Array]:
         links = Links.on_wires(self, now)

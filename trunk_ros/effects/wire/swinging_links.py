@@ -12,6 +12,7 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled, copied
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.filters import lowpass, rate, swing_step
+from trunk_ros.effects.swing import Swings, seen_again
 
 TURN = 0.1  # rad that the fastest joint's swing may go on in a step of the integration
 MOST = 64  # steps of one posture
@@ -45,6 +46,15 @@ class Links:
         soft = e["compliance"]
         own = np.maximum(soft, STIFFEST) * arm.straight_inertia[list(now.columns)]
         return Links(arm, now.columns, np.where(soft > STIFFEST, 1.0 / np.sqrt(own), 0.0), e["damping"])
+
+    def freed(self, now: Now) -> Swings | None:
+        """How one of them may swing where nobody saw what set it going: in its posture at that moment."""
+        moments = seen_again(now.unseen, float(self.omega[0]))
+        if not len(moments) or self.omega[0] == 0.0:
+            return None
+        place, rows = self.columns[0], np.searchsorted(now.stamp, moments)
+        lighter = np.sqrt(self.arm.straight_inertia[place] / now.inertia(place)[rows, place])
+        return Swings(moments, self.omega[0] * lighter, self.damping[0] * lighter)
 
     def shown(self) -> dict[str, Array]:
         """The swing of each, as ``link_resonance`` has it."""

@@ -41,13 +41,19 @@ def in_gaps(series: JointSeries, grid: Floats) -> np.ndarray:
     A guess is good to some part of the motion, not to the noise, which may be as small as it likes.
     """
     out = np.zeros((len(grid), len(series.joints)), dtype=bool)
-    longest = min(usual(series.stamp), longest_gap(series.stamp))
     for j in range(len(series.joints)):
-        known = series.stamp[np.isfinite(series.position[:, j])]
-        for k in np.flatnonzero(np.diff(known) > longest):
-            begin = np.searchsorted(grid, known[k] + SAME, side="right")
-            out[begin : np.searchsorted(grid, known[k + 1] - SAME), j] = True
+        for begin, end in unseen(series, j):
+            first = np.searchsorted(grid, begin + SAME, side="right")
+            out[first : np.searchsorted(grid, end - SAME), j] = True
     return out
+
+
+def unseen(series: JointSeries, joint: int) -> Floats:
+    """(k, 2) s between which values of a joint (its place) are guessed in this way."""
+    longest = min(usual(series.stamp), longest_gap(series.stamp))
+    known = series.stamp[np.isfinite(series.position[:, joint])]
+    last = np.flatnonzero(np.diff(known) > longest)
+    return np.column_stack([known[last], known[last + 1]])
 
 
 def missing(stamp: Floats, longest: float = np.inf, end: float = -np.inf) -> Floats:
