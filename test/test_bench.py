@@ -20,7 +20,6 @@ from test.bench.compare import changes
 from test.bench.diagnosis import HIDDEN, diagnosed
 from test.bench.releases import last
 from test.bench.row import Row
-from test.concealed.summary import pooled_rates
 from test.diagnosis.arms import recorded
 from trunk_ros import __version__
 from trunk_ros.recording.write import write_recording
@@ -145,6 +144,7 @@ def test_a_share_stays_below_one_and_one_is_one() -> None:
     assert [float(each) for each in changed("0.9")] == pytest.approx([0.9 - 0.1 / 3, 0.9 + 0.1 / 3])
     assert [float(each) for each in changed("0.6")] == pytest.approx([0.4, 0.8])
     assert changed("(1, 4)") == ["(1, 3)", "(1, 5)"]
+    assert changed("2**12") == ["2731", "5461"]
 
 
 def test_policy_moves_each_constant_up_as_often_as_down() -> None:
@@ -170,8 +170,7 @@ class Pretended(policy.Bench):
 
 
 @pytest.fixture
-def pretended(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Pretended:
-    monkeypatch.setattr(policy, "summed_up", lambda marks: {"all": pooled_rates(marks)})
+def pretended(tmp_path: Path) -> Pretended:
     for case in range(60):
         (tmp_path / f"case_{case:02d}").mkdir()
     return Pretended(tmp_path, tmp_path / "results", 1, Console(quiet=True))
@@ -179,28 +178,38 @@ def pretended(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Pretended:
 
 def test_policy_finds_the_one_constant_that_matters(pretended: Pretended) -> None:
     every = policy.constants()
-    told = policy.measured(pretended, every, every)
-    matters = told["rows"][0]["all_at_once"]
+    policy.measured(pretended, every, every)
+    matters = pretended.rows[0]["all_at_once"]
     others = {name: f1 for name, f1 in matters.items() if name != "levels.SURE"}
     assert matters["levels.SURE"] == pytest.approx(0.125)  # half of what it costs below, and of what it gains
     assert max(map(abs, others.values())) < matters["levels.SURE"]
-    alone = {name: row["f1"] for row in told["rows"][1:] for name in row["changed_to"] if row["f1"]}
+    alone = {name: row["f1"] for row in pretended.rows[1:] for name in row["changed_to"] if row["f1"]}
     assert alone.keys() == {"levels.SURE"}
     assert alone["levels.SURE"] == pytest.approx(-1.0 / 3.0)  # 30 of 60 names: 60 / 90
 
 
+def test_what_each_constant_does_is_known_as_well_as_is_said() -> None:
+    rng, off = np.random.default_rng(5), []
+    signs = policy.dealt(policy.constants(), 50)
+    for _ in range(40):
+        shared = signs[:, :8] @ np.full(8, 0.1) + rng.normal(0.0, 0.3, 50)  # eight matter
+        found, std = policy.effects(signs, 2.0 * shared)
+        off.append(np.concatenate([found[:8] - 0.1, found[8:]]) / std)
+    assert 0.7 < np.std(off) < 1.1
+
+
 def test_policy_tries_constants_that_are_named_alone(pretended: Pretended) -> None:
     by_name = {str(each): each for each in policy.constants()}
-    told = policy.measured(pretended, [by_name["levels.PART"]], policy.constants())
-    assert [list(row["changed_to"]) for row in told["rows"]] == [["levels.PART"]] * 2
-    assert [row["f1"] for row in told["rows"]] == [0.0, 0.0]
+    policy.measured(pretended, [by_name["levels.PART"]], policy.constants())
+    assert [list(row["changed_to"]) for row in pretended.rows] == [["levels.PART"]] * 2
+    assert [row["f1"] for row in pretended.rows] == [0.0, 0.0]
 
 
 def test_policy_does_not_go_on_with_answers_of_other_constants(tmp_path: Path) -> None:
     bench = policy.Bench(tmp_path / "cases", tmp_path / "results", 1, Console(quiet=True))
     (tmp_path / "results" / "pair_0_+1").mkdir(parents=True)
     (tmp_path / "results" / "pair_0_+1" / "changed_to.json").write_text('{"levels.PART": "0.05"}')
-    with pytest.raises(RuntimeError, match="other constants"):
+    with pytest.raises(RuntimeError, match="other code"):
         bench.marks("pair_0_+1", [(policy.constants()[0], 4 / 3)], [])
 
 

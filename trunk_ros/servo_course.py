@@ -17,7 +17,7 @@ from trunk_ros.recording.signal.resample import SAME, joint_grid, stops_to_measu
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
 DRIFT = 0.5  # standard deviations of noise: four of the mean over AGREES samples
 WILD = 6.0  # standard deviations of noise
-PIECE = 2**17  # samples that are computed together: of long recordings more would not fit into memory
+AT_ONCE = 2**17  # samples that are computed together: of long recordings more would not fit into memory
 AGREES = 65  # samples around a moment whose readings must all be those of the servo's course
 
 
@@ -27,8 +27,8 @@ def servo_course(setpoints: JointSeries, wanted: Floats, model: ArmModel) -> Joi
     last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     held, chain = hold(setpoints.position), Chain(model.only(setpoints.joints), "servo")
     phi, state = np.empty((len(grid), held.shape[1])), None
-    for first in range(0, len(grid), PIECE):
-        piece = slice(first, first + PIECE)
+    for first in range(0, len(grid), AT_ONCE):
+        piece = slice(first, first + AT_ONCE)
         phi[piece], state = chain.run(held[last[piece]], grid[piece], state)
     return JointSeries(wanted[kept], setpoints.joints, phi[rows])
 

@@ -26,7 +26,7 @@ def recording() -> Recording:
 def in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
     """All is long."""
     monkeypatch.setattr(machine, "CELLS", 700)
-    monkeypatch.setattr(servo_course, "PIECE", 700)
+    monkeypatch.setattr(servo_course, "AT_ONCE", 700)
 
 
 def _humming(recording: Recording) -> tuple[JointSeries, JointSeries]:

@@ -6,6 +6,7 @@ from trunk_ros.compiled import Array
 
 CELLS = 8.0  # per shortest period
 MOST = 1000  # cells per value: in wider ranges a line cannot be told from its neighbours
+SAME = 1e-6  # of a step: a line at the edge of the range is outside, however that is rounded
 FINER = 8  # steps of the search per period that the range cannot hold
 
 
@@ -31,6 +32,6 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
     sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent(x))
     turn = 2 * np.pi / (FINER * len(sums) * cell)
     power = np.abs(np.fft.rfft(sums, FINER * len(sums)))
-    power[: int(low / turn) + 1] = power[int(np.ceil(high / turn)) :] = 0.0
+    power[: int(low / turn + SAME) + 1] = power[int(np.ceil(high / turn - SAME)) :] = 0.0
     peaks = 1 + np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] > power[2:]))
     return tuple((turn * peaks[np.argsort(-power[peaks])][:most]).tolist())

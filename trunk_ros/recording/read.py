@@ -153,8 +153,8 @@ def _decode(path: Path, contents: Contents, progress: Progress) -> tuple[dict[st
 
 
 def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], remarks: list[str]) -> Recording:
-    """Series with common stamps; RecordingError if no topic has a message. What was decoded is given up topic
-    by topic: of a long recording both would not fit into memory.
+    """Series with common stamps; RecordingError if no topic has a message. What was decoded of
+    a recording in one piece is given up topic by topic: of a long one both would not fit into memory.
     """
     full = {key: decoder for key, decoder in decoders.items() if decoder.pieces}
     remarks = loss_remarks(contents, decoders) + recorder_remarks(contents.custom) + remarks

@@ -37,7 +37,7 @@ def formed_misfits(fit: Fit) -> dict[int, float]:
     left = {c: min(fit.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
     if len(seen) < SEVERAL:
         return left
-    lag = np.median([np.linalg.lstsq(line, rest, rcond=None)[0][2] for rest, line in seen.values()])
+    lag = np.median([np.linalg.lstsq(line, rest, rcond=ROUNDED)[0][2] for rest, line in seen.values()])
     prompt = {c: _right_line(context, c, rest - lag * line[:, 2], line) for c, (rest, line) in seen.items()}
     late = sum(prompt.values()) < PART * sum(left.values())
     return {c: min(left[c], prompt[c]) for c in left} if late else left
@@ -86,10 +86,10 @@ def _right_line(context: Context, column: int, rest: Array, line: Array) -> floa
     not known.
     """
     line = line[:, :2]
-    found = np.linalg.lstsq(line, rest, rcond=None)[0]
+    found = np.linalg.lstsq(line, rest, rcond=ROUNDED)[0]
     if abs(found[0]) <= FAR_OFF:
         line = line[:, 1:]
-        found = np.linalg.lstsq(line, rest, rcond=None)[0]
+        found = np.linalg.lstsq(line, rest, rcond=ROUNDED)[0]
     return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)
 
 

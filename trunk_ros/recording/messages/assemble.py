@@ -146,9 +146,7 @@ def _values(
             whole[begin:end, [joints.index(joint) for joint in piece.joints]] = values
         begin = end
     out = np.empty(source.shape)
-    for joint, (found, message) in enumerate(
-        zip(whole.T, source.T, strict=True)
-    ):  # of long recordings one by one
+    for joint, (found, message) in enumerate(zip(whole.T, source.T, strict=True)):  # all at once is much
         picked = found[order[message]]
         out[:, joint] = np.where((message < 0) | ~is_reading(picked), np.nan, picked)
     return out

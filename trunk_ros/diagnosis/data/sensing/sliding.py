@@ -234,7 +234,7 @@ def _likeliest(late: _Lags) -> list[Sliding]:
 
 def _fitted(late: _Lags, takes: float) -> Iterator[tuple[float, Sliding]]:
     """Power that a saw of this length explains that rises, and one that falls, at its best phase, and it."""
-    bins = np.floor(_saw(late.stamp, takes, 0.0) * PHASES).astype(int)
+    bins = np.minimum(_saw(late.stamp, takes, 0.0) * PHASES, PHASES - 1).astype(int)
     moment, square = late.within(bins, PHASES)
     phases = np.add.outer(np.arange(PHASES), np.arange(PHASES) + 0.5) % PHASES / PHASES
     for length in (takes, -takes):
@@ -256,6 +256,7 @@ def _over_all(late: _Lags, period: float) -> list[Sliding]:
         seen = stamp <= stamp[0] + end
         some = late.rows(seen)
         found = _likeliest(some) if found is None else found
+        some = some.rows(slice(None, None, max(len(some.stamp) // ROWS, 1)))
         finer = [_finer(some, saw, period) for saw in found]
         found = [saw for saw in finer if saw is not None]
         if not found or seen.all():
@@ -265,7 +266,6 @@ def _over_all(late: _Lags, period: float) -> list[Sliding]:
 
 def _finer(late: _Lags, start: Sliding, period: float) -> Sliding | None:
     """The saw at its finest length and phase, where it is as high as a period and explains what there is."""
-    late = late.rows(slice(None, None, max(len(late.stamp) // ROWS, 1)))
     near = 1.0 / start.takes + np.linspace(-1.0, 1.0, 41) / (FINER * np.ptp(late.stamp))
     phases = start.phase + np.linspace(-1.5, 1.5, 25) / PHASES
     best = (-np.inf, 0.0, 0.0, 0.0)
