@@ -96,7 +96,7 @@ def held_out_of(context: Context, hypothesis: Hypothesis) -> Array:
     """What the first fold's samples are predicted to be."""
     from trunk_ros.diagnosis.evidence.cross_validation import _unseen
 
-    (errors,) = _unseen(costed(context, hypothesis), 0)[JOINT]
+    (errors,) = dict(_unseen(costed(context, hypothesis), 0))[JOINT]
     span = context.views[0].span
     fold = np.arange(len(errors)) * BLOCKS // len(errors) % 2 == 0
     chosen = fold & span.valid[:, JOINT]
