@@ -164,7 +164,9 @@ class Bench:
         told = {"code": self.code, **{str(each): each.scaled(factor) for each, factor in changes}}
         about = folder / "changed_to.json"
         if about.exists() and json.loads(about.read_text()) != told:
-            raise RuntimeError(f"{folder} has answers of other code: give another --results")
+            raise RuntimeError(
+                f"{folder} has answers of other code, or of other --pairs: give another --results"
+            )
         about.write_text(json.dumps(told, indent=1))
         if not all((folder / "policy" / case / "score.json").exists() for case in some):
             self._diagnosed(folder, changes)

@@ -54,17 +54,15 @@ class WireStage(Stage):
         self._stands: dict[tuple[str, int], tuple[Array, tuple[int, ...], Read]] = {}
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
-        return self._swinging(sight, index, hypothesis, column, hypothesis.bound(column))[0]
+        return self._swinging(sight, index, hypothesis, column)[0]
 
     def swings(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         if not _swings(sight, index, hypothesis, column):
             return super().swings(sight, index, hypothesis, column)
-        return self._swinging(sight, index, hypothesis, column, hypothesis.bound(column))[1]
+        return self._swinging(sight, index, hypothesis, column)[1]
 
-    def _swinging(
-        self, sight: Sight, index: int, hypothesis: Hypothesis, column: int, blocks: list[Effect]
-    ) -> tuple[Array, Array]:
-        payload = payload_of(hypothesis)
+    def _swinging(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> tuple[Array, Array]:
+        payload, blocks = payload_of(hypothesis), hypothesis.bound(column)
         shown, _ = self._passed(sight, index, column, payload, blocks)
         span, now = sight.views[index].span, sight.now(index, column, payload)
         return swung(span, column, now, blocks, span.measured(shown[:, 0]))

@@ -76,7 +76,7 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     )
     span = replace(span, unsure=(1e-6 * _unsure(recording, "skew"), _unsure(recording, "early")))
     if not stops_to_measure(gearbox.stamp):
-        span = replace(span, lost=tuple(unseen(gearbox, joint) for joint in range(len(joints))))
+        span = replace(span, lost=unseen(gearbox))
     if stops_to_measure(span.stamp):
         return with_the_unseen(span, stops_to_measure(gearbox.stamp))
     return replace(with_the_unseen(span, stops=False), early=early) if early.any() else span

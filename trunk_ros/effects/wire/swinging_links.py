@@ -50,7 +50,7 @@ class Links:
     def freed(self, now: Now) -> Swings | None:
         """How one of them may swing where nobody saw what set it going: in its posture at that moment."""
         moments = seen_again(now.unseen, float(self.omega[0]))
-        if not len(moments) or self.omega[0] == 0.0:
+        if not len(moments):
             return None
         place, rows = self.columns[0], np.searchsorted(now.stamp, moments)
         lighter = np.sqrt(self.arm.straight_inertia[place] / now.inertia(place)[rows, place])

@@ -41,19 +41,19 @@ def in_gaps(series: JointSeries, grid: Floats) -> np.ndarray:
     A guess is good to some part of the motion, not to the noise, which may be as small as it likes.
     """
     out = np.zeros((len(grid), len(series.joints)), dtype=bool)
-    for j in range(len(series.joints)):
-        for begin, end in unseen(series, j):
+    for j, lost in enumerate(unseen(series)):
+        for begin, end in lost:
             first = np.searchsorted(grid, begin + SAME, side="right")
             out[first : np.searchsorted(grid, end - SAME), j] = True
     return out
 
 
-def unseen(series: JointSeries, joint: int) -> Floats:
-    """(k, 2) s between which values of a joint (its place) are guessed in this way."""
+def unseen(series: JointSeries) -> tuple[Floats, ...]:
+    """Of each joint (k, 2) s between which its values are guessed in this way."""
     longest = min(usual(series.stamp), longest_gap(series.stamp))
-    known = series.stamp[np.isfinite(series.position[:, joint])]
-    last = np.flatnonzero(np.diff(known) > longest)
-    return np.column_stack([known[last], known[last + 1]])
+    known = [series.stamp[np.isfinite(position)] for position in series.position.T]
+    last = [np.flatnonzero(np.diff(stamp) > longest) for stamp in known]
+    return tuple(np.column_stack([s[k], s[k + 1]]) for s, k in zip(known, last, strict=True))
 
 
 def missing(stamp: Floats, longest: float = np.inf, end: float = -np.inf) -> Floats:

@@ -40,9 +40,9 @@ class Hum:
     std: float
     waves: Array
 
-    def at(self, stamp: Array) -> Array:
-        """(n, joints) rad that it adds to the readings."""
-        return np.asarray(_turning(self.frequency, stamp) @ self.waves)
+    def at(self, stamp: Array, joints: slice | int = slice(None)) -> Array:
+        """(n, joints) rad that it adds to the readings, or (n,) to those of one joint."""
+        return np.asarray(_turning(self.frequency, stamp) @ self.waves[:, joints])
 
 
 def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
@@ -72,7 +72,7 @@ def _but_for(found: list[Hum], motion: Motion, joint: int) -> Array:
     """(n,) that a joint is off but for tones that were found."""
     off = motion.shown[:, joint] - motion.asked[:, joint]
     for hum in found:
-        off -= _turning(hum.frequency, motion.stamp) @ hum.waves[:, joint]
+        off -= hum.at(motion.stamp, joint)
     return np.asarray(off)
 
 
