@@ -87,13 +87,14 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     predicted = context.predict(0, there, column)
     more = moved(view, there, column, predicted)
     (rest,) = rests(view, there, column)
-    path = view.span.gearbox[view.span.rows[rest.first - 1 :], column] * model.arm.ratio[column]
+    still = slice(rest["begin"], rest["end"])
+    path = view.span.gearbox[view.span.rows[rest["first"] - 1 :], column] * model.arm.ratio[column]
     way = np.maximum.accumulate(np.abs(path[1:] - path[0]))
     stamp, band = view.span.stamp, 2.0 * model.arm.dead_band[column]
     assert not more[stamp < at - 0.1].any()
-    assert 2e-4 < np.abs(more[rest.still]).mean() < band
-    assert rest.still.stop == rest.first + int(np.argmax(way > PART * band / 2.0))
-    moves = rest.first + int(np.argmax(way > band))
+    assert 2e-4 < np.abs(more[still]).mean() < band
+    assert rest["end"] == rest["first"] + int(np.argmax(way > PART * band / 2.0))
+    moves = rest["first"] + int(np.argmax(way > band))
     assert not more[moves:].any()
     knocked = moved(view, Hypothesis(), column, predicted)  # it jumps, whatever made it
     assert [at for c, at in view.span.knocks if c == column] == pytest.approx([at], abs=0.05)
@@ -101,8 +102,8 @@ def test_a_throw_ends_where_the_joint_moves_and_goes_no_further_than_its_dead_ba
     view = replace(view, span=replace(view.span, knocks=()))
     assert not moved(view, Hypothesis(), column, predicted).any()
     motor = Hypothesis(servo_bandwidth=Term("servo_bandwidth", own={column: {"relative": 0.1, "from": at}}))
-    assert not rests(view, motor, column)  # motors lie in no band
-    left = [(view.span.target[:, column] - p)[rest.still].mean() for p in (predicted, predicted + more)]
+    assert not len(rests(view, motor, column))  # motors lie in no band
+    left = [(view.span.target[:, column] - p)[still].mean() for p in (predicted, predicted + more)]
     assert abs(left[1]) < 0.1 * abs(left[0])
 
 

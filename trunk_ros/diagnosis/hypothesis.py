@@ -81,8 +81,7 @@ class Term:
     @property
     def carried(self) -> list[str]:
         """Which of its values are masses at the tip that it has."""
-        shared = self.shared  # asked at each prediction
-        return [p.name for p in effect(self.effect).carried() if shared.get(p.name)] if shared else []
+        return [p.name for p in effect(self.effect).carried() if self.shared.get(p.name)]
 
     def values(self, column: int) -> dict[str, float]:
         """All values for one joint, the shared ones included."""
@@ -293,6 +292,8 @@ def _model_values(term: Term, joints: int) -> Values:
 
 def payload_of(hypothesis: Hypothesis) -> Payload:
     """Mass at the tip that the terms add; of several that which is not always there says when."""
-    there = [payload_in(name, term.shared) for term in hypothesis.values() for name in term.carried]
+    there = [payload_in(name, t.shared) for t in hypothesis.values() if t.shared for name in t.carried]
+    if not there:  # asked at each prediction
+        return NOTHING
     when = next((one for one in there if not one.always), NOTHING)
-    return when._replace(mass=float(sum(one.mass for one in there))) if there else NOTHING
+    return when._replace(mass=float(sum(one.mass for one in there)))

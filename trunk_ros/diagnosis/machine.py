@@ -21,6 +21,8 @@ FACTORS = 8
 """Sizes of which one logarithm is taken: a product of more might be no number."""
 BOUND = 64
 """Blocks of one joint kept: what a fit leaves as it is is not made anew."""
+FOUND = 32
+"""Samples as which the rests of a joint count that are remembered."""
 
 
 def pieces(rows: int) -> list[slice]:
@@ -37,6 +39,9 @@ def precision(rows: int) -> type[np.floating[Any]]:
 
 def make_room(kept: MutableMapping[Key, Any], rows: int, among: Iterable[Key]) -> None:
     """Forget the oldest ``among`` what is ``kept``, until one more of so many rows fits beside the others."""
+    most = max(CELLS // rows, 1)
+    if len(kept) < most:
+        return
     there = list(among)
-    for old in there[: max(len(there) + 1 - max(CELLS // rows, 1), 0)]:
+    for old in there[: max(len(there) + 1 - most, 0)]:
         del kept[old]

@@ -4,34 +4,30 @@ pushed it, and there it lies in its dead band until it moves again. How far no r
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import cache
+from collections.abc import Callable, Hashable, Iterator
+from functools import cache, lru_cache, partial
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.surroundings import View
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Numbers
 from trunk_ros.diagnosis.levels import FEWEST, PART, TOGETHER
-from trunk_ros.diagnosis.machine import make_room
+from trunk_ros.diagnosis.machine import BOUND, FOUND, make_room
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.effects import effect
 from trunk_ros.effects.moments import RISE
 from trunk_ros.parameter import GROWN
 
-
-class Rest(NamedTuple):
-    """A joint that rests from a moment [s] on: the rows of the target at which it does, the first one after
-    the moment, and how many rad what happens moves it where nothing holds it, if it says so.
-    """
-
-    still: slice
-    first: int
-    at: float
-    size: float = 0.0
+REST = np.dtype([("begin", int), ("end", int), ("first", int), ("at", float), ("size", float)])
+"""A joint rests from a moment ``at`` [s] on: the rows of the target from ``begin`` to ``end`` at which it does,
+the ``first`` one after the moment, and how many rad what happens moves it where nothing holds it, if it says so.
+"""
+Found = TypeVar("Found")
+NOWHERE = np.empty(0, REST)
 
 
 class Throw(NamedTuple):
@@ -42,39 +38,49 @@ class Throw(NamedTuple):
     seen: int
 
 
-def rests(view: View, hypothesis: Hypothesis, column: int) -> list[Rest]:
-    """Where a joint with a dead band rests from a moment of its effects on, or from a knock on, one after the
-    other: each until it goes on, or the next one begins where enough is seen until then.
+def rests(view: View, hypothesis: Hypothesis, column: int) -> np.ndarray:
+    """(k,) of ``REST``: where a joint with a dead band rests from a moment of its effects on, or from a knock
+    on, one after the other, each until it goes on, or the next one begins where enough is seen until then.
     """
     if view.arm.dead_band[column] <= 0.0:
-        return []
+        return NOWHERE
     moments = _moments(hypothesis, column)
+    if not moments and not view.span.knocks:
+        return NOWHERE
+    every = tuple(moments.items())
+    return _kept(view, (column, every), lambda: _rests(view, column, moments))
+
+
+def _rests(view: View, column: int, moments: dict[float, float]) -> np.ndarray:
     knocks = [at for c, at in view.span.knocks if c == column]
-    moments |= {at: 0.0 for at in knocks if all(abs(at - told) > TOGETHER for told in moments)}
-    found = []
-    for at, size in sorted(moments.items()):
-        if (column, at) not in view.rests:  # a fit asks again and again
-            make_room(view.rests, 1, view.rests)
-            view.rests[column, at] = _rest(view, column, at)
-        rest = view.rests[column, at]
-        if rest is not None:
-            found.append(rest._replace(size=size))
-    for k, (rest, later) in enumerate(pairwise(found)):
-        still = slice(rest.still.start, min(rest.still.stop, later.first))
-        if np.count_nonzero(view.columns[column].valid[still]) >= FEWEST:
-            found[k] = rest._replace(still=still)
-    return found
+    every = moments | {at: 0.0 for at in knocks if all(abs(at - told) > TOGETHER for told in moments)}
+    each = [(_kept(view, (column, at), partial(_rest, view, column, at)), every[at]) for at in sorted(every)]
+    out, valid = np.array([(*rest, size) for rest, size in each if rest], REST), view.columns[column].valid
+    for rest, later in pairwise(out):
+        end = min(rest["end"], later["first"])
+        if np.count_nonzero(valid[rest["begin"] : end]) >= FEWEST:
+            rest["end"] = end
+    return out
 
 
-def _rest(view: View, column: int, at: float) -> Rest | None:
+def _rest(view: View, column: int, at: float) -> tuple[int, int, int, float] | None:
     """The rest of a joint from a moment [s] on, None where it goes on."""
-    stamp, valid, rows = view.span.stamp, view.span.valid[:, column], view.span.rows
+    stamp, valid, rows = view.span.stamp, view.columns[column].valid, view.span.rows
     first, done = int(stamp.searchsorted(at - RISE / 2)), int(stamp.searchsorted(at + RISE / 2))
     if not 0 < first < len(valid) - FEWEST:
         return None
-    path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-    still = slice(done, goes_on(path, rows, first, ratio, PART * float(view.arm.dead_band[column])))
-    return None if np.count_nonzero(valid[still]) < FEWEST else Rest(still, first, at)
+    path, ratio = view.of(column)[0][:, 0], float(view.arm.ratio[column])
+    end = goes_on(path, rows, first, ratio, PART * float(view.arm.dead_band[column]))
+    return None if np.count_nonzero(valid[done:end]) < FEWEST else (done, end, first, at)
+
+
+def _kept(view: View, key: tuple[int, Hashable], make: Callable[[], Found]) -> Found:
+    """What was found of a column once: a fit asks again and again."""
+    if key not in view.rests:
+        make_room(view.rests, FOUND, view.rests)
+        view.rests[key] = make()
+    found: Found = view.rests[key]
+    return found
 
 
 @compiled
@@ -88,24 +94,36 @@ def goes_on(path: Array, rows: np.ndarray, first: int, ratio: float, least: floa
     return len(rows)
 
 
-def thrown(view: View, column: int, found: Sequence[Rest], predicted: Array) -> Array:
-    """(n,) rad: ``predicted`` (n,) with each throw of the rests as far as was measured, within the dead
-    band.
+def thrown(view: View, column: int, found: np.ndarray, predicted: Array) -> Array:
+    """(n,) rad: ``predicted`` (n,) with each throw of the rests that were ``found`` (k,) as far as was
+    measured, within the dead band.
     """
-    out, seen, band = predicted, view.columns[column], room(view.arm, column)
-    path, ratio = view.span.gearbox[:, column], float(view.arm.ratio[column])
-    for still, first, at, size in found:
-        pushed = predicted[still.start] - predicted[first - 1]
-        mean = mean_off(seen.target[still], out[still], seen.valid[still])
+    if not len(found):
+        return predicted
+    out, seen, path = predicted.copy(), view.columns[column], view.of(column)[0][:, 0]
+    ratio, band = float(view.arm.ratio[column]), room(view.arm, column)
+    _throw_all(
+        found, seen.target, seen.valid, predicted, view.span.stamp, path, view.span.rows, ratio, band, out
+    )
+    return out
+
+
+@compiled
+def _throw_all(
+    found: np.ndarray, target: Array, valid: np.ndarray, predicted: Array, stamp: Array, path: Array,
+    rows: np.ndarray, ratio: float, band: float, out: Array,
+) -> None:  # fmt: skip
+    for rest in found:
+        begin, first = rest.begin, rest.first
+        pushed = predicted[begin] - predicted[first - 1]
+        mean = _mean_off(target, out, valid, begin, rest.end)
         way, most = np.sign(pushed), band
         if abs(pushed) < PART * band / 2:  # held by friction, it goes on a part of the way, if that is said
-            way, most = np.sign(size or mean), abs(size) or band
+            way, most = np.sign(rest.size or mean), abs(rest.size) or band
         gone = way * (out[first - 1] - predicted[first - 1])  # by knocks before
-        far = float(np.clip(way * mean, 0.0, max(min(most, band - gone), 0.0)))
+        far = min(max(way * mean, 0.0), max(min(most, band - gone), 0.0))
         if far > 0.0:
-            out = out.copy() if out is predicted else out
-            throw(out, view.span.stamp, path, view.span.rows, first, at, ratio, far, band, float(way))
-    return out
+            _throw(out, stamp, path, rows, first, rest.at, ratio, far, band, way)
 
 
 def room(arm: Arm, column: int) -> float:
@@ -113,26 +131,26 @@ def room(arm: Arm, column: int) -> float:
     return 2.0 * float(arm.dead_band[column])
 
 
-def throws(view: View, column: int, found: Sequence[Rest], predicted: Array) -> Iterator[Throw]:
+def throws(view: View, column: int, found: np.ndarray, predicted: Array) -> Iterator[Throw]:
     """How far each throw takes a joint on beside what is ``predicted`` (n,) rad."""
     change, valid = thrown(view, column, found, predicted) - predicted, view.columns[column].valid
-    for still, first, at, _ in found:
-        far = float(change[still.start] - change[first - 1])
-        yield Throw(at, far, int(np.count_nonzero(valid[still])))
+    for begin, end, first, at, _ in found.tolist():
+        far = float(change[begin] - change[first - 1])
+        yield Throw(at, far, int(np.count_nonzero(valid[begin:end])))
 
 
 @compiled
-def mean_off(target: Array, predicted: Array, valid: np.ndarray) -> float:
-    """The mean of what is left where it counts, each (n,); NaN where nothing does."""
+def _mean_off(target: Array, predicted: Array, valid: np.ndarray, begin: int, end: int) -> float:
+    """The mean of what is left where it counts, each (n,), in some rows; NaN where nothing does."""
     total, count = 0.0, 0
-    for k in range(len(target)):
+    for k in range(begin, end):
         if valid[k]:
             total, count = total + target[k] - predicted[k], count + 1
     return total / count
 
 
 @compiled
-def throw(
+def _throw(
     out: Array, stamp: Array, path: Array, rows: np.ndarray, first: int, at: float, ratio: float, far: float,
     band: float, way: float,
 ) -> None:  # fmt: skip
@@ -155,16 +173,24 @@ def _moments(hypothesis: Hypothesis, column: int) -> dict[float, float]:
     out = dict[float, float]()
     for term in hypothesis.values():
         if column in term.own:
-            values = {**term.shared, **term.own[column]}
-            if _all_moments(term.effect).isdisjoint(values):  # asked at each prediction
+            times, shared, own = _all_moments(term.effect), term.shared, term.own[column]
+            if times.isdisjoint(own) and times.isdisjoint(shared):  # asked at each prediction
                 continue
-            lead = _size(term.effect)
-            size = float(values.get(lead, 0.0))
-            out |= {values[name]: size for name in _names(term.effect) if name in values}
-            course = Course.of(values if lead else {})
-            for at, before, after in zip(course.moments, course.sizes, course.sizes[1:], strict=False):
-                out[at] = size * (after - before)
+            out.update(_happens(term.effect, tuple(shared.items()), tuple(own.items())))
     return out
+
+
+@lru_cache(BOUND)
+def _happens(name: str, shared: Numbers, own: Numbers) -> tuple[tuple[float, float], ...]:
+    """When [s] an effect with such values does something at once, and by how many rad."""
+    values = {**dict(shared), **dict(own)}
+    lead = _size(name)
+    size = float(values.get(lead, 0.0))
+    out = {values[moment]: size for moment in _names(name) if moment in values}
+    course = Course.of(values if lead else {})
+    for at, before, after in zip(course.moments, course.sizes, course.sizes[1:], strict=False):
+        out[at] = size * (after - before)
+    return tuple(out.items())
 
 
 @cache

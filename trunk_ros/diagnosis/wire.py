@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from functools import cache
 
 import numpy as np
 
@@ -12,36 +12,26 @@ from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import STANDS
 from trunk_ros.diagnosis.data.seen import beside
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View, following
-from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
-from trunk_ros.diagnosis.levels import ROUGH, TURNS
+from trunk_ros.diagnosis.hypothesis import Hypothesis, bind_column, payload_of
+from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stage import Sight, Stage
+from trunk_ros.diagnosis.stood import Read, begun
 from trunk_ros.diagnosis.swung import swung
 from trunk_ros.effects import effect
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.moments import Payload
-from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
-from trunk_ros.stage import Memory, Order, State, adjusted, through, wire_pass
+from trunk_ros.stage import Order, wire_pass
 from trunk_ros.start import Driven, first_rows, history
 
 SHAKEN = 40  # joint-steps that one of joints costs which shake each other
 STOOD = 40  # steps that a stand is looked at
-
-
-class Read(NamedTuple):
-    """What a joint's sensor reads (k,) while its motor stands: until each of some moments, and since the one
-    before.
-    """
-
-    until: Array
-    since: Array
 
 
 class WireStage(Stage):
@@ -106,13 +96,8 @@ class WireStage(Stage):
             chosen = seen[np.linspace(0, len(seen) - 1, min(len(seen), STOOD)).astype(int)]
             rows = np.unique(np.concatenate([[0], span.rows[chosen]]))
             until = np.maximum(np.searchsorted(span.rows[seen], rows, "right"), 1)
-            told = span.target[seen, column, None]
             since = np.concatenate([[0], np.minimum(until[:-1], until[1:] - 1)])
-            read = Read(
-                np.concatenate([middle(told[:count]) for count in until]),
-                np.concatenate([middle(told[a:b]) for a, b in zip(since, until, strict=True)]),
-            )
-            known = span.target, tuple(rows.tolist()), read
+            known = span.target, tuple(rows.tolist()), Read.of(span.target[seen, column], until, since)
             self._stands[span.name, column] = known
         return known[1:]
 
@@ -136,10 +121,16 @@ class WireStage(Stage):
 
 def _swings(sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> bool:
     """Whether a hypothesis lets a joint swing by what nobody saw."""
-    if all(effect(name).transients is Effect.transients for name in hypothesis):  # asked at each prediction
+    free = [term for name, term in hypothesis.items() if column in term.own and _may_swing(name)]
+    if not free:
         return False
     now = sight.now(index, column, payload_of(hypothesis))
-    return any(block.transients(now) is not None for block in hypothesis.bound(column))
+    return any(bind_column(term, column).transients(now) is not None for term in free)
+
+
+@cache
+def _may_swing(name: str) -> bool:
+    return effect(name).transients is not Effect.transients
 
 
 def _chain(arm: Arm, hypothesis: Hypothesis) -> Chain:
@@ -200,53 +191,3 @@ def _history(chain: Chain, span: Span, seconds: float) -> Array:
     rows = span.rows[:seen] - before
     driven = Driven(span.gearbox[before:], span.grid[before:], rows, angles, span.velocity[before:], known)
     return history(chain, driven)
-
-
-def begun(seen: Now, order: Order, width: Array, read: Read, rows: list[int] | slice) -> State:
-    """The state in which the friction element shows what was measured, as far as its play lets it, while
-    nothing had moved what comes to it; of a sharp play as long as that holds the joint. ``seen``: the
-    surroundings while the motor stood, of which ``rows`` (k,) count: what swings is computed at each step.
-    """
-    core, memory = Core(nominal_width=width, width=width), Memory()
-    adjusted(core, order, seen, {}, memory)
-    u = through(seen.gearbox * seen.ratio, order.path, seen, {}, memory) + core.middle
-    element = core.rounding or SharpPlay()
-    moved, _ = element.run(u, core.width, None)
-    true = through(moved, order.after, seen, {}, memory)
-    shown = through(true, order.sensor, seen, {}, memory)
-    u, moved, shown = (signal[rows] for signal in (u, moved, shown))
-    wide = core.width[rows] if len(core.width) > 1 else core.width
-    stands = np.maximum.accumulate(np.abs(u - u[0]), axis=0) < STANDS
-    last, start = np.count_nonzero(stands, axis=0) - 1, u[:1]
-    if np.all(last == len(u) - 1):
-        off = read.until[-1] - middle(shown[1:])
-    else:
-        seen_then = [middle(shown[min(k, 1) : k + 1, c : c + 1])[0] for c, k in enumerate(last)]
-        off = read.until[last] - np.array(seen_then)
-    if core.rounding is None:
-        off = _while_held(u - start, wide, moved - start - shown, read.since, off)
-    ends = np.concatenate([start + off, start])
-    _, stuck = element.run(ends, core.width[:1], None)
-    return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
-
-
-def _while_held(moved: Array, width: Array, hidden: Array, read: Array, off: Array) -> Array:
-    """How far (columns,) rad a joint lies off where its play began, by what is ``read`` (k,) as long as that
-    play holds it there, whatever has ``moved`` (k, columns) by then; ``hidden``: what it would be off by, if
-    zero were read. Where the play lets go of it at once, as far ``off`` as it was.
-    """
-    told, before = read[1:, None] + (hidden[1:] + hidden[:-1]) / 2.0, np.zeros(len(off))
-    for _ in range(TURNS):
-        held = np.logical_and.accumulate(np.abs(moved - off) <= width, axis=0)
-        count = np.count_nonzero(held[1:], axis=0)
-        if np.array_equal(count, before):
-            break
-        some = (told[:k, c : c + 1] if k else off[c : c + 1, None] for c, k in enumerate(count))
-        off, before = np.concatenate([middle(each) for each in some]), count
-    return off
-
-
-def middle(values: Array) -> Array:
-    """The median of (n, columns), by column: of a few values ``np.median`` takes ten times as long."""
-    ordered, half = np.sort(values, axis=0), len(values) // 2
-    return np.asarray(ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2.0)

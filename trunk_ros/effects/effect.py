@@ -117,8 +117,8 @@ class Effect(ABC):
         self.form = self.form_of(form)
         self.values = values
         self.words = texts or {}
-        self.acts: tuple[Array, Array] | None = None
-        """For stamps (n,) s, how much of it acts (n, columns)."""
+        self.acts: tuple[tuple[Array, Array], ...] = ()
+        """For stamps (n,) s that were asked for last, how much of it acts (n, columns)."""
 
     def __getitem__(self, name: str) -> Array:
         return self.values[name]

@@ -31,11 +31,15 @@ def lasts(e: Effect) -> bool:
 
 
 def acting(e: Effect, now: Now) -> Array:
-    """(n, columns): how much of an effect acts; kept with it, as a fit asks again and again."""
-    kept = e.acts
-    if kept is None or kept[0] is not now.stamp:
-        e.acts = kept = now.stamp, share(now.stamp, e.values, len(now.ratio))
-    return kept[1]
+    """(n, columns): how much of an effect acts; kept with it, as a fit asks again and again: where a joint
+    stood, and then for all of its way.
+    """
+    for stamp, kept in e.acts:
+        if stamp is now.stamp:
+            return kept
+    acts = share(now.stamp, e.values, len(now.ratio))
+    e.acts = (*e.acts[-1:], (now.stamp, acts))
+    return acts
 
 
 def run(e: Effect, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from trunk_ros.compiled import Array, compiled
+from trunk_ros.compiled import Array, compiled, copied
 from trunk_ros.parameter import FROM, GROWN, LATER, NEVER, SPELL_NAMES, UNTIL
 
 RISE = 0.02  # s, so that a fit can move a moment
@@ -62,12 +62,26 @@ def share(stamp: Array, values: Mapping[str, Any], columns: int) -> Array:
 
 @compiled
 def _ramp(stamp: float, middle: float, rise: float) -> float:
+    if abs(stamp - middle) > rise:  # mostly: a division costs more than all the rest
+        return 0.0 if stamp < middle else 1.0
     return min(max((stamp - middle) / rise + 0.5, 0.0), 1.0)
+
+
+@compiled
+def _alike(begin: Array, until: Array, times: Array, j: int) -> bool:
+    """Whether a column (spells, columns) is as the one before."""
+    for i in range(len(begin)):
+        if begin[i, j] != begin[i, j - 1] or until[i, j] != until[i, j - 1] or times[i, j] != times[i, j - 1]:
+            return False
+    return True
 
 
 @compiled
 def _share(stamp: Array, begin: Array, until: Array, times: Array, grown: Array, out: Array) -> None:
     for j in range(len(grown)):
+        if j and _alike(begin, until, times, j) and grown[j] == grown[j - 1]:
+            copied(out[:, j - 1], out[:, j])
+            continue
         rise = max(grown[j] - begin[0, j], RISE)
         middle = begin[0, j] + rise / 2 if grown[j] > begin[0, j] else begin[0, j]
         always = begin[0, j] <= 0.0 and grown[j] <= 0.0

@@ -65,7 +65,9 @@ class View:
     """What is known at angles, and those, and what effects make of it: of long recordings only that of the
     last looks fits into memory.
     """
-    rests: dict[tuple[int, float], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    rests: dict[tuple[int, Hashable], Any] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
     """How columns rest from moments [s] on."""
     there: dict[tuple[tuple[str, float], ...], Array] = field(
         default_factory=dict, init=False, repr=False, compare=False
