@@ -6,7 +6,7 @@ import ctypes
 import os
 from contextlib import suppress
 
-RETURNED = 2**24  # bytes: more than one joint of two hours has, less than all of its joints
+RETURNED = 2**23  # bytes: more than one joint of two hours has, less than all of them in single precision
 
 
 def keep_what_is_freed() -> None:

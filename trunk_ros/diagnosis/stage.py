@@ -180,7 +180,7 @@ class Stage(ABC):
 
     def _view(self, span: Span) -> View:
         dt = np.diff(span.grid, prepend=span.grid[:1])
-        return View(span, dt, self.arm, span.velocity * self.arm.ratio, following(span.valid))
+        return View(span, dt, self.arm, following(span.valid))
 
     def _readings(self, column: int) -> list[Array]:
         return [view.span.target[view.span.valid[:, column], column] for view in self.views]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,6 +51,7 @@ class Seen(Now):
 
     _load: Any
     _wires: Any
+    _speeds: Any
     known: Inertia | None = None
 
     @property
@@ -85,6 +87,15 @@ class Seen(Now):
     def wires(self, wires: Array | Callable[[], Array]) -> None:
         self._wires = wires
 
+    @property
+    def speeds(self) -> Array:
+        """(n, all joints) rad/s."""
+        return np.asarray(self._speeds() if callable(self._speeds) else self._speeds)
+
+    @speeds.setter
+    def speeds(self, speeds: Array | Callable[[], Array]) -> None:
+        self._speeds = speeds
+
 
 def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now:
     """The surroundings of one joint of an arm that carries a payload, (m, 1) each."""
@@ -99,7 +110,7 @@ def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now
         lambda: view.wires,  # type: ignore[arg-type]
         view.span.joints,
         arm.ratio[column : column + 1],
-        speeds=view.speeds,
+        speeds=lambda: view.speeds,  # type: ignore[arg-type]
         columns=(column,),
         arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
         carried=NOTHING if payload.always else payload,
@@ -125,6 +136,7 @@ def joined(each: Sequence[Now]) -> Now:
         speed=abreast([now.speed for now in each]),
         load=lambda: abreast([now.load for now in each]),  # type: ignore[arg-type]
         wires=lambda: first.wires,  # type: ignore[arg-type]
+        speeds=lambda: first.speeds,  # type: ignore[arg-type]
         ratio=np.concatenate([now.ratio for now in each]),
         columns=tuple(column for now in each for column in now.columns),
     )
@@ -133,14 +145,20 @@ def joined(each: Sequence[Now]) -> Now:
     return out
 
 
+def _some(all_of: Callable[[], Array], rows: np.ndarray) -> Array:
+    """Some rows of what is made when it is asked for."""
+    return np.asarray(all_of()[rows])
+
+
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
     lazy = isinstance(now, Seen)
     whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt", "unseen"}
-    whole |= {"load", "wires"} if lazy else set()
+    whole |= {"load", "wires", "speeds"} if lazy else set()
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
     if lazy:
-        steps |= {"load": lambda: now.load[rows], "wires": lambda: now.wires[rows]}
+        known = {"load": lambda: now.load, "wires": lambda: now.wires, "speeds": lambda: now.speeds}
+        steps |= {name: partial(_some, all_of, rows) for name, all_of in known.items()}
     out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
     if isinstance(now, Seen) and isinstance(out, Seen) and now.known is not None:
         out.known = now.known.at(rows)

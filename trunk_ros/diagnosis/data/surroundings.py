@@ -13,9 +13,11 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
-from trunk_ros.diagnosis.machine import make_room, pieces, precision
+from trunk_ros.diagnosis.machine import CELLS, make_room, pieces, precision
 from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.effects.now import Made
+
+WIRES = "wires", 0, 0
 
 
 class Column(NamedTuple):
@@ -50,7 +52,6 @@ class View:
     span: Span
     dt: Array
     arm: Arm
-    speeds: Array
     follows: np.ndarray
     told: Array | None = None
     """Angles of the joints (m, joints), where these are not just where their motors take them."""
@@ -84,16 +85,25 @@ class View:
                 np.ascontiguousarray(span.valid[:, c]),
                 in_one_piece(np.flatnonzero(span.valid[:, c])),
                 np.ascontiguousarray(self.follows[:, c]),
-                span.measured(self.speeds[:, c]),
+                span.measured(self.speed(c)),
                 span.loud,
             )
             for c in range(span.target.shape[1])
         ]
 
     @property
+    def speeds(self) -> Array:
+        """(m, joints) rad/s at which the motors take the joints; not kept, few ask for it."""
+        return np.asarray(self.span.velocity * self.arm.ratio)
+
+    def speed(self, column: int) -> Array:
+        """(m,) rad/s of one of them."""
+        return np.asarray(self.span.velocity[:, column] * self.arm.ratio[column])
+
+    @property
     def wires(self) -> Array:
         """(m, joints) rad where the motors take the joints; made when it is asked for."""
-        return self._keep(("wires", 0, 0), None, lambda: self.arm.driven(self.span.gearbox))
+        return self._keep(WIRES, None, lambda: self.arm.driven(self.span.gearbox))
 
     @property
     def angles(self) -> Array:
@@ -107,8 +117,9 @@ class View:
 
     def _load_at(self, angles: Array) -> Array:
         known = self.span.resistance
-        load = self.arm.load(angles) if known is None else known.load(self.arm, angles)
-        return np.asfortranarray(load if self.arm.coupling is None else self.arm.carried(load))
+        load = _by_pieces(self.arm.load, angles) if known is None else known.load(self.arm, angles)
+        carried = load if self.arm.coupling is None else self.arm.carried(load)
+        return np.asfortranarray(carried, precision(len(angles)))
 
     @property
     def lever(self) -> Array:
@@ -144,7 +155,7 @@ class View:
 
     def _lever(self, angles: Array) -> Array:
         known = self.span.resistance
-        more = self.arm.lever(angles) if known is None else known.per_kilogram(self.arm, angles)
+        more = _by_pieces(self.arm.lever, angles) if known is None else known.per_kilogram(self.arm, angles)
         return more if self.arm.coupling is None else self.arm.carried(more)
 
     def _kept(self, what: Hashable, which: Hashable, of: Callable[[Array], Array]) -> Array:
@@ -169,6 +180,8 @@ class View:
         before = self.wires if self.posture is None else self.posture
         stands = _apart(before, angles) <= least * np.ptp(angles)
         other = replace(self, told=angles, posture=self.posture if stands else angles)
+        if len(self.span.grid) > CELLS:
+            self.large.pop(WIRES, None)  # whoever still asks for them has them made anew
         kept = {"cuts": self.cuts, "large": self.large, "rests": self.rests, "there": self.there}
         vars(other).update(kept, columns=self.columns)
         return other
@@ -186,7 +199,7 @@ class View:
         load = self.load[:, one]
         if payload.mass:
             load = load + self._carried(payload) * self.lever[:, one]
-        return np.ascontiguousarray(load)
+        return np.ascontiguousarray(load, dtype=float)
 
     def _carried(self, payload: Payload) -> Array:
         """(m, 1) or (1, 1) kg."""
@@ -204,11 +217,8 @@ class View:
     def of(self, column: int) -> tuple[Array, Array]:
         """Gearbox angle and speed at the joint of one joint, (m, 1) each."""
         if column not in self.cuts:
-            one, span = slice(column, column + 1), self.span
-            self.cuts[column] = (
-                np.ascontiguousarray(span.gearbox[:, one]),
-                np.ascontiguousarray(self.speeds[:, one]),
-            )
+            gearbox = np.ascontiguousarray(self.span.gearbox[:, column])
+            self.cuts[column] = gearbox[:, None], self.speed(column)[:, None]
         return self.cuts[column]
 
 

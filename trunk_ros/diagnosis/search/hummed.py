@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, SEVERAL
+from trunk_ros.diagnosis.machine import precision
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.recording.signal.resample import SLOW
@@ -42,27 +43,33 @@ def _tone(context: Context, hypothesis: Hypothesis, index: int) -> Hum | None:
     of a hypothesis do: they were fitted while the tone was there.
     """
     span, columns = context.views[index].span, context.columns
-    rows = span.valid[:, columns].all(axis=1)
+    rows = np.asarray(span.valid[:, columns].all(axis=1))
     if np.count_nonzero(rows) < CLOCKED:
         return None
     off = (context.residual(index, hypothesis, c)[rows] for c in columns)
     asked = (span.measured(span.gearbox[:, c])[rows] * context.arm.ratio[c] for c in columns)
 
     def followed(joint: int) -> Array:
-        return _followed(context, hypothesis, index, columns[joint])[rows]
+        return _followed(context, hypothesis, index, columns[joint], rows)
 
     return tone(span.stamp[rows], off, asked, followed, SEVERAL)
 
 
-def _followed(context: Context, hypothesis: Hypothesis, index: int, column: int) -> Array:
-    """(n, 1 + values): a constant, and what is left of a column by small steps of the values that move it."""
+def _followed(context: Context, hypothesis: Hypothesis, index: int, column: int, rows: np.ndarray) -> Array:
+    """(k, 1 + values): of some ``rows`` (n,) a constant, and what is left of a column by small steps of the
+    values that move it.
+    """
     values = Residuals(context, hypothesis, context.columns)
     x = hypothesis.get(values.free)
-    there = x + values.steps(x)
-    moves = [hypothesis.moved(values.free[k], there[k]) for k in values.moving(column)]
-    base, *moved = (context.residual(index, one, column) for one in (hypothesis, *moves))
-    slopes = [one - base for one in moved if np.isfinite(one).all()]
-    return np.column_stack([np.ones(len(base)), *slopes])
+    there, moving = x + values.steps(x), values.moving(column)
+    base, count = context.residual(index, hypothesis, column)[rows], 1
+    out = np.ones((len(base), 1 + len(moving)), precision(len(base)), "F")
+    for k in moving:
+        moved = context.residual(index, hypothesis.moved(values.free[k], there[k]), column)[rows]
+        if np.isfinite(moved).all():
+            out[:, count] = moved - base
+            count += 1
+    return out[:, :count]
 
 
 def _without(view: View, columns: list[int], found: Hum) -> View:

@@ -13,9 +13,10 @@ from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, apart
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, along, apart
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
 from trunk_ros.diagnosis.levels import MOST, PART, REFITTED, ROWS, SLIGHT, TENFOLD
+from trunk_ros.diagnosis.machine import pieces, precision
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
@@ -192,26 +193,37 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     at, readings = np.searchsorted(gearbox.stamp, stamp), fill(gearbox.position)
     arm = model.only(setpoints.joints).arm
     load = arm.load(said * arm.ratio) if arm.has_load else np.sin(said)
+    load = load.astype(precision(len(load)), copy=False)
     speed = np.column_stack([np.gradient(said[:, joint], stamp) for joint in moving])
     pairs = [(speed[:, k], said[:, joint], load[:, joint]) for k, joint in enumerate(moving)]
-    mixes, left = [], []
-    for joint, pair in zip(moving, pairs, strict=True):  # of a long recording not of all joints at once
-        one, design = readings[at, joint] - said[:, joint], _ways(stamp, *pair)
-        mixes.append(apart(design))
-        left.append(one - design @ (mixes[-1] @ (mixes[-1].T @ (design.T @ one))))
+    off, mixes = np.empty_like(speed), []
+    for left, joint, pair in zip(off.T, moving, pairs, strict=True):
+        left[:] = readings[at, joint] - said[:, joint]
+        mixes.append(_taken_off(left, _ways(stamp, *pair)))
     made = [partial(_ways, stamp, *pair) for pair in pairs]
     return _Lags(
         stamp,
         speed,
-        np.column_stack(left),
+        off,
         float(np.mean(1.0 / arm.kp + arm.tau_v)),
         lambda: (design() @ mix for design, mix in zip(made, mixes, strict=True)),
     )
 
 
+def _taken_off(left: Array, design: Array) -> Array:
+    """The mixtures by which what is ``made`` (n, k) is orthonormal, once that is taken off what is ``left``
+    (n,).
+    """
+    mix = apart(design)
+    told = mix @ (mix.T @ along(design, left))
+    for rows in pieces(len(left)):
+        left[rows] -= design[rows] @ told
+    return mix
+
+
 def _ways(stamp: Array, speed: Array, said: Array, load: Array) -> Array:
     """(n, k) what a constant lag, other gains, load and a top speed make of a servo."""
-    acts, out = np.gradient(speed, stamp), np.empty((len(stamp), 9))
+    acts, out = np.gradient(speed, stamp), np.empty((len(stamp), 9), precision(len(stamp)))
     out[:, 0], out[:, 1], out[:, 2], out[:, 3] = 1.0, speed, acts, np.gradient(acts, stamp)
     out[:, 4], out[:, 5], out[:, 6] = np.abs(speed) * speed, said, load
     out[:, 7], out[:, 8] = np.gradient(load, stamp), np.sign(speed)
