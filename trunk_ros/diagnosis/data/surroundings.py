@@ -85,7 +85,7 @@ class View:
                 np.ascontiguousarray(span.valid[:, c]),
                 in_one_piece(np.flatnonzero(span.valid[:, c])),
                 np.ascontiguousarray(self.follows[:, c]),
-                span.measured(self.speed(c)),
+                span.measured(self.of(c)[1][:, 0]),
                 span.loud,
             )
             for c in range(span.target.shape[1])
@@ -95,10 +95,6 @@ class View:
     def speeds(self) -> Array:
         """(m, joints) rad/s at which the motors take the joints; not kept, few ask for it."""
         return np.asarray(self.span.velocity * self.arm.ratio)
-
-    def speed(self, column: int) -> Array:
-        """(m,) rad/s of one of them."""
-        return np.asarray(self.span.velocity[:, column] * self.arm.ratio[column])
 
     @property
     def wires(self) -> Array:
@@ -117,9 +113,8 @@ class View:
 
     def _load_at(self, angles: Array) -> Array:
         known = self.span.resistance
-        load = _by_pieces(self.arm.load, angles) if known is None else known.load(self.arm, angles)
-        carried = load if self.arm.coupling is None else self.arm.carried(load)
-        return np.asfortranarray(carried, precision(len(angles)))
+        load = self.arm.load(angles) if known is None else known.load(self.arm, angles)
+        return np.asfortranarray(load if self.arm.coupling is None else self.arm.carried(load))
 
     @property
     def lever(self) -> Array:
@@ -199,7 +194,7 @@ class View:
         load = self.load[:, one]
         if payload.mass:
             load = load + self._carried(payload) * self.lever[:, one]
-        return np.ascontiguousarray(load, dtype=float)
+        return np.ascontiguousarray(load)
 
     def _carried(self, payload: Payload) -> Array:
         """(m, 1) or (1, 1) kg."""
@@ -218,7 +213,8 @@ class View:
         """Gearbox angle and speed at the joint of one joint, (m, 1) each."""
         if column not in self.cuts:
             gearbox = np.ascontiguousarray(self.span.gearbox[:, column])
-            self.cuts[column] = gearbox[:, None], self.speed(column)[:, None]
+            speed = self.span.velocity[:, column] * self.arm.ratio[column]
+            self.cuts[column] = gearbox[:, None], speed[:, None]
         return self.cuts[column]
 
 

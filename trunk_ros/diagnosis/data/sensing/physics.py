@@ -128,8 +128,12 @@ def _dead_band(motion: Motion, joint: int) -> float:
 
 def along(features: Array, others: Array) -> Array:
     """(k, ...) products of features (n, k) with others (n, ...), in double precision."""
-    each = ((features[k].astype(float, copy=False), others[k]) for k in pieces(len(features)))
-    return np.asarray(sum(one.T @ other.astype(float, copy=False) for one, other in each))
+    alike = others is features
+    total = np.zeros((features.shape[1], *others.shape[1:]))
+    for k in pieces(len(features)):
+        one = features[k].astype(float, copy=False)
+        total += one.T @ (one if alike else others[k].astype(float, copy=False))
+    return total
 
 
 def apart(features: Array) -> Array:
