@@ -10,9 +10,10 @@ from scipy.interpolate import PchipInterpolator
 
 from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.chain import Chain
+from trunk_ros.diagnosis.data import surroundings
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
-from trunk_ros.diagnosis.data.seen import now_of
+from trunk_ros.diagnosis.data.seen import at, joined, now_of
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.first_look import first_look
@@ -62,8 +63,35 @@ def test_what_is_seen_of_one_joint_is_no_copy() -> None:
     for span in (wire_span(recording, TRUNK), servo_span(recording, TRUNK)):
         view = Stage._view(WireStage([span], TRUNK), span)
         assert np.shares_memory(view.columns[1].target, span.target)
-        assert np.shares_memory(view.columns[1].speed, view.speeds)
+        assert np.shares_memory(view.columns[1].speed, view.of(1)[1])
         assert np.shares_memory(now_of(view, TRUNK.arm, 1).gearbox, span.gearbox)
+
+
+def test_what_effects_see_of_other_joints_speeds_is_theirs_at_all_steps_and_at_some() -> None:
+    span = wire_span(recorded({}, 10.0), TRUNK)
+    view = Stage._view(WireStage([span], TRUNK), span)
+    rows, speeds = np.array([3, 30, 31]), span.velocity * TRUNK.arm.ratio
+    now = joined([now_of(view, TRUNK.arm, column) for column in (1, 4)])
+    some = at(now, rows)
+    assert np.array_equal(now.speeds, speeds)
+    assert np.array_equal(some.speeds, speeds[rows])
+    assert np.array_equal(now.speed_of(2), speeds[:, 2])
+    assert np.array_equal(some.speed_of(2), speeds[rows, 2])
+    assert np.array_equal(now.speed, speeds[:, [1, 4]])
+
+
+def test_of_a_long_recording_the_wires_are_made_anew_for_who_still_asks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    span = wire_span(recorded({}, 10.0), TRUNK)
+    view = Stage._view(WireStage([span], TRUNK), span)
+    wires = view.wires
+    assert view.turned(wires + 0.1).wires is wires
+    monkeypatch.setattr(surroundings, "CELLS", len(span.grid) - 1)
+    turned = view.turned(wires + 0.1)
+    assert turned.wires is not wires
+    assert np.array_equal(turned.wires, wires)
+    assert np.array_equal(turned.angles, wires + 0.1)
 
 
 def test_a_prediction_does_not_swing_out_where_gearbox_angles_are_missing() -> None:

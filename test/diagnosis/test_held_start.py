@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from test.diagnosis.arms import NOISE, TRUNK, setpoints_of
 from trunk_ros.chain import Chain
@@ -13,6 +15,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
+from trunk_ros.diagnosis.stood import Read, _lies, _middle
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -51,3 +54,28 @@ def test_it_lies_where_it_was_read_whatever_pulls_meanwhile(upstream: float) -> 
         off = left(upstream, seed)
         assert abs(off.mean()) < 0.2 * NOISE
         assert off.std() == pytest.approx(NOISE, rel=0.1)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=40))
+def test_the_middle_of_a_few_values_is_their_median(values: list[float]) -> None:
+    assert _middle(np.array([*values, 9.0]), len(values)) == pytest.approx(np.median(values), abs=1e-15)
+
+
+def test_what_was_read_is_told_until_each_moment_and_since_the_one_before() -> None:
+    read = Read.of(np.array([1.0, 3.0, 2.0, 9.0]), np.array([1, 3, 4]), np.array([0, 1, 3]))
+    assert read.until.tolist() == [1.0, 2.0, 2.5]
+    assert read.since.tolist() == [1.0, 2.5, 9.0]
+
+
+@pytest.mark.parametrize("sharp", [True, False])
+def test_a_joint_lies_as_it_was_read_while_its_play_holds_it(sharp: bool) -> None:
+    """What comes to it moves early, by less than a sharp play is wide: all readings tell where it lies then,
+    and else those until it moved.
+    """
+    width, lies, soon = np.full((1, 1), 1e-3), 4e-4, 5e-4
+    u = np.where(np.arange(21) > 2, 4e-4, 0.0)[:, None]
+    shown, until, since, off = np.zeros((21, 1)), np.full(21, soon), np.full(21, lies), np.empty(1)
+    _lies(u, width, shown, shown, until, since, sharp, off)
+    assert off[0] == pytest.approx(lies if sharp else soon, abs=1e-12)
+    _lies(u, width, shown, shown, until + 0.01, since, sharp, off)  # beyond its play: nothing holds it there
+    assert off[0] == pytest.approx(soon + 0.01, abs=1e-12)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from test.effects.example import alike, arm_of, motion, stamps
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.effects import effect, registry
+from trunk_ros.effects import effect, lasting, registry
+from trunk_ros.effects.moments import RISE, share
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model, load_model, save_model
 
@@ -30,6 +33,11 @@ BEGINNING: dict[str, dict[str, Any]] = {
     "tension_error": {"factor": 3.0},
     "wire_stiffening": {"compliance": np.full(3, 0.03), "moment": np.full(3, 0.1)},
 }
+
+
+class Seeing(NamedTuple):
+    stamp: Array
+    ratio: Array = np.ones(1)
 
 
 def wire(effects: dict[str, dict[str, Any]], dead_band: float = 1e-3) -> Array:
@@ -182,3 +190,36 @@ def test_what_is_taken_up_has_mass_for_links_that_swing(form: str) -> None:
     soon, hardly = swung(mass, payload_from=0.01), swung(mass, payload_until=0.02)
     for got, wanted in ((soon, always), (hardly, empty)):
         assert np.std(got - wanted) < 0.02 * np.std(always - empty)
+
+
+MOMENTS = st.floats(0.0, 20.0) | st.just(0.0) | st.just(1e6)
+
+
+@given(
+    st.lists(st.fixed_dictionaries(dict.fromkeys(("from", "until", "grown", "from_2"), MOMENTS)), max_size=3)
+)
+def test_columns_side_by_side_act_as_each_alone(columns: list[dict[str, float]]) -> None:
+    columns = [*columns, *columns[-1:]]  # one is as the one before
+    together = share(
+        STAMP, {n: np.array([c[n] for c in columns]) for n in (columns or [{}])[0]}, len(columns)
+    )
+    for k, column in enumerate(columns):
+        assert np.array_equal(together[:, k], share(STAMP, column, 1)[:, 0])
+        ramp = np.clip((STAMP - column["from"]) / RISE + 0.5, 0.0, 1.0)
+        if (
+            column["from"] > 0.0
+            and column["grown"] <= column["from"]
+            and column["until"] == 1e6 == column["from_2"]
+        ):
+            assert together[:, k] == pytest.approx(ramp, abs=1e-12)
+
+
+def test_how_much_acts_is_known_where_a_joint_stood_and_on_all_of_its_way() -> None:
+    bent = effect("ratio_error")({"relative": np.array([0.02]), "from": np.array([5.0])})
+    now, stood = (Seeing(stamp) for stamp in (STAMP, STAMP[:9]))
+    first = [lasting.acting(bent, one) for one in (now, stood)]  # type: ignore[arg-type]
+    again = [lasting.acting(bent, one) for one in (now, stood, now)]  # type: ignore[arg-type]
+    assert again[0] is first[0] is again[2]
+    assert again[1] is first[1]
+    assert len(first[0]) == len(STAMP)
+    assert len(first[1]) == 9

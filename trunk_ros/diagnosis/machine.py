@@ -22,7 +22,7 @@ FACTORS = 8
 BOUND = 64
 """Blocks of one joint kept: what a fit leaves as it is is not made anew."""
 FOUND = 32
-"""Samples as which the rests of a joint count that are remembered."""
+"""A joint's rest that is remembered takes as much room as so many samples."""
 
 
 def pieces(rows: int) -> list[slice]:

@@ -22,13 +22,15 @@ from trunk_ros.effects import effect
 from trunk_ros.effects.moments import RISE
 from trunk_ros.parameter import GROWN
 
+Found = TypeVar("Found")
+
 REST = np.dtype([("begin", int), ("end", int), ("first", int), ("at", float), ("size", float)])
 """A joint rests from a moment ``at`` [s] on: the rows of the target from ``begin`` to ``end`` at which it
 does, the ``first`` one after the moment, and how many rad what happens moves it where nothing holds it, if it
 says so.
 """
-Found = TypeVar("Found")
 NOWHERE = np.empty(0, REST)
+NOWHERE.flags.writeable = False
 
 
 class Throw(NamedTuple):

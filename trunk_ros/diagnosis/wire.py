@@ -130,6 +130,7 @@ def _swings(sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> bo
 
 @cache
 def _may_swing(name: str) -> bool:
+    """Whether an effect knows of free swings at all: asked at each prediction."""
     return effect(name).transients is not Effect.transients
 
 

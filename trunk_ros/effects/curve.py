@@ -210,7 +210,7 @@ def abscissae(variable: str, now: Now) -> Array:
     if variable == "load":
         return now.load
     if variable.startswith(SPEED_OF):
-        one = now.speeds[:, now.joints.index(variable.removeprefix(SPEED_OF))]
+        one = now.speed_of(now.joints.index(variable.removeprefix(SPEED_OF)))
     else:
         one = now.stamp if variable == "time" else now.angles[:, now.joints.index(variable)]
     return np.broadcast_to(one[:, None], (len(one), len(now.ratio)))

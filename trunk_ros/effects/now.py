@@ -53,6 +53,10 @@ class Now:
     unseen: Array = field(default_factory=lambda: np.empty((0, 2)))
     """(k, 2) s between which nobody saw the motor: ``gearbox`` is a guess there."""
 
+    def speed_of(self, joint: int) -> Array:
+        """(n,) rad/s of one of all joints."""
+        return self.speeds[:, joint]
+
     @property
     def winding(self) -> Array:
         """(n, columns) rad/s, like ``speed``; but where the way goes from the joints to the gearbox it is the

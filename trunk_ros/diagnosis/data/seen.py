@@ -35,6 +35,11 @@ class Inertia(NamedTuple):
         """(n, all joints) a joint's row of it."""
         return self.view.inertia(joint, self.payload, self.rows)
 
+    def speed_of(self, joint: int) -> Array:
+        """(n,) rad/s of a joint."""
+        speed = self.view.of(joint)[1][:, 0]
+        return speed if self.rows is None else speed[self.rows]
+
     def at(self, rows: np.ndarray) -> Inertia:
         """The same at some steps (k,)."""
         return self._replace(rows=rows if self.rows is None else self.rows[rows])
@@ -62,6 +67,10 @@ class Seen(Now):
     def inertia(self, joint: int) -> Array:
         """(n, all joints) a joint's row of that."""
         return super().inertia(joint) if self.known is None else self.known.of(joint)
+
+    def speed_of(self, joint: int) -> Array:
+        """(n,) rad/s of one of all joints."""
+        return super().speed_of(joint) if self.known is None else self.known.speed_of(joint)
 
     def cached(self, what: Hashable, make: Callable[[], Made]) -> Made:
         """What ``make`` makes of angles and masses, once for these."""

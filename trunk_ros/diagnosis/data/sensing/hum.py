@@ -16,10 +16,9 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, along, apart, beside_physics, motion_of
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, motion_of, take_off
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, JOINTS, SURE
-from trunk_ros.diagnosis.machine import pieces
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
@@ -143,11 +142,8 @@ def tone(
 
 def _beside(features: Array, one: Array) -> tuple[Array, Array]:
     """What features (n, k) do not say of a signal (n,), and the mixtures by which they are orthonormal."""
-    mix, rest = apart(features), one.copy()
-    told = mix @ (mix.T @ along(features, one))
-    for rows in pieces(len(one)):
-        rest[rows] -= features[rows] @ told
-    return rest, mix
+    rest = one.copy()
+    return rest, take_off(features, rest)
 
 
 def _shared(stamp: Array, waves: _Waves, power: Array, first: float) -> float:

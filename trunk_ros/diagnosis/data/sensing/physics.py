@@ -136,6 +136,17 @@ def along(features: Array, others: Array) -> Array:
     return total
 
 
+def take_off(features: Array, signal: Array) -> Array:
+    """Take what features (n, k) say of a ``signal`` (n,) off it; and the mixtures by which they are
+    orthonormal.
+    """
+    mix = apart(features)
+    told = mix @ (mix.T @ along(features, signal))
+    for rows in pieces(len(signal)):
+        signal[rows] -= features[rows] @ told
+    return mix
+
+
 def apart(features: Array) -> Array:
     """(k, fewer): the mixtures of features (n, k) that are orthonormal and say the same."""
     square = along(features, features)

@@ -13,10 +13,10 @@ from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, along, apart
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, take_off
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
 from trunk_ros.diagnosis.levels import MOST, PART, REFITTED, ROWS, SLIGHT, TENFOLD
-from trunk_ros.diagnosis.machine import pieces, precision
+from trunk_ros.diagnosis.machine import precision
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
@@ -193,13 +193,12 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     at, readings = np.searchsorted(gearbox.stamp, stamp), fill(gearbox.position)
     arm = model.only(setpoints.joints).arm
     load = arm.load(said * arm.ratio) if arm.has_load else np.sin(said)
-    load = load.astype(precision(len(load)), copy=False)
     speed = np.column_stack([np.gradient(said[:, joint], stamp) for joint in moving])
     pairs = [(speed[:, k], said[:, joint], load[:, joint]) for k, joint in enumerate(moving)]
     off, mixes = np.empty_like(speed), []
     for left, joint, pair in zip(off.T, moving, pairs, strict=True):
         left[:] = readings[at, joint] - said[:, joint]
-        mixes.append(_taken_off(left, _ways(stamp, *pair)))
+        mixes.append(take_off(_ways(stamp, *pair), left))
     made = [partial(_ways, stamp, *pair) for pair in pairs]
     return _Lags(
         stamp,
@@ -208,17 +207,6 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
         float(np.mean(1.0 / arm.kp + arm.tau_v)),
         lambda: (design() @ mix for design, mix in zip(made, mixes, strict=True)),
     )
-
-
-def _taken_off(left: Array, design: Array) -> Array:
-    """The mixtures by which what is ``made`` (n, k) is orthonormal, once that is taken off what is ``left``
-    (n,).
-    """
-    mix = apart(design)
-    told = mix @ (mix.T @ along(design, left))
-    for rows in pieces(len(left)):
-        left[rows] -= design[rows] @ told
-    return mix
 
 
 def _ways(stamp: Array, speed: Array, said: Array, load: Array) -> Array:
