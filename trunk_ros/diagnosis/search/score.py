@@ -244,8 +244,7 @@ def _throws(fit: Fit) -> float:
     for c in (c for c, left in fit.cost.items() if left > 0.0):
         part, likely = PART * room(context.arm, c), chance(context, c)
         for index, view in enumerate(context.views):
-            found = rests(view, fit.hypothesis, c)
-            if len(found):  # no work of the search, see credible._jumps
+            if len(found := rests(view, fit.hypothesis, c)):  # no work of the search, see credible._jumps
                 predicted = context.stage.predict(context, index, fit.hypothesis, c)
                 for throw in throws(view, c, found, predicted):
                     gain = throw.seen * (throw.far / context.noise[c].std) ** 2 / likely
