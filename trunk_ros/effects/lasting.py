@@ -34,13 +34,10 @@ def acting(e: Effect, now: Now) -> Array:
     """(n, columns): how much of an effect acts; kept with it, as a fit asks again and again: where a joint
     stood, and then for all of its way.
     """
-    if e.acts and e.acts[-1][0] is now.stamp:
-        return e.acts[-1][1]
-    others = [one for one in e.acts if one[0] is not now.stamp]
-    kept = next((acts for stamp, acts in e.acts if stamp is now.stamp), None)
-    acts = share(now.stamp, e.values, len(now.ratio)) if kept is None else kept
-    e.acts = (*others[-1:], (now.stamp, acts))
-    return acts
+    known = [one for one in e.acts if one[0] is now.stamp]
+    known = known or [(now.stamp, share(now.stamp, e.values, len(now.ratio)))]
+    e.acts = (*[one for one in e.acts if one[0] is not now.stamp][-1:], *known)
+    return known[0][1]
 
 
 def run(e: Effect, x: Array, now: Now, state: Any) -> tuple[Array, Any]:

@@ -49,14 +49,25 @@ class Inertia(NamedTuple):
         return make() if self.rows is not None else self.view.cached(what, self.payload, make)
 
 
+def _when_asked(name: str, kept: bool = False) -> Any:
+    """A value that may be given as what makes it: it is made when it is asked for, and ``kept`` or not."""
+    place = f"_{name}"
+
+    def get(seen: Seen) -> Array:
+        said = vars(seen)[place]
+        made = said() if callable(said) else said
+        if kept:
+            vars(seen)[place] = made
+        return np.asarray(made)
+
+    return property(get, lambda seen, said: vars(seen).update({place: said}))
+
+
 class Seen(Now):
-    """Surroundings whose load and wires are worked out when an effect asks for them; what is known of the
-    arm's masses at all its angles serves every joint.
+    """Surroundings whose load, wires and speeds are worked out when an effect asks for them; what is known of
+    the arm's masses at all its angles serves every joint.
     """
 
-    _load: Any
-    _wires: Any
-    _speeds: Any
     known: Inertia | None = None
 
     @property
@@ -76,34 +87,9 @@ class Seen(Now):
         """What ``make`` makes of angles and masses, once for these."""
         return make() if self.known is None else self.known.cached(what, make)
 
-    @property
-    def load(self) -> Array:
-        """(n, columns) N m."""
-        if callable(self._load):
-            self._load = self._load()
-        return np.asarray(self._load)
-
-    @load.setter
-    def load(self, load: Array | Callable[[], Array]) -> None:
-        self._load = load
-
-    @property
-    def wires(self) -> Array:
-        """(n, all joints) rad."""
-        return np.asarray(self._wires() if callable(self._wires) else self._wires)
-
-    @wires.setter
-    def wires(self, wires: Array | Callable[[], Array]) -> None:
-        self._wires = wires
-
-    @property
-    def speeds(self) -> Array:
-        """(n, all joints) rad/s."""
-        return np.asarray(self._speeds() if callable(self._speeds) else self._speeds)
-
-    @speeds.setter
-    def speeds(self, speeds: Array | Callable[[], Array]) -> None:
-        self._speeds = speeds
+    load = _when_asked("load", kept=True)
+    wires = _when_asked("wires")
+    speeds = _when_asked("speeds")
 
 
 def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now:
@@ -154,21 +140,18 @@ def joined(each: Sequence[Now]) -> Now:
     return out
 
 
-def _some(all_of: Callable[[], Array], rows: np.ndarray) -> Array:
-    """Some rows of what is made when it is asked for."""
-    return np.asarray(all_of()[rows])
-
-
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
-    lazy = isinstance(now, Seen)
-    whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt", "unseen"}
-    whole |= {"load", "wires", "speeds"} if lazy else set()
+    asked = ("load", "wires", "speeds") if isinstance(now, Seen) else ()
+    whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt", "unseen", *asked}
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
-    if lazy:
-        known = {"load": lambda: now.load, "wires": lambda: now.wires, "speeds": lambda: now.speeds}
-        steps |= {name: partial(_some, all_of, rows) for name, all_of in known.items()}
+    steps |= {name: partial(_some, now, name, rows) for name in asked}
     out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))
     if isinstance(now, Seen) and isinstance(out, Seen) and now.known is not None:
         out.known = now.known.at(rows)
     return out
+
+
+def _some(now: Now, name: str, rows: np.ndarray) -> Array:
+    """Some rows of what is made when it is asked for."""
+    return np.asarray(getattr(now, name)[rows])
