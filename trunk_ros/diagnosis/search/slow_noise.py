@@ -73,7 +73,7 @@ def _wandering(
     if likely is None:
         return None
     noise, gained = likely
-    alike = not _is_found(now, column) and _is_near(context, noise, column)
+    alike = not _is_found(now, column) and _is_near(context, hypothesis, column)
     alike = alike and is_shared(context, hypothesis, column)
     if _may_be_named(now, column, kept(column), gained, laws if alike else None):
         return None
@@ -95,7 +95,7 @@ def likelier(
     gained = unlikely(context, known, hypothesis, column) + saved - cost
     if gained <= 0.0 or not is_plain(context, noise, less, column):
         return None
-    near = _is_near(context, noise, column)
+    near = _is_near(context, less, column)
     return (noise, gained) if near or is_shared(context, less, column) else None
 
 
@@ -127,9 +127,12 @@ def _price_of(noise: Noise) -> float:
     return FURTHER * (4 if noise.slow[0] > 0.0 else 2)
 
 
-def _is_near(context: Context, noise: Noise, column: int) -> bool:
-    """Whether a noise goes no further than three times that of a column without it."""
-    return bool(noise.std < THREEFOLD * context.noise[column].std)
+def _is_near(context: Context, hypothesis: Hypothesis, column: int) -> bool:
+    """Whether what a hypothesis leaves of a column goes no further than three times its noise as it is known:
+    one that remembers for long may lie far from none throughout.
+    """
+    rests = [rest[counted] for rest, _, counted in _parts(context, hypothesis, column)]
+    return bool(np.mean(np.concatenate(rests) ** 2) < (THREEFOLD * context.noise[column].std) ** 2)
 
 
 def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:

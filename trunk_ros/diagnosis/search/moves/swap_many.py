@@ -1,5 +1,5 @@
-"""An effect in the place of one that most joints have and that it is confused with, on all of them at once:
-what the arm shares moves along.
+"""An effect in the place of one that several joints have and that it is confused with, on all of them at
+once: what the arm shares moves along, and joint by joint each would have to show the form that all have.
 """
 
 from __future__ import annotations
@@ -7,25 +7,28 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from trunk_ros.diagnosis.search.candidates import local_kinds
+from trunk_ros.diagnosis.levels import SEVERAL
+from trunk_ros.diagnosis.search.candidates import local_kinds, shown_forms
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.moves.drop import DROP
-from trunk_ros.diagnosis.search.trial import begun_on
+from trunk_ros.diagnosis.search.trial import begun_on, refit_to_win
 from trunk_ros.effects import Effect, confused, effect
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each effect of most joints, by each that it is confused with."""
-    if not any(effect(name).everywhere for name in best.hypothesis):
-        return
-    for name in [name for name in best.hypothesis if on_most(best, name)]:
+    """Each effect of several joints, by each that it is confused with."""
+    for name in [name for name in best.hypothesis if _on_several(best, name)]:
         for rival in map(effect, sorted(confused(name))):
             if rival in local_kinds(best.context):
                 yield Group(
                     (name, rival.id), best.context.columns, partial(_on_the_same, best, desk, name, rival)
                 )
+
+
+def _on_several(best: Fit, name: str) -> bool:
+    return len(set(best.hypothesis[name].columns) & set(best.context.columns)) >= SEVERAL
 
 
 def on_most(best: Fit, name: str) -> bool:
@@ -40,14 +43,14 @@ def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterat
     columns, less = best.hypothesis[name].columns, best.hypothesis.without(name)
     alone = less.less([other for other in less if effect(other).regime == kind.regime])
     for bare in (less, alone) if len(alone) < len(less) else (less,):
-        form = bare[kind.id].form if kind.id in bare else kind.forms[0]
-        there = bare[kind.id].own if kind.id in bare else {}
-        new = [c for c in columns if c in best.context.columns and c not in there]
-        out = begun_on(best.context, bare, kind, form, new)
-        if out is not None:
-            trial = refit(best.context, out)
-            if not unshown(trial.context, trial.hypothesis):
-                yield descend_with(trial, (DROP,), desk)
+        there = bare[kind.id] if kind.id in bare else None
+        new = [c for c in columns if c in best.context.columns and (there is None or c not in there.own)]
+        for form in shown_forms(kind, best.context, new) if there is None else (there.form,):
+            out = begun_on(best.context, bare, kind, form, new)
+            if out is not None:
+                trial = refit_to_win(best, out)
+                if not unshown(trial.context, trial.hypothesis):
+                    yield descend_with(trial, (DROP,), desk)
 
 
 SWAP_MANY = Move("swap_many", groups, descends=True)
