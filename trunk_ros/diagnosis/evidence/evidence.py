@@ -75,11 +75,12 @@ def banks_evidence(state: Fit, found: Mapping[str, Evidence]) -> dict[str, Evide
     """
     out = {}
     for name, term in state.hypothesis.items():
-        told = name in found and found[name].gain.keys() >= set(term.columns)
+        judged = [c for c in term.columns if c in state.cost]
+        told = name in found and found[name].gain.keys() >= set(judged)
         if told or not issubclass(effect(name), (Bank, Curve)):
             continue
-        less = {c: state.context.whitened(state.hypothesis.without(name), c) for c in state.cost}
-        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in term.columns}
+        less = {c: state.context.whitened(state.hypothesis.without(name), c) for c in judged}
+        gain = {c: float(less[c] @ less[c]) - state.cost[c] for c in judged}
         limit = doubt(state, gain)
         sure = min(likely(limit or 1.0, sum(gain.values()), []), UNNAMED)
         out[name] = Evidence(gain, needed(state, gain), strength(state, name), confidence=sure)

@@ -158,7 +158,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     stale = False
     for desk.share in (LARGE, *COARSE):
         now = [m for m in moves if _in_turn(m, desk.share)]
-        best = told_from_hum(best) if steady else best
+        best = told_from_hum(best, partial(desk.looks_at, best)) if steady else best
         best = told_from_noise(best, partial(desk.looks_at, best)) if steady else best
         best = told_from_clocks(best) if steady and desk.share == 0.0 else best
         while _is_large(best, desk.share):

@@ -4,6 +4,7 @@ may say of a joint hides what is as slow as the motion, or comes back a few time
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,13 +17,18 @@ from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, SEVERAL
 from trunk_ros.diagnosis.machine import precision
+from trunk_ros.diagnosis.search.candidates import open_kinds, usable
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
+from trunk_ros.diagnosis.search.screen import Kept, Screen
+from trunk_ros.diagnosis.search.trial import PROMISING, looks, on_all_joints
 from trunk_ros.recording.signal.resample import SLOW
 
 
-def told_from_hum(now: Fit) -> Fit:
-    """Without tones of one size on all joints in what a hypothesis leaves."""
+def told_from_hum(now: Fit, kept: Callable[[int], Kept]) -> Fit:
+    """Without tones of one size on all joints in what a hypothesis leaves, once no further effect may explain
+    more there than they do. ``kept``: looks at a column.
+    """
     context = now.context
     if context.stage.name != "wire" or context.step > SLOW / 2 or len(context.columns) < JOINTS:
         return now
@@ -35,7 +41,27 @@ def told_from_hum(now: Fit) -> Fit:
     still = replace(context, views=tuple(views), look=context.look + 1, shown_before={}, _cache={}).weighed(
         now.hypothesis
     )
+    gained = now.total - costed(replace(still, noise=context.noise), now.hypothesis).total
+    if _may_be_named(now, kept, gained):
+        return now
     return refit(measured(costed(still, context.known)), now.hypothesis)
+
+
+def _may_be_named(now: Fit, kept: Callable[[int], Kept], gained: float) -> bool:
+    """Whether an effect of all joints, or one on each of them, explains by a linear look more than tones have
+    ``gained``: a slow course that joints have in common is as long as that is missing no tone for sure.
+    """
+    context, hypothesis = now.context, now.hypothesis
+
+    def alone(column: int) -> float:
+        kinds = open_kinds(context, hypothesis, column)
+        found = looks(now, hypothesis, column, kinds, PROMISING, kept=kept(column))
+        return max((look.gain for look in found), default=0.0)
+
+    kinds = [kind for kind in usable(context) if kind.everywhere and kind.id not in hypothesis]
+    together = on_all_joints(Screen(context, hypothesis), kinds)
+    most = [sum(map(alone, context.columns)), *(candidate.gain for candidate in together)]
+    return max(most) > gained
 
 
 def _tone(context: Context, hypothesis: Hypothesis, index: int) -> Hum | None:
