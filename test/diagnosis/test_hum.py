@@ -105,19 +105,19 @@ def test_what_a_steady_motion_does_to_joints_that_are_alike_is_no_hum(model: Mod
     assert clocks_put_right(_recording(alike, 0.0 * moving, moving), model).observed == ()
 
 
-def test_where_all_joints_swing_physics_may_make_waves_of_one_size(model: Model) -> None:
-    """However far behind: one joint answers by its ratio, another one by its friction."""
+def test_where_most_joints_swing_physics_may_make_waves_of_one_size(model: Model) -> None:
+    """However far behind: one joint answers by its ratio, another one by its friction or by the load of all."""
     swings = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + 1.7 * PHASES)
     slow = 0.1 * np.sin(2 * np.pi * np.array([0.11, 0.13, 0.17, 0.19, 0.23]) * STAMP[:, None])
     noise = np.random.default_rng(2).standard_normal(slow.shape)
     off = _tone(FREQUENCY, np.full(5, SIZE)) + NOISE * noise
     found = [
         tone(STAMP, off.T, asked.T, lambda _: np.ones((len(STAMP), 1)), 2.0)
-        for asked in (slow, swings + slow)
+        for asked in (slow, swings + slow, (np.arange(5) != 1) * swings + slow)
     ]
     assert found[0] is not None
     assert found[0].frequency == pytest.approx(FREQUENCY, abs=1e-3)
-    assert found[1] is None
+    assert found[1:] == [None, None]
 
 
 def test_what_late_readings_do_to_a_joint_leaves_nothing_that_may_be_hum(model: Model) -> None:

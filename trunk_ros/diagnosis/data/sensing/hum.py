@@ -162,9 +162,12 @@ def _shared(stamp: Array, waves: _Waves, power: Array, first: float) -> float:
 
 
 def _driven(frequency: float, stamp: Array, asked: _Waves) -> bool:
-    """Whether the motion that was ``asked`` may make waves of a frequency: every joint swings with it."""
+    """Whether the motion that was ``asked`` may make waves of a frequency: most joints swing with it, whose
+    load bears on all; every one, where a line is too slow to stand out from what is slower.
+    """
     own, beside = _lines(frequency, stamp, asked)
-    return bool(np.all(np.hypot(*own) > SURE * beside))
+    usual = np.median if frequency * float(np.ptp(stamp)) > COMES_BACK else np.min
+    return bool(usual(np.hypot(*own) / beside) > SURE)
 
 
 def _lines(frequency: float, stamp: Array, waves: _Waves) -> tuple[Array, Array]:
