@@ -1,5 +1,6 @@
 """A parameter is declared once: nodes, fits, model files and docs all read this declaration."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -37,6 +38,11 @@ class Parameter:
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""
 
+    @property
+    def absent(self) -> float:
+        """The value at which the effect is absent."""
+        return self.null if self.gone is None else self.gone
+
     def under(self, load: float) -> float:
         """By how much the usual sizes differ on a joint that bears a ``load`` [N m]: per moment they are less
         on a strong arm.
@@ -44,6 +50,13 @@ class Parameter:
         if load <= 0.0 or "N*m" not in self.unit:
             return 1.0
         return LOADED / load if self.unit.endswith("/(N*m)") else load / LOADED
+
+
+def leading(parameters: Sequence[Parameter]) -> Parameter:
+    """The one by which an effect's size is told: that with a value of its own at which it is gone, else the
+    first.
+    """
+    return next((p for p in parameters if p.gone is not None), parameters[0])
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ def test_what_a_steady_motion_does_to_joints_that_are_alike_is_no_hum(model: Mod
 
 
 def test_where_most_joints_swing_physics_may_make_waves_of_one_size(model: Model) -> None:
-    """However far behind: one joint answers by its ratio, another one by its friction or by the load of all."""
+    """However far behind: a joint answers by its ratio, its friction, or the load of all."""
     swings = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + 1.7 * PHASES)
     slow = 0.1 * np.sin(2 * np.pi * np.array([0.11, 0.13, 0.17, 0.19, 0.23]) * STAMP[:, None])
     noise = np.random.default_rng(2).standard_normal(slow.shape)

@@ -156,7 +156,7 @@ class Context:
 
     def usual_rest(self, column: int) -> float:
         """By how well the noise is known, and by an encoder's steps: a joint at rest shows one of them."""
-        white = self.noise[column].correlation == 0.0 and self.step < OFTEN
+        white = self.noise[column].remembers == 0.0 and self.step < OFTEN
         steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column))
         known = max(0.1 if white else 0.6, off_by_chance(self.count(column)))
         return known + 2.0 * float(steps / self.noise[column].std) ** 2

@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.data.align import STANDS, servo_span, wire_span
 from trunk_ros.diagnosis.data.motion_content import top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable
+from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable, what_it_has
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
 from trunk_ros.diagnosis.wire import WireStage
@@ -91,12 +91,8 @@ def _reason(context: Context, kind: type[Effect]) -> str:
         return ONE_WAY
     if kind.regime in DYNAMIC and not context.speed_tells:
         return RARE
-    has = {
-        "load": context.stage.has_load,
-        "weight": context.arm.has_load,
-        "several": len(context.arm.joints) > 1,
-    }
-    return next((LACKS[need] for need in kind.needs if not has.get(need, False)), HIDDEN)
+    has = what_it_has(context)
+    return next((LACKS[need] for need in kind.needs if not has[need]), HIDDEN)
 
 
 def _arm(recording: Recording, model: Model) -> Prospect:

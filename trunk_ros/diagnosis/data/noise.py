@@ -67,7 +67,7 @@ class Noise:
         """A residual (n,) as independent unit noise; ``follows`` (n,) where the sample before counts as
         well.
         """
-        if self.correlation == 0.0:
+        if self.remembers == 0.0:
             return residual / self.std
         return self._innovations(residual, follows)[0]
 

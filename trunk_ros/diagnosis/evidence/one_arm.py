@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.long import granted
 from trunk_ros.diagnosis.sparse import apart
+from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.effects import effect
 
 TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effect holds: less tells nothing
@@ -23,7 +24,7 @@ TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effe
 
 @dataclass(frozen=True)
 class Contradiction:
-    """What ``first`` shows on a joint, and what that leaves in ``other``: rms residuals [rad]."""
+    """What ``first`` shows on a joint, and what that leaves in ``other``: rms residuals in its ``unit``."""
 
     first: str
     other: str
@@ -31,6 +32,7 @@ class Contradiction:
     effects: tuple[str, ...]
     nominal: float
     left: float
+    unit: str
     is_nominal: bool
     """The other one is the nominal arm down to the noise."""
 
@@ -42,7 +44,8 @@ class Contradiction:
             else ", or it has changed in between"
         )
         shows = f"What {self.first} shows on {self.joint} ({', '.join(self.effects)})"
-        sizes = f"{1e3 * self.left:.3g} mrad rms in {self.other}, the nominal arm {1e3 * self.nominal:.3g}"
+        left, nominal = sized(self.left, self.unit), sized(self.nominal, self.unit)
+        sizes = f"{left} rms in {self.other}, the nominal arm {nominal}"
         return (
             f"{self.first} and {self.other} are not of one arm{made}. "
             f"{shows} leaves {sizes}: diagnose each by itself"
@@ -104,7 +107,8 @@ def _told(base: Context, other: Context, found: Hypothesis, column: int) -> Cont
     nominal, left = _rms(other, other.known, column), _rms(other, found, column)
     names = tuple(term.effect for term in found.on(column))
     is_nominal = all(_power(other, other.known, c) < CLEARLY for c in other.columns)
-    return Contradiction(first.name, second.name, other.joints[column], names, nominal, left, is_nominal)
+    joint, unit = other.joints[column], other.stage.unit(column)
+    return Contradiction(first.name, second.name, joint, names, nominal, left, unit, is_nominal)
 
 
 def _rms(context: Context, hypothesis: Hypothesis, column: int) -> float:

@@ -41,15 +41,20 @@ class Candidate:
         return any(m.name in self.start for m in effect(self.effect).moments())
 
 
-def usable(context: Context) -> list[type[Effect]]:
-    """The named effects of the stage that this arm can have and this recording can show."""
+def what_it_has(context: Context) -> dict[str, bool]:
+    """By what an effect may need, whether an arm and its recording have it."""
     arm = context.arm
-    has = {
+    return {
         "load": context.stage.has_load,
         "weight": arm.has_load,
         "dead_band": bool(np.sum(arm.dead_band[context.columns] > 0) > 1),
         "several": len(arm.joints) > 1,
     }
+
+
+def usable(context: Context) -> list[type[Effect]]:
+    """The named effects of the stage that this arm can have and this recording can show."""
+    has = what_it_has(context)
     unseen = () if context.speed_tells else DYNAMIC
     motions = {context.motion(c) for c in context.columns}
     return [

@@ -104,7 +104,7 @@ def chance(context: Context, column: int) -> float:
     stage, noise = context.stage, context.noise[column]
     still = stage.own_steps(column) / noise.std
     all_steps = STANDING * context.count(column) / SIGNIFICANT
-    return (1.0 + noise.correlation) * max(min(stage.stands[column], all_steps) * still**2, 1.0)
+    return (1.0 + noise.remembers) * max(min(stage.stands[column], all_steps) * still**2, 1.0)
 
 
 def price(fit: Fit, term: Term) -> float:

@@ -15,11 +15,12 @@ from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, pl
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.followed import directions
 from trunk_ros.diagnosis.search.score import FURTHER, chance, may_be_for_a_time, need
-from trunk_ros.diagnosis.search.size import different, leading, merit, reach, scaled, too_large
+from trunk_ros.diagnosis.search.size import different, merit, reach, scaled, too_large
 from trunk_ros.diagnosis.search.starts import Starts, whens
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_course, best_window
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
+from trunk_ros.parameter import leading
 
 PROMISED = HALF  # of what a fit gains: a linear look does not see all of it
 
@@ -213,10 +214,6 @@ class Screen:
             return (self.hypothesis[kind.id].form,)
         return plain_forms(kind, self.context, [column])
 
-    def everywhere(self, kind: type[Effect]) -> Candidate | None:
-        """The most promising start of an effect that acts on all joints alike."""
-        return max(self.all_everywhere(kind), key=lambda c: c.gain, default=None)
-
     def all_everywhere(
         self, kind: type[Effect], only: str | None = None, also: dict[str, float] | None = None
     ) -> list[Candidate]:
@@ -241,7 +238,7 @@ class Screen:
 
     def _freedoms(self, kind: type[Effect], form: str) -> tuple[bool, ...]:
         """Whether each joint begins at a size of its own: where one is stated, both ways are tried."""
-        lead = kind.own_parameters(form)[0]
+        lead = leading(kind.own_parameters(form))
         if not kind.scalable or lead.shared:
             return (False,)
         return (False, True) if lead.name in given(kind, self.context) else (True,)
@@ -273,7 +270,7 @@ class Screen:
             return self._each_by_itself(kind, trial, each)
         if any(not p.shared for p in kind.own_parameters(trial.form)):
             size = too_large(list(each.values())) if kind.scalable else 1.0
-            shared = leading(kind, trial).shared
+            shared = leading(kind.own_parameters(trial.form)).shared
             each = {c: (rd, dd) for c, (rd, dd) in each.items() if 2 * rd > size * dd or shared}
         if not each:
             return None
@@ -281,7 +278,7 @@ class Screen:
         found = scaled(kind, trial, float(sums[0]), float(sums[1]), given(kind, self.context))
         if found is None:
             return None
-        lead = leading(kind, trial).name
+        lead = leading(kind.own_parameters(trial.form)).name
         own = {
             c: {**start, lead: found.start[lead]} if kind.scalable else start
             for c, start in trial.own.items()

@@ -12,18 +12,13 @@ from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.windows import Reach
 from trunk_ros.effects import Effect
 from trunk_ros.guards import ROUNDED
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import leading
 
 
 def too_large(products: list[tuple[float, float]]) -> float:
     """By what a start has to be made smaller to fit the joints that it helps; 1 where it is not too large."""
     helped = [(rd, dd) for rd, dd in products if rd > 0.0 and dd > 0.0]
     return min(1.0, sum(rd for rd, _ in helped) / sum(dd for _, dd in helped)) if helped else 1.0
-
-
-def leading(kind: type[Effect], trial: Candidate) -> Parameter:
-    """The parameter that a linear look scales."""
-    return kind.own_parameters(trial.form)[0]
 
 
 def different(starts: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -36,15 +31,15 @@ def merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
     if not kind.scalable:
         return 2 * rd - dd
     along = rd / np.sqrt(max(dd, ROUNDED))
-    return float(along if kind.own_parameters(form)[0].shared else abs(along))
+    return float(along if leading(kind.own_parameters(form)).shared else abs(along))
 
 
 def reach(kind: type[Effect], trial: Candidate) -> Reach:
     """Within which multiples of its start the leading parameter may be."""
-    lead = leading(kind, trial)
+    lead = leading(kind.own_parameters(trial.form))
     if not kind.scalable:
         return 1.0, 1.0
-    ends = (np.array(lead.bounds) - lead.null) / (trial.start[lead.name] - lead.null)
+    ends = (np.array(lead.bounds) - lead.absent) / (trial.start[lead.name] - lead.absent)
     return float(ends.min()), float(ends.max())
 
 
@@ -56,8 +51,8 @@ def scaled(
     """
     if dd <= ROUNDED:
         return None
-    lead = next((p for p in kind.own_parameters(trial.form) if p.gone is not None), leading(kind, trial))
-    off = lead.null if lead.gone is None else lead.gone
+    lead = leading(kind.own_parameters(trial.form))
+    off = lead.absent
     if not kind.scalable or lead.name in known:
         return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None
     factor = rd / dd

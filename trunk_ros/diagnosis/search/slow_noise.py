@@ -49,8 +49,7 @@ def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
             found[column] = noise
     if not found:
         return now
-    steady = wandering_in(context, found)
-    return costed(measured(costed(steady, context.known)), now.hypothesis)
+    return costed(measured(costed(wandering_in(context, found), context.known)), now.hypothesis)
 
 
 def wandering_in(context: Context, found: Mapping[int, Noise]) -> Context:
@@ -128,9 +127,7 @@ def _price_of(noise: Noise) -> float:
 
 
 def _is_near(context: Context, hypothesis: Hypothesis, column: int) -> bool:
-    """Whether what a hypothesis leaves of a column goes no further than three times its noise as it is known:
-    one that remembers for long may lie far from none throughout.
-    """
+    """Whether what a hypothesis leaves goes no further than three times the noise of a column as it is."""
     rests = [rest[counted] for rest, _, counted in _parts(context, hypothesis, column)]
     return bool(np.mean(np.concatenate(rests) ** 2) < (THREEFOLD * context.noise[column].std) ** 2)
 
@@ -140,13 +137,13 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     own: sensors of one unit are alike, and what physics does has a size of its own on each joint.
     """
     usual, _ = likeliest_noise(context, untimed(hypothesis, column), column)
-    price = _price_of(usual)
 
     def shares(c: int) -> bool:
         less = untimed(hypothesis, c)
         own, cost = likeliest_noise(context, less, c)
         noise = _as_white_as(own, usual)
-        return unlikely(context, noise, less, c) - cost < price and is_plain(context, noise, less, c)
+        near = unlikely(context, noise, less, c) - cost < _price_of(usual)
+        return near and is_plain(context, noise, less, c)
 
     alike = (c for c in context.columns if context.stage.unit(c) == context.stage.unit(column))
     return sum(map(shares, alike)) >= JOINTS

@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.size import different
 from trunk_ros.effects import Effect
+from trunk_ros.parameter import leading
 
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
 
@@ -54,8 +55,8 @@ class Starts:
         options = ({},) if kind.id in self.hypothesis else kind.options(form)  # others share what is there
         both = [{**start, **option} for option in options for start in begun]
         others = [{**start, **when} for when in whens(self.hypothesis, kind, form, column) for start in both]
-        if kind.scalable:  # a look scales the first value by itself
-            lead = kind.own_parameters(form)[0].name
+        if kind.scalable:  # a look scales it by itself
+            lead = leading(kind.own_parameters(form)).name
             others = list({tuple((n, v) for n, v in s.items() if n != lead): s for s in others}.values())
         for start in different([*both, *others]):
             if not kind.texts:

@@ -68,7 +68,7 @@ def told(context: Context, term: Term) -> dict[str, Any]:
     return {
         "on": word,
         "of": "the angle",
-        "x_unit": context.stage.units.get(word, own),
+        "x_unit": context.stage.units.get(word, "rad") if word in context.joints else own,
         "y_unit": own,
         "joints": {
             context.joints[c]: dict(zip(("x", "y"), _loop(term, c, 1), strict=True)) for c in term.columns

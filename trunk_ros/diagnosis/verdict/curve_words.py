@@ -24,11 +24,13 @@ REGIME_OF = {
 }
 
 
-def by_variable(term: Term) -> list[Term]:
-    """A curve over time and one over position are two findings."""
-    over: dict[str, list[int]] = {}
+def by_variable(context: Context, term: Term) -> list[Term]:
+    """A curve over time and one over position are two findings, and so are those of a slide and of a joint
+    that turns.
+    """
+    over: dict[tuple[str, str], list[int]] = {}
     for column in term.columns:
-        over.setdefault(variable_of(term, column), []).append(column)
+        over.setdefault((variable_of(term, column), context.stage.unit(column)), []).append(column)
     return [
         replace(term, own={c: term.own[c] for c in columns}, words={c: term.words[c] for c in columns})
         for columns in over.values()
@@ -81,7 +83,7 @@ def told(context: Context, term: Term) -> dict[str, Any]:
     return {
         "on": variable,
         "of": kind.of,
-        "x_unit": {"time": "s", "load": "N*m"}.get(variable, over + slope),
+        "x_unit": {"time": "s", "load": unit_of("N*m", own)}.get(variable, over + slope),
         "y_unit": unit_of(kind.parameter(VALUES[0].name).unit, own),
         "joints": {context.joints[c]: _points(kind, term.own[c]) for c in term.columns},
     }

@@ -22,6 +22,7 @@ from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
 from trunk_ros.guards import TINY
+from trunk_ros.parameter import leading
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
@@ -45,7 +46,7 @@ def findings(
     out = []
     for name in hypothesis:
         whole = not issubclass(effect(name), Curve)
-        for term in [hypothesis[name]] if whole else curve_words.by_variable(hypothesis[name]):
+        for term in [hypothesis[name]] if whole else curve_words.by_variable(context, hypothesis[name]):
             out.append(_finding(context, term, found[name], std, told.of(name)))
     return sorted(out, key=lambda f: -f.evidence["strength"])
 
@@ -104,9 +105,9 @@ def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
     """
     own = kind.own_parameters(term.form)
     sizes = [
-        abs(values[lead.name] - (lead.null if lead.scale == "linear" else 0.0))  # endless is no surer
+        abs(values[lead.name] - (lead.absent if lead.scale == "linear" else 0.0))  # endless is no surer
         / max(std.get((term.effect, lead.name, c), 0.0), TINY)
-        for lead in (own if issubclass(kind, Bank) else own[:1])
+        for lead in (own if issubclass(kind, Bank) else [leading(own)])
         for c, values in term.own.items()
         if lead.name in values and lead.name not in term.given
     ]

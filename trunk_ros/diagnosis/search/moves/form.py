@@ -127,14 +127,16 @@ def _refines(kind: type[Effect], old: str, new: str) -> bool:
 
 def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
     """Each joint at what a linear look finds best; but for joints that do not show it, as may be where it
-    stood for something else.
+    stood for something else. Those that can not be judged keep what they have.
     """
     kind, old, out = effect(name), now.hypothesis[name], now.hypothesis.without(name)
-    for column in old.columns:
+    judged = {c for c in old.columns if c in now.context.columns}
+    for column in sorted(judged):
         out = begun_on(now.context, out, kind, form, [column]) or out
-    left_out = set(old.columns) - (set(out[name].columns) if name in out else set())
-    if name not in out or (name in now.context.known and left_out):
+    if name not in out or (name in now.context.known and judged - out[name].own.keys()):
         return None
+    for column in old.own.keys() - judged:
+        out[name].have(column, {**old.shared, **old.own[column]})
     out[name].shared |= {
         p.name: old.shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in old.shared
     }

@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.search.trial import refit_column_to_win, refit_to_win
 from trunk_ros.diagnosis.search.windows import Window
 from trunk_ros.effects import effect
 from trunk_ros.effects.moments import LASTING
-from trunk_ros.parameter import GROWN, Parameter
+from trunk_ros.parameter import GROWN, Parameter, leading
 
 
 class Sized(NamedTuple):
@@ -55,7 +55,7 @@ class Sized(NamedTuple):
         if moments is None or not moments.keys() <= {m.name for m in effect(self.effect).moments()}:
             return None
         values = self.values(out)
-        sizes = [lead.null + (values[lead.name] - lead.null) * size for size in course.sizes]
+        sizes = [lead.absent + (values[lead.name] - lead.absent) * size for size in course.sizes]
         if lead.carried or lead.name in effect(self.effect).sizes:
             low, high = lead.bounds
             if not all(low <= size <= high for size in sizes):
@@ -64,7 +64,7 @@ class Sized(NamedTuple):
             values.pop(self.prefix + moment.name, None)
         values |= moments
         if course.first != 1.0:  # else it stays to the last digit, and is known for what is there
-            size = lead.null + (values[lead.name] - lead.null) * course.first
+            size = lead.absent + (values[lead.name] - lead.absent) * course.first
             values[lead.name] = float(np.clip(size, *lead.bounds))
         return out
 
@@ -91,7 +91,7 @@ def sized(now: Fit) -> Iterator[Sized]:
         kind = effect(name)
         if not kind.moments() or not kind.named:
             continue
-        lead = kind.own_parameters(term.form)[0]
+        lead = leading(kind.own_parameters(term.form))
         for mass in kind.carried():
             if term.shared.get(mass.name):
                 yield Sized(name, None, mass, f"{mass.name}_")

@@ -120,7 +120,7 @@ def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect])
     """An effect with the values and moments that one of its like has, and the best starts of what it has
     besides; none where the motion of one of its joints cannot show that.
     """
-    if not all(kind.forms_shown(context.motion(c)) for c in old.columns):
+    if not all(kind.forms_shown(context.motion(c)) for c in old.columns if c in context.columns):
         return []
     begun, shaken = [], old.form in effect(old.effect).shaking
     for form in (f for f in kind.forms if shaken or f not in kind.shaking):  # those take a move of their own
