@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,11 +13,14 @@ from test.diagnosis.search.looks import context, knowing
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import curves_beside
 from trunk_ros.diagnosis.evidence.as_given import as_given
+from trunk_ros.diagnosis.evidence.evidence import banks_evidence
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import costed
+from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.search.moves.form import _starts
 from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.curve import VALUES
 from trunk_ros.effects.moments import NOTHING
 
 
@@ -69,3 +73,27 @@ def test_a_fuller_law_on_one_joint_takes_nothing_of_the_model_from_the_others() 
     given = as_given(costed(now, Hypothesis(wire_stiffening=hardens))).hypothesis
     assert given["load_elasticity"].columns == [0, 2, 3, 4]
     assert all(own == now.known["load_elasticity"].own[c] for c, own in given["load_elasticity"].own.items())
+
+
+def at_rest(effects: dict[str, dict[str, Any]]) -> Fit:
+    """A model with some effects, as it is, of whose arm the fifth joint rests."""
+    model = replace(TRUNK, effects=effects)
+    made = of_the_wires(recorded(effects, 30.0, size=np.array([1.0, 1.0, 1.0, 1.0, 0.0])))
+    return begun(first_look(WireStage([wire_span(made, model)], model)))
+
+
+def test_a_curve_of_the_model_on_a_joint_that_rests_is_judged_by_the_others() -> None:
+    heights = {p.name: np.full(5, 2e-3 * np.sin(2.0 * k)) for k, p in enumerate(VALUES)}
+    ends = {"low": np.full(5, -0.5), "high": np.full(5, 0.5), "on": ["position"] * 5}
+    now = at_rest({"unknown": {**ends, **heights}})
+    assert now.context.columns == [0, 1, 2, 3]
+    assert banks_evidence(now, {})["unknown"].gain.keys() == {0, 1, 2, 3}
+
+
+def test_a_joint_that_rests_keeps_no_other_from_a_further_form() -> None:
+    creep = {"viscoelastic_creep": {"form": "one_mode", "gain": np.full(5, 0.02), "time_constant": 4.0}}
+    now = at_rest(creep)
+    for start in _starts(now, "viscoelastic_creep", "two_modes"):
+        assert start["viscoelastic_creep"].own.keys() == {0, 1, 2, 3, 4}
+        assert start["viscoelastic_creep"].own[4]["gain"] == 0.02
+    assert _starts(now, "viscoelastic_creep", "two_modes")

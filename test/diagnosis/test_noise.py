@@ -137,3 +137,13 @@ def test_the_power_of_few_samples_is_known_by_chance() -> None:
             for rest in rng.standard_normal((200, count))
         ]
         assert off_by_chance(count) == pytest.approx(4.0 * np.std(off), rel=0.3)
+
+
+def test_noise_of_which_only_a_slow_part_is_left_is_whitened_as_well() -> None:
+    """Of every so many readings the fast part goes on no more."""
+    noise = Noise(1e-4, 0.5, 3e-5, (7e-5, 0.9995)).of_every(30)
+    assert noise.correlation == 0.0
+    slow = coloured(noise.slow[1], noise.slow[0])
+    white = np.random.default_rng(3).normal(size=N) * np.sqrt(noise.std**2 - noise.slow[0] ** 2)
+    rest = noise.whiten(slow + white, EVERYWHERE)
+    assert abs(np.mean(rest[1:] * rest[:-1])) < 0.05

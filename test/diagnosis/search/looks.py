@@ -49,6 +49,13 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
             "times_2": np.full(5, 1.6),
         }
     },
+    "wears": {
+        "friction_wear": {
+            "form": "travel",
+            "rate": 1e-5 * np.array([4.0, 0.0, 0.0, 6.0, 8.0]),
+            "speed": np.full(5, 0.1),
+        }
+    },
     "graded": {"load_elasticity": {"compliance": np.array([0.001, 0.004, 0.016, 0.064, 0.256])}},
     "sag": {"load_elasticity": {"compliance": np.full(5, 0.02)}},
     "rubbing": {

@@ -333,6 +333,13 @@ def test_swap_many_moves_a_neighbour_off_all_joints_at_once() -> None:
     assert "presliding_hysteresis" not in best.hypothesis
 
 
+def test_swap_many_finds_the_form_that_several_joints_show() -> None:
+    """In its plainest form wear would be worse on two of them, and bar the way to another one."""
+    loose = Term("backlash", own={c: {"half_width": 5e-4} for c in (0, 3, 4)})
+    worn = improved("swap_many", "wears", loose).hypothesis["friction_wear"]
+    assert (worn.form, worn.columns) == ("travel", [0, 3, 4])
+
+
 @pytest.mark.parametrize(
     ("arm", "effect"), [("backlash", "backlash"), ("slip", "wire_slip"), ("sag", "load_elasticity")]
 )

@@ -6,19 +6,23 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import on
-from test.diagnosis.search.looks import fitted
+from test.diagnosis.search.looks import context, fitted
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kinds
-from trunk_ros.diagnosis.search.fit import Residuals, refit, refit_column
+from trunk_ros.diagnosis.search.course import Course
+from trunk_ros.diagnosis.search.fit import Fit, Residuals, refit, refit_column
 from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.search.moves.spell import sized
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
+from trunk_ros.diagnosis.search.size import reach
 from trunk_ros.diagnosis.search.trial import may_win
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import Effect, effect
 from trunk_ros.model import Model, load_model
+from trunk_ros.parameter import leading
 from trunk_ros.recording.recording import JointSeries, Recording
 
 DELAY = Term("sensor_delay", shared={"delay": 0.01}, own={c: {} for c in range(5)})
@@ -159,3 +163,15 @@ def test_how_a_wire_lay_is_told_by_what_was_measured_until_a_neighbour_moved_it(
     off = first.context.residual(0, Hypothesis({"joint_coupling": drag}), 3)
     assert abs(off[stamp < 6.0].mean()) < 2e-5
     assert np.sqrt(np.mean(off**2)) == pytest.approx(1e-4, rel=0.05)
+
+
+def test_the_size_of_a_stop_is_how_far_it_does_not_give_way() -> None:
+    """Not the angle at which it stands: twice that would be nowhere near."""
+    stop = effect("hard_stop")
+    start = {"upper": 0.5, "give": 0.2}
+    assert leading(stop.own_parameters("upper")).name == "give"
+    assert reach(stop, Candidate(stop.id, "upper", 0, start)) == pytest.approx((0.0625, 1.25))
+    (one,) = sized(Fit(Hypothesis(hard_stop=Term(stop.id, "upper", own={0: start})), {}, context("clean")))
+    half = one.taking(Hypothesis(hard_stop=Term(stop.id, "upper", own={0: dict(start)})), Course((0.5,)))
+    assert half is not None
+    assert half["hard_stop"].own[0] == {"upper": 0.5, "give": pytest.approx(0.6)}
