@@ -33,7 +33,7 @@ from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.tip.lasting import lasting_of
-from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
+from trunk_ros.diagnosis.verdict.answer import STAGES, Unexplained
 from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION
 from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
 from trunk_ros.diagnosis.verdict.included import all_findings
@@ -95,8 +95,7 @@ class Diagnoser:
             if against is None
             else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
-        self.plots = Plots()
-        self.result = Diagnosis({}, [], [], [], self.model, plots=self.plots)
+        self.result = Diagnosis({}, [], [], [], self.model)
         self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
         self.left: dict[str, Error] = {}  # by the fit of the wires, of each joint
@@ -109,7 +108,7 @@ class Diagnoser:
         """All stages."""
         self.result.stages["servo"] = {"compared": False, "joints": {}}  # comes first in what is said
         self.wire()
-        with aside(self.size, self.plots.signals):
+        with aside(self.size, self.result.plots):
             self.servo()  # with the payload that the wires show
             self.tip()
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
@@ -271,7 +270,7 @@ class Diagnoser:
             }
             told = {"stamp": span.stamp, "valid": span.valid[:, c].copy(), "noise": context.noise[c].std}
             single = {key: values.astype(np.float32) for key, values in drawn.items()}
-            self.plots.signals[context.stage.name, context.joints[c]] = {**told, **single}
+            self.result.plots[context.stage.name, context.joints[c]] = {**told, **single}
 
     def tip(self) -> None:
         """Joint to tip."""
