@@ -254,8 +254,7 @@ class Context:
         return [self._evened(view, rest, column) for view, rest in zip(self.views, rests, strict=True)]
 
     def _evened(self, view: View, signal: Array, column: int) -> Array:
-        seen = view.columns[column]
-        return self.louder.evened(signal, seen.speed, column, seen.loud)
+        return self.louder.evened(signal, view.columns[column].speed, column, view.span.loud)
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""

@@ -51,8 +51,8 @@ def test_a_refined_form_is_not_looked_at_first() -> None:
 
 def test_joints_of_very_different_sizes_begin_each_at_its_own() -> None:
     now = fitted("graded")
-    found = Screen(now.context, now.hypothesis).everywhere(effect("load_elasticity"))
-    assert found is not None
+    every = Screen(now.context, now.hypothesis).all_everywhere(effect("load_elasticity"))
+    found = max(every, key=lambda candidate: candidate.gain)
     sizes = [found.own[c]["compliance"] for c in found.columns]
     assert len(sizes) >= 4
     assert max(sizes) > 30.0 * min(sizes)

@@ -10,7 +10,6 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -22,12 +21,12 @@ from trunk_ros.diagnosis.search.score import STRONG, beats, score
 from trunk_ros.effects import effect
 
 
-def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
+def search(context: Context, desk: Desk) -> Fit:
     """The hypothesis that no single change improves by what is needed; what would not be claimed is left out
     even where the work that was granted is done, as far as what is granted on top goes. What is claimed is
     judged in the noise that it leaves itself: what was left out since had told another one.
     """
-    first = renewed(begun(context, start))
+    first = renewed(begun(context))
     best = descend(first, MOVES, desk, steady=True)
     others = sorted(additions(first, desk), key=score)[1:REFITTED] if incomplete(best) else []
     for other in others:
@@ -68,10 +67,9 @@ def better_of(best: Fit, other: Fit) -> Fit:
     return other if beats(costed(alike, other.hypothesis), best) else best
 
 
-def begun(context: Context, start: Hypothesis | None = None) -> Fit:
+def begun(context: Context) -> Fit:
     """What is known, fitted; all else is measured by what it leaves."""
-    known = start or context.known
-    first = refit(arrived(context, known), known)
+    first = refit(arrived(context, context.known), context.known)
     return replace(first, context=measured(first))
 
 
