@@ -28,7 +28,6 @@ from trunk_ros.diagnosis.judged import judged
 from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
 from trunk_ros.diagnosis.pace import with_its_clocks
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
@@ -236,7 +235,7 @@ class Diagnoser:
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
-        strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > STRONG}
+        strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > 1.0}
         told = {j for f in new if not f.named for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)

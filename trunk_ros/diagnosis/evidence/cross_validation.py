@@ -10,13 +10,13 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.discrepancy.bank_weights import FOLDS
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
 
 BLOCKS = 10
-DEALT = 5  # of many recordings, each of which is left out once
 
 
 class Block(NamedTuple):
@@ -52,8 +52,8 @@ def _between(state: Fit) -> dict[int, tuple[float, float]]:
     """Zero and usual error [rad] of each column's recordings, each judged by a fit to others."""
     context, many = state.context, len(state.context.views)
     left: dict[int, list[list[Block]]] = {c: [] for c in context.columns}
-    for fold in range(min(many, DEALT)):
-        out = [k % DEALT == fold for k in range(many)]
+    for fold in range(min(many, FOLDS)):
+        out = [k % FOLDS == fold for k in range(many)]
         others = context.only(
             [np.full(len(v.span.rows), not o) for v, o in zip(context.views, out, strict=True)]
         )

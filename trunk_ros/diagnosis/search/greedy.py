@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, NAMED, PLAINER
 from trunk_ros.diagnosis.search.moves.add import additions
-from trunk_ros.diagnosis.search.score import STRONG, beats, score
+from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 
 
@@ -57,7 +57,7 @@ def _besides(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
 def incomplete(best: Fit) -> bool:
     """Whether something is left that is as strong as the noise, and more than formulas may be off by."""
     nominal = costed(best.context, best.context.known)
-    least = {c: max(STRONG * best.context.count(c), LITTLE * nominal.rest(c)) for c in best.cost}
+    least = {c: max(best.context.count(c), LITTLE * nominal.rest(c)) for c in best.cost}
     return any(best.rest(c) > least[c] for c in best.cost)
 
 
