@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.noise import Noise, differences_of, off_by_chance,
 from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import HARDLY
 from trunk_ros.diagnosis.machine import CELLS, make_room
 from trunk_ros.diagnosis.side_by_side import Seen
@@ -141,6 +141,10 @@ class Context:
     def columns(self) -> list[int]:
         """Columns that can be judged: enough valid samples."""
         return [c for c in range(len(self.joints)) if self.count(c) >= LEAST]
+
+    def judged(self, term: Term) -> list[int]:
+        """Columns of a term that can be judged."""
+        return [c for c in term.columns if c in self.columns]
 
     @cached_property
     def _counts(self) -> list[int]:
@@ -281,16 +285,13 @@ class Context:
         return [int(k) for k in order if left[k] > 0.0] or [0]
 
     def shown(self, column: int, index: int = 0) -> Now:
-        """The surroundings of a column in a span; of a wide loop what counts, and of the gearbox's motion
-        what comes through.
-        """
+        """Surroundings of a column in a span; of a wide loop what counts, and motion that comes through."""
         now, span = self.now(index, column), self.views[index].span
         if column not in self.wide:
             return now
         valid = span.valid[:, column]
-        return replace(
-            now, gearbox=span.target[valid, column : column + 1] / now.ratio, stamp=span.stamp[valid]
-        )
+        came = span.target[valid, column : column + 1] / now.ratio
+        return replace(now, gearbox=came, stamp=span.stamp[valid])
 
     def shows(self, tells: Callable[[Now], bool], column: int) -> bool:
         """Whether the motion of a column in one of the spans tells something."""

@@ -1,4 +1,4 @@
-"""What a fit is worth: squared residuals, a price for each effect. It is the only judge, and it is pure."""
+"""What a fit is worth: squared residuals, a price for each effect. A move of the search has to lower it."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def price(fit: Fit, term: Term) -> float:
     name, source = naming(kind.stage), choice(len(context.joints) - 1)
     known = dict.get(context.known, term.effect, Term(term.effect))
     more = _besides(term, known) if term.effect in context.known else term
-    asked = [c for c in term.columns if c in context.columns]
+    asked = context.judged(term)
     columns = [c for c in asked if c not in known.own]
     new = [c for c in asked if c in columns or more.own[c] or c in more.words]
     needs = {c: need(context, c, fit.rest(c)) for c in new}
