@@ -31,8 +31,8 @@ def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
 
 
 def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
-    """The recording without what is mixed up for certain: joint readings become NaN, and setpoints and tip
-    are left out.
+    """The recording without what is mixed up for certain: setpoints that do not fit the motors are left out;
+    joint readings that do not become NaN, and the tip is left out with them.
     """
     series, tip = dict(recording.series), recording.tip
     for one in (one for one in found if one.certain):
