@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.verdict.answer import Plots
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import load_model
@@ -39,9 +38,10 @@ def diagnosis(
     velocity = 0.6 * rate * np.cos(rate * stamp[:, None] + np.arange(5))
     before, after = (Chain(m, "wire").run(gearbox, stamp, None, velocity)[0] for m in (nominal, model))
     measured = after + NOISE * np.random.default_rng(1).standard_normal(after.shape)
-    plots, said = Plots(), {}
+    plots: dict[tuple[str, str], dict[str, Any]] = {}
+    said = {}
     for c, joint in enumerate(joints):
-        plots.signals["wire", joint] = {
+        plots["wire", joint] = {
             "stamp": stamp, "measured": measured[:, c], "valid": stamp > 2.0,
             "error_before": (measured - before)[:, c], "error_after": (measured - after)[:, c],
             "gearbox": gearbox[:, c], "velocity": velocity[:, c], "noise": NOISE,

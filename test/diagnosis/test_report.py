@@ -100,7 +100,7 @@ def test_nothing_missing_is_said_only_of_what_was_judged() -> None:
     assert "No effect is missing: what remains (99." in words(render(clean))
     assert "rms at most) is no more than the sensors' noise." in words(render(clean)).replace("&#39;", "'")
     clean.stages["wire"] = {"compared": True, "joints": {}, "silent": list(made.JOINTS)}
-    clean.plots = None
+    clean.plots = {}
     text = words(render(clean))
     assert "No effect is missing" not in text
     assert "Nothing can be said" in text
@@ -131,7 +131,7 @@ def test_only_the_page_s_own_script_and_style_may_run(found: Diagnosis, page: st
         texts = re.findall(f"<{tag}>(.*?)</{tag}>", page, re.S)
         digests = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts]
         assert re.findall(f"{rule} 'sha256-([^']*)'", policy) == digests
-    quiet = render(replace(found, plots=None))
+    quiet = render(replace(found, plots={}))
     assert "script" not in Page(quiet).text
     assert "script-src" not in quiet
 
@@ -156,9 +156,8 @@ def test_the_plots_hold_what_was_measured_and_both_residuals(found: Diagnosis, p
 
 def test_a_spike_of_one_sample_is_not_thinned_away(found: Diagnosis) -> None:
     spiked = made.backlash()
-    assert spiked.plots is not None
     for key in ("measured", "error_before", "error_after"):
-        spiked.plots.signals["wire", "joint_3"][key][3217] += 0.02
+        spiked.plots["wire", "joint_3"][key][3217] += 0.02
     signal = next(s for s in signals(spiked) if s.name == "joint_3")
     assert 3217 in thinned(signal)
 
@@ -343,7 +342,7 @@ def test_findings_without_plots_are_told_all_the_same() -> None:
     assert "base tilt (the tip, 90%)" in text
     assert "2.000 ± 0.010 mrad" in text
     assert "13.3 → 1.0" in text
-    result.plots = None
+    result.plots = {}
     assert "2.000 ± 0.010 mrad" in words(render(result))
 
 

@@ -46,8 +46,7 @@ def test_large_losses_have_powers_of_ten() -> None:
 
 def test_culprit_spans_are_where_the_nominal_error_is_well_above_the_noise() -> None:
     result = made.diagnosis({}, [])
-    assert result.plots is not None
-    held = result.plots.signals["wire", "joint_1"]
+    held = result.plots["wire", "joint_1"]
     more = np.where((held["stamp"] > 20) & (held["stamp"] < 30), 1e-3, 0.0)
     held |= {key: held[key] + more for key in ("measured", "error_before", "error_after")}
     assert culprit_spans(signals(result)[0]) == [pytest.approx((20.0, 30.0), abs=0.6)]

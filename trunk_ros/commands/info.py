@@ -134,7 +134,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         TOPICS[key]: {"rate_hz": q.rate, "samples": q.samples, "lost": q.lost, "longest_gap": q.longest_gap}
         for key, q in quality(recording).items()
     }
-    mixed = [] if model.arm.coupling is not None else mix_ups(recording, model)
+    mixed = mix_ups(recording, model)
     return {
         "recording": recording.name,
         "duration": recording.duration,

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.noise import Noise, differences_of, off_by_chance,
 from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import HARDLY
 from trunk_ros.diagnosis.machine import CELLS, make_room
 from trunk_ros.diagnosis.side_by_side import Seen
@@ -142,6 +142,10 @@ class Context:
         """Columns that can be judged: enough valid samples."""
         return [c for c in range(len(self.joints)) if self.count(c) >= LEAST]
 
+    def judged(self, term: Term) -> list[int]:
+        """Columns of a term that can be judged."""
+        return [c for c in term.columns if c in self.columns]
+
     @cached_property
     def _counts(self) -> list[int]:
         return [int(n) for n in np.sum([view.span.valid.sum(axis=0) for view in self.views], axis=0)]
@@ -254,8 +258,7 @@ class Context:
         return [self._evened(view, rest, column) for view, rest in zip(self.views, rests, strict=True)]
 
     def _evened(self, view: View, signal: Array, column: int) -> Array:
-        seen = view.columns[column]
-        return self.louder.evened(signal, seen.speed, column, seen.loud)
+        return self.louder.evened(signal, view.columns[column].speed, column, view.span.loud)
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
@@ -282,16 +285,13 @@ class Context:
         return [int(k) for k in order if left[k] > 0.0] or [0]
 
     def shown(self, column: int, index: int = 0) -> Now:
-        """The surroundings of a column in a span; of a wide loop what counts, and of the gearbox's motion
-        what comes through.
-        """
+        """Surroundings of a column in a span; of a wide loop what counts, and motion that comes through."""
         now, span = self.now(index, column), self.views[index].span
         if column not in self.wide:
             return now
         valid = span.valid[:, column]
-        return replace(
-            now, gearbox=span.target[valid, column : column + 1] / now.ratio, stamp=span.stamp[valid]
-        )
+        came = span.target[valid, column : column + 1] / now.ratio
+        return replace(now, gearbox=came, stamp=span.stamp[valid])
 
     def shows(self, tells: Callable[[Now], bool], column: int) -> bool:
         """Whether the motion of a column in one of the spans tells something."""

@@ -28,12 +28,11 @@ from trunk_ros.diagnosis.judged import judged
 from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
 from trunk_ros.diagnosis.pace import with_its_clocks
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.tip.lasting import lasting_of
-from trunk_ros.diagnosis.verdict.answer import STAGES, Plots, Unexplained
+from trunk_ros.diagnosis.verdict.answer import STAGES, Unexplained
 from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION
 from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
 from trunk_ros.diagnosis.verdict.included import all_findings
@@ -95,8 +94,7 @@ class Diagnoser:
             if against is None
             else [shifted(s, against.context("wire", r)) for s, r in zip(spans, recordings, strict=True)]
         )
-        self.plots = Plots()
-        self.result = Diagnosis({}, [], [], [], self.model, plots=self.plots)
+        self.result = Diagnosis({}, [], [], [], self.model)
         self.result.provenance = {"model_hash": model.hash()}
         self.effects: dict[str, Values] = {}
         self.left: dict[str, Error] = {}  # by the fit of the wires, of each joint
@@ -109,7 +107,7 @@ class Diagnoser:
         """All stages."""
         self.result.stages["servo"] = {"compared": False, "joints": {}}  # comes first in what is said
         self.wire()
-        with aside(self.size, self.plots.signals):
+        with aside(self.size, self.result.plots):
             self.servo()  # with the payload that the wires show
             self.tip()
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
@@ -237,7 +235,7 @@ class Diagnoser:
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)
         rests = left_over(context, state.hypothesis)
         self.result.unexplained += rests
-        strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > STRONG}
+        strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > 1.0}
         told = {j for f in new if not f.named for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
@@ -271,7 +269,7 @@ class Diagnoser:
             }
             told = {"stamp": span.stamp, "valid": span.valid[:, c].copy(), "noise": context.noise[c].std}
             single = {key: values.astype(np.float32) for key, values in drawn.items()}
-            self.plots.signals[context.stage.name, context.joints[c]] = {**told, **single}
+            self.result.plots[context.stage.name, context.joints[c]] = {**told, **single}
 
     def tip(self) -> None:
         """Joint to tip."""

@@ -15,13 +15,12 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.knocks import with_knocks
 from trunk_ros.diagnosis.levels import HALF
 from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.recording.signal.resample import SLOW
 
 
-def first_look(stage: Stage, work: Work | None = None) -> Context:
+def first_look(stage: Stage) -> Context:
     """A stage as the model sees it, before anything is found."""
-    blank = Context(stage, stage.views, (), work=work or Work()).seen_with(stage.known)
+    blank = Context(stage, stage.views, ()).seen_with(stage.known)
     loops = {c: _loop(blank, c) for c in blank.columns}
     wide = frozenset(c for c, (is_always_alike, _) in loops.items() if is_always_alike)
     once = frozenset(c for c, (_, is_gone_through_once) in loops.items() if is_gone_through_once)

@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.evidence.as_given import as_given
 from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
-from trunk_ros.diagnosis.evidence.spreads import Spread, spreads
+from trunk_ros.diagnosis.evidence.spreads import Spreads, spreads
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.heap import give_back
@@ -28,7 +28,7 @@ class Judged:
     part: Fit
     """The same on what rivals are fitted to: of long recordings an excerpt."""
     found: dict[str, Evidence]
-    std: Spread
+    std: Spreads
     errors: dict[int, Error]
     early: bool
     """Whether the work that was granted ended before the search did, or the evidence was whole."""

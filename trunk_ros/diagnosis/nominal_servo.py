@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.data.align import servo_joints, servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.levels import CLEARLY, HALF, LITTLE, OUTLIERS, SEVERAL, THREEFOLD
-from trunk_ros.diagnosis.search.score import SIGNIFICANT, STRONG
+from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.guards import TINY
@@ -116,7 +116,7 @@ def _like_others(
     """(5,) numbers of the servo of a joint that its ``own`` starts led to, or those of ``others`` where these
     leave less than the ``cost``; and what is left. Drives of one arm are much alike.
     """
-    if cost <= (1.0 + STRONG) * context.count(column):
+    if cost <= 2.0 * context.count(column):
         return own, cost
     loop, (_, _, top, _, _) = Loop.of(context, column), own
     starts = [np.array([kp, kp * tau_v, top, late]) for kp, tau_v, _, late, _ in others]

@@ -5,7 +5,7 @@ formula.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -85,6 +85,18 @@ class Bank(Effect):
         return x, after
 
     @classmethod
+    def said(cls, k: int, low: float, high: float, weights: Array) -> dict[str, float]:
+        """A source's values by their names, ``k`` from 1 on."""
+        each = {f"weight_{k}_{i}": float(weight) for i, weight in enumerate(weights, start=1)}
+        return each | {f"low_{k}": low, f"high_{k}": high}
+
+    @classmethod
+    def read(cls, values: Mapping[str, Any], k: int) -> tuple[Any, Any, Array]:
+        """Its range and weights (weights, ...), of values as they are named."""
+        weights = np.array([values[f"weight_{k}_{i}"] for i in range(1, cls.weights + 1)])
+        return values[f"low_{k}"], values[f"high_{k}"], weights
+
+    @classmethod
     @abstractmethod
     def ready(cls, low: float, high: float, weights: Array) -> Any:
         """What ``add`` needs of a source's range and weights (weights,)."""
@@ -156,9 +168,10 @@ class Bank(Effect):
         out = []
         for k, text in enumerate(words_of(self.sources), start=1):
             for column, word in enumerate(self.words.get(text, ())):
-                weights = np.array([self[f"weight_{k}_{i}"][column] for i in range(1, self.weights + 1)])
+                lows, highs, each = self.read(self.values, k)
+                weights = np.ascontiguousarray(each[:, column])
                 if word and np.any(weights):
-                    low, high = float(self[f"low_{k}"][column]), float(self[f"high_{k}"][column])
+                    low, high = float(lows[column]), float(highs[column])
                     slope = self.steepness(low, high, weights)
                     out.append((column, word, slope, self.ready(low, high, weights)))
         return out

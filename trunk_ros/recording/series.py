@@ -1,6 +1,6 @@
 """Signals of a recording: one array per quantity, stamps in seconds since the recording's first sample."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -65,6 +65,11 @@ class JointSeries:
         )
         assert position is not None
         return JointSeries(self.stamp[keep], self.joints, position, velocity, effort)
+
+    def restamped(self, stamp: Floats) -> "JointSeries":
+        """The samples at other stamps (n,) s; those that then come before earlier ones are left out."""
+        rising = np.concatenate([[True], np.diff(np.maximum.accumulate(stamp)) > 0.0])
+        return replace(self.rows(rising), stamp=stamp[rising])
 
     def positioned(self) -> "JointSeries":
         """The samples that have the position of a joint; all of them where none has."""

@@ -12,6 +12,7 @@ import pytest
 
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search import greedy
 from trunk_ros.diagnosis.search.descent import (
     COARSE,
     LARGE,
@@ -23,7 +24,7 @@ from trunk_ros.diagnosis.search.descent import (
     first_that_pays,
     only,
 )
-from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.work import Work
 
@@ -151,10 +152,13 @@ def test_a_last_resort_waits_for_what_gains_much() -> None:
     assert max(at) < COARSE[0] <= max(share for name, share in tried if name == "other")
 
 
-def test_what_would_not_be_claimed_is_left_out_where_the_work_is_done() -> None:
+def test_what_would_not_be_claimed_is_left_out_where_the_work_is_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     useless = Hypothesis({"zero_offset": Term("zero_offset", own={1: {"offset": 1e-6}})})
     spent = replace(context("clean"), work=Work(1.0))
-    done = search(spent, Desk(), useless)
+    monkeypatch.setattr(greedy, "begun", lambda now: refit(now, useless))
+    done = search(spent, Desk())
     assert not done.hypothesis
     assert done.context.work is spent.work
     assert spent.work.over

@@ -190,9 +190,8 @@ def _after_gaps(
 
 
 def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:
-    """(n, joints): where the state of the play is known: from where a joint has moved enough for that at
-    the start
-    to be forgotten, and before where it was seen to stand as it began. A joint that hardly moves counts
+    """(n, joints): where the state of the play is known: from where a joint has moved enough for that at the
+    start to be forgotten, and before where it was seen to stand as it began. A joint that hardly moves counts
     nowhere.
     """
     far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)

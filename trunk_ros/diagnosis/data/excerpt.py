@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.data.mix_ups.clock import DELAY
 from trunk_ros.diagnosis.data.motion_content import MOVED
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import MOST, ROWS
@@ -19,7 +19,7 @@ PARTS = 6
 LENGTH = 50.0  # s of a block
 WARM = 15.0  # s of it after which it has forgotten what went before
 STRETCH = 10.0  # s: to and fro, of what forgets at once
-FORGOTTEN = DELAY + SETTLING  # s of a stretch after which a servo has forgotten what went before
+FORGOTTEN = REMEMBERED + SETTLING  # s of a stretch after which a servo has forgotten what went before
 LONG = 2.0  # times all blocks, from which on a recording is not searched as a whole
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import NEARLY, PART, SLIGHT
+from trunk_ros.diagnosis.levels import NEARLY, PART
 from trunk_ros.effects.drags import drag
 from trunk_ros.guards import TINY
 
@@ -24,7 +24,7 @@ def is_wide(position: Array, speed: Array, residual: Array) -> bool:
         return False
     down, up = _means(_cells(position, speed), residual).reshape(2, PLACES)
     both = (up - down)[np.isfinite(up - down)]
-    return bool(both.size and np.sqrt(np.mean(both**2)) > 2.0 * SLIGHT * np.std(position))
+    return bool(both.size and np.sqrt(np.mean(both**2)) > PART * np.std(position))
 
 
 def speed_tells(position: Array, speed: Array) -> bool:

@@ -24,7 +24,7 @@ FLOOR = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
 REDDEST = 0.985  # correlation
 CORRELATIONS = np.linspace(0.0, REDDEST, 24)
-DIFFERENCED = np.array([2.0, -16.0, 56.0, -112.0, 70.0])
+DIFFERENCED = np.correlate(BINOMIAL, BINOMIAL, "full")[: len(BINOMIAL)] * [2, 2, 2, 2, 1]
 """Variance of a fourth difference over that of a signal, as a polynomial of its correlation at one stride."""
 BEND = 2.0 * (len(BINOMIAL) - 1)
 """Power of the stride with which the variance of a smooth signal's fourth difference grows."""
@@ -171,7 +171,7 @@ def off_by_chance(count: int) -> float:
     return SURE * float(np.sqrt(2.0 * (shared @ shared) / max(count, 1)))
 
 
-def noise_of(residuals: list[Array], masks: list[np.ndarray], longest: int = 16) -> Noise:
+def noise_of(residuals: list[Array], masks: list[np.ndarray], longest: int = STRIDES[-1]) -> Noise:
     """Noise of one signal, by the residuals (n,) of each recording and where they count (n,); white where
     ``longest`` is 1 sample.
     """

@@ -12,12 +12,8 @@ from trunk_ros.transmission import by_joint
 
 
 def put_right(recordings: list[Recording], model: Model) -> tuple[list[Recording], list[list[MixUp]]]:
-    """The recordings, and what is mixed up in each and left out of it; motors under the names of joints.
-
-    A motor that moves several joints is compared with none, so nothing is said of mix-ups there.
-    """
-    alone = model.arm.coupling is None
+    """The recordings, and what is mixed up in each and left out of it; motors under the names of joints."""
     read = [without_faults(readings_put_right(by_joint(r, model.arm), model)) for r in recordings]
-    mixed = [mix_ups(r, model) if alone else [] for r in read]
+    mixed = [mix_ups(r, model) for r in read]
     read = [without_mix_ups(r, found) for r, found in zip(read, mixed, strict=True)]
     return [clocks_put_right(r, model) for r in read], mixed

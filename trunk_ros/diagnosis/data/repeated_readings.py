@@ -11,8 +11,6 @@ from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, OUTLIERS, PART, THREEFOL
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
 
-ROOT_12 = np.sqrt(12.0)
-
 
 def holding(stamp: Array, values: Array) -> float:
     """Usual time [s] for which a sensor holds each of its readings (n,); 0 where every sample is a new
@@ -28,9 +26,8 @@ def holding(stamp: Array, values: Array) -> float:
     least = float(np.quantile(apart, 0.1))  # what comes evenly is published at one of two ticks
     clocked = least > min(usual / CLEARLY, usual - CLEARLY * tick) and high > THREEFOLD * low
     small, large = (apart[some].mean() for some in (steps[1:] <= low, steps[1:] >= high))
-    clocked = (
-        clocked and small < CLEARLY * large
-    )  # a clock waits no longer for a small step than for a large one
+    # a clock waits no longer for a small step than for a large one
+    clocked = clocked and small < CLEARLY * large
     return usual if clocked and usual > CLEARLY * tick else 0.0
 
 
@@ -89,4 +86,4 @@ def coarseness(values: Array, valid: np.ndarray) -> float:
     steps = steps[steps > 0.0]
     if len(steps) < FEWEST or len(np.unique(seen)) > PART * len(seen):
         return 0.0
-    return float(np.median(steps) / ROOT_12)
+    return float(np.median(steps) / np.sqrt(12.0))

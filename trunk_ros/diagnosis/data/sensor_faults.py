@@ -12,6 +12,7 @@ from scipy.ndimage import maximum_filter, median_filter
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART, ROUGH, ROWS, SLIGHT, TENFOLD
+from trunk_ros.guards import ROUNDS
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import EXACT, MEDIAN_TO_STD, count, noises
 from trunk_ros.recording.signal.gaps import in_gaps, usual
@@ -21,7 +22,6 @@ BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
 WILD, USUALLY = 100.0, 0.8  # times as far as this share of the steps goes that a wild reading is off
 FEW = SLIGHT  # of the readings: more of them are how the sensor is
-LINES = 20  # least squares whose weights come to least absolute deviations
 AROUND = ENOUGH + 1  # readings whose scatter counts: a burst of noise is no row of single readings
 
 
@@ -242,7 +242,7 @@ def _slope(x: Array, y: Array) -> float:
     """Of the line with the least absolute deviations: a sensor that was dead for a while does not tilt it."""
     some = slice(None, None, max(len(x) // ROWS, 1))
     x, y, weight = x[some], y[some], np.ones(len(x[some]))
-    for _ in range(LINES):
+    for _ in range(ROUNDS):
         slope, middle = np.polyfit(x, y, 1, w=weight)
         off = np.abs(y - middle - slope * x)
         weight = 1.0 / np.sqrt(np.maximum(off, ROUGH * np.max(off, initial=EXACT)))

@@ -31,8 +31,6 @@ class Column(NamedTuple):
     """The rows (k,) that count: mostly they are one piece."""
     follows: np.ndarray
     speed: Array
-    loud: Array | None = None
-    """(n,) times as loud as usual, where bursts are."""
 
     def off(self, predicted: Array) -> Array:
         """(n,) measured less ``predicted`` (n,), 0 where nothing counts."""
@@ -86,7 +84,6 @@ class View:
                 in_one_piece(np.flatnonzero(span.valid[:, c])),
                 np.ascontiguousarray(self.follows[:, c]),
                 span.measured(self.of(c)[1][:, 0]),
-                span.loud,
             )
             for c in range(span.target.shape[1])
         ]

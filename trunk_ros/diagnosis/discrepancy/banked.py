@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.formed import FORMULAS
 from trunk_ros.diagnosis.search.moves.form import refinements
-from trunk_ros.diagnosis.search.score import CURVE, STRONG
+from trunk_ros.diagnosis.search.score import CURVE
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HALF
 
@@ -30,7 +30,7 @@ def with_banks(state: Fit) -> Fit:
     if context.stage.name != "wire":
         return state
     left = rests(context, state.hypothesis)
-    for column in [c for c, power in left.items() if power > STRONG]:
+    for column in [c for c, power in left.items() if power > 1.0]:
         misfit = context.formed_misfit[column] / context.count(column)
         if left[column] > CURVE * FORMULAS * misfit:
             state = _banked(_curved(state, column, misfit), column, misfit)

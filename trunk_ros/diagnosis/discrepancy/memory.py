@@ -108,9 +108,7 @@ def in_banks(
         kind = source.kind
         term = out.setdefault(kind.id, Term(kind.id, given=frozenset(p.name for p in kind.parameters)))
         k = taken[kind.id] = taken.get(kind.id, 0) + 1
-        own = term.own.setdefault(column, {})
-        own |= {f"weight_{k}_{i}": float(w) for i, w in enumerate(weights, start=1)}
-        own |= {f"low_{k}": source.low, f"high_{k}": source.high}
+        term.own.setdefault(column, {}).update(kind.said(k, source.low, source.high, weights))
         term.words.setdefault(column, {})[words_of(kind.sources)[k - 1]] = source.word
     return out
 

@@ -28,6 +28,8 @@ def as_given(state: Fit) -> Fit:
     much better explained as effects have to: the fewest that do.
     """
     for name in state.context.known:
+        if not effect(name).named or issubclass(effect(name), Bank):
+            continue
         state = _no_fuller(state, name)
         state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
     return unrounded(state)
@@ -93,15 +95,13 @@ def _no_fuller(state: Fit, name: str) -> Fit:
     """With an effect in the place of a fuller law on joints where that explains hardly more: one that bends
     at a load which the joint never bears.
     """
-    known, kind = state.context.known[name], effect(name)
-    if not kind.named or issubclass(kind, Bank):
-        return state
+    known = state.context.known[name]
     fuller = [t for t in state.hypothesis.values() if name in effect(t.effect).replaces]
     both = known.own.keys() & state.cost
     for law, column in [(t.effect, c) for t in fuller for c in t.columns if c in both]:
         less = state.hypothesis.without(law, column)
         less.have(column, _beside(known, less))
-        trial = _held(replace(state, hypothesis=less), name, less[name], kind.used(known.form))
+        trial = _held(replace(state, hypothesis=less), less[name], effect(name).used(known.form))
         if trial.total < state.total + needed(state, [column]):
             state = trial
     return state
@@ -112,8 +112,6 @@ def _there_again(state: Fit, name: str) -> Fit:
     well. On joints that have what includes it, that says something else of it.
     """
     known, kind = state.context.known[name], effect(name)
-    if not kind.named or issubclass(kind, Bank):
-        return state
     terms = state.hypothesis.values()
     others = {c for t in terms if alike(kind, effect(t.effect)) for c in t.own}
     known = replace(
@@ -123,8 +121,8 @@ def _there_again(state: Fit, name: str) -> Fit:
     )
     if not known.own:
         return state
-    trial = _held(state, name, known, kind.used(known.form))
-    gone = naming(kind.stage) + needed(state, [c for c in known.columns if c in state.context.columns])
+    trial = _held(state, known)
+    gone = naming(kind.stage) + needed(state, state.context.judged(known))
     return trial if trial.total < state.total + gone else state
 
 
@@ -136,9 +134,9 @@ def _beside(known: Term, others: Hypothesis) -> Term:
 
 def _as_given(state: Fit, name: str) -> Fit:
     known, now, kind = state.context.known[name], state.hypothesis[name], effect(name)
-    if not kind.named or issubclass(kind, Bank) or known == now:
+    if known == now:
         return state
-    trials = [_held(state, name, known, kind.used(known.form))]
+    trials = [_held(state, known)]
     if known.form == now.form or kind.apart not in (known.form, now.form):
         trials += _ways(state, name)
     return min([state, *trials], key=lambda fit: fit.total + price_of_change(fit, name))
@@ -147,11 +145,11 @@ def _as_given(state: Fit, name: str) -> Fit:
 def _ways(state: Fit, name: str) -> Iterator[Fit]:
     """With what joints share as the model has it, with what each has, and with one joint after the other."""
     known, now, used = state.context.known[name], state.hypothesis[name], effect(name).used
-    yield _held(state, name, back(now, known, None), [p for p in used(now.form) if p.shared])
+    yield _held(state, back(now, known, None), [p for p in used(now.form) if p.shared])
     each = reduce(lambda term, column: back(term, known, column), known.columns, now)
-    yield _held(state, name, each, [p for p in used(now.form) if not p.shared])
+    yield _held(state, each, [p for p in used(now.form) if not p.shared])
     for column in known.columns:
-        trial = _held(state, name, back(state.hypothesis[name], known, column), used(now.form))
+        trial = _held(state, back(state.hypothesis[name], known, column))
         if trial.total + price_of_change(trial, name) < state.total + price_of_change(state, name):
             state = trial
     there = replace(state.hypothesis[name], given=now.given)
@@ -178,9 +176,10 @@ def back(now: Term, known: Term, column: int | None) -> Term:
     return out
 
 
-def _held(state: Fit, name: str, term: Term, values: Iterable[Parameter]) -> Fit:
-    """All else fitted beside some values of an effect that stay exactly so, also in what is fitted later, and
-    curves drawn anew: they may have stood for it.
+def _held(state: Fit, term: Term, values: Iterable[Parameter] | None = None) -> Fit:
+    """All else fitted beside an effect of which some values, or all, stay exactly so, also in what is fitted
+    later, and curves drawn anew: they may have stood for it.
     """
+    values = effect(term.effect).used(term.form) if values is None else values
     held = replace(term.copy(), given=frozenset(p.name for p in values))
-    return followed(refit(state.context, Hypothesis({**state.hypothesis, name: held})), term.columns)
+    return followed(refit(state.context, Hypothesis({**state.hypothesis, term.effect: held})), term.columns)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain, compress
 from typing import NamedTuple
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.discrepancy.bank_weights import FOLDS
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
 
 BLOCKS = 10
-DEALT = 5  # of many recordings, each of which is left out once
 
 
 class Block(NamedTuple):
@@ -52,14 +53,14 @@ def _between(state: Fit) -> dict[int, tuple[float, float]]:
     """Zero and usual error [rad] of each column's recordings, each judged by a fit to others."""
     context, many = state.context, len(state.context.views)
     left: dict[int, list[list[Block]]] = {c: [] for c in context.columns}
-    for fold in range(min(many, DEALT)):
-        out = [k % DEALT == fold for k in range(many)]
+    for fold in range(min(many, FOLDS)):
+        out = [k % FOLDS == fold for k in range(many)]
         others = context.only(
             [np.full(len(v.span.rows), not o) for v, o in zip(context.views, out, strict=True)]
         )
         fitted = _fitted_anew(others, state.hypothesis)
         for c, runs in left.items():
-            runs += _by_recording(context, _errors(others, fitted, c), c, out)
+            runs += compress(_cuts(context, _errors(others, fitted, c), c), out)
     return {c: _zero(runs) for c, runs in left.items()}
 
 
@@ -69,9 +70,10 @@ def held_out(state: Fit) -> dict[int, Error]:
     after: dict[int, list[Block]] = {c: [] for c in context.columns}
     for fold in (0, 1):
         for c, errors in _unseen(state, fold):
-            after[c] += _blocks(context, errors, c, (fold,))
+            after[c] += chain.from_iterable(_cuts(context, errors, c, (fold,)))
     nominal = context.seen_with(context.known)
-    before = {c: _blocks(context, _errors(nominal, context.known, c), c, (0, 1)) for c in context.columns}
+    every = {c: _cuts(context, _errors(nominal, context.known, c), c) for c in context.columns}
+    before = {c: list(chain.from_iterable(blocks)) for c, blocks in every.items()}
     noise = {c: context.noise[c].std for c in context.columns}
     if len(context.views) == 1:
         return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], _usual(after[c])) for c in noise}
@@ -119,12 +121,12 @@ def _errors(context: Context, hypothesis: Hypothesis, column: int) -> list[Array
     return [view.span.target[:, column] - p for view, p in zip(context.views, said, strict=True)]
 
 
-def _blocks(context: Context, errors: list[Array], column: int, folds: tuple[int, ...]) -> list[Block]:
-    """What counts of a column's errors, by blocks of time."""
-    out = []
-    for view, error in zip(context.views, errors, strict=True):
-        out += _cut(error, view.span.valid[:, column], folds)
-    return out
+def _cuts(
+    context: Context, errors: list[Array], column: int, folds: tuple[int, ...] = (0, 1)
+) -> list[list[Block]]:
+    """What counts of a column's errors, by recording and blocks of time."""
+    parts = zip(context.views, errors, strict=True)
+    return [_cut(error, view.span.valid[:, column], folds) for view, error in parts]
 
 
 def _cut(error: Array, valid: np.ndarray, folds: tuple[int, ...]) -> list[Block]:
@@ -132,14 +134,6 @@ def _cut(error: Array, valid: np.ndarray, folds: tuple[int, ...]) -> list[Block]
     number = number_of(len(error))
     chosen = (error[(number == block) & valid] for block in range(BLOCKS) if block % 2 in folds)
     return [Block(len(e), float(e.mean()), float(np.mean(e**2))) for e in chosen if len(e)]
-
-
-def _by_recording(
-    context: Context, errors: list[Array], column: int, chosen: list[bool]
-) -> list[list[Block]]:
-    """What counts of a column's errors in some recordings, by blocks of time."""
-    parts = zip(context.views, errors, chosen, strict=True)
-    return [_cut(error, view.span.valid[:, column], (0, 1)) for view, error, here in parts if here]
 
 
 def _zero(runs: list[list[Block]]) -> tuple[float, float]:

@@ -110,7 +110,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     losses: list[float] = []
     if effect(name).named:
         doubted = replace(bare, context=context.doubting())
-        looks = Looks.of(doubted, [c for c in columns if c in context.columns])
+        looks = Looks.of(doubted, context.judged(state.hypothesis[name]))
         fits = rivals(state, name, doubted, looks, limit or 1.0)
         out.rivals = {rival: lost for rival, (lost, _) in fits.items()}
         out.fitted = {rival: fitted for rival, (_, fitted) in fits.items()}

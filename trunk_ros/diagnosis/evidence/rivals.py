@@ -59,7 +59,7 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
     cannot show, as it cannot rule it out either. ``limit``: a loss that tells.
     """
     context, far = bare.context, FAR * limit
-    columns = [c for c in state.hypothesis[name].columns if c in context.columns]
+    columns = context.judged(state.hypothesis[name])
     kinds, like = [k for k in usable(context) if k.id != name], confused(name)
     losses = _local_rivals(state, bare, looks, columns, [k for k in kinds if not k.everywhere], like, far)
     whole = effect(name).everywhere or len(columns) == len(context.columns)

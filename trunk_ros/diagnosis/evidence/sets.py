@@ -30,7 +30,7 @@ def pairs(
     """Loss of each pair of effects that loses less than ``limit`` in the place of one, on all its joints; not
     of such as are rivals alone (``but``).
     """
-    columns = [c for c in state.hypothesis[name].columns if c in state.context.columns]
+    columns = state.context.judged(state.hypothesis[name])
     seen = {c: _changes(looks, c, but) for c in columns}
     names = set.intersection(*(set(each) for each in seen.values())) if seen else set()
     goal = sum(state.cost[c] for c in columns) + limit

@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.search.formed import behind
 from trunk_ros.effects import effect
 from trunk_ros.guards import BLIND, ROUNDED
 
-Spread = dict[tuple[str, str, int | None], float]
+Spreads = dict[tuple[str, str, int | None], float]
 WIDER = 1.5  # times: timing is in no noise, and part of what is off hides in the values that it moves
 
 
@@ -38,11 +38,11 @@ class _Seen(NamedTuple):
     """(n,) J^T of what goes on between the stage's own steps."""
 
 
-def spreads(state: Fit) -> Spread:
+def spreads(state: Fit) -> Spreads:
     """Standard deviation of each fitted value, in its own unit, by (effect, parameter, column). What the
     arm's description states is as uncertain as the recordings leave it, and all beside it with that.
     """
-    out: Spread = {}
+    out: Spreads = {}
     context, hypothesis = state.context, _with_what_is_stated_free(state)
     for group in groups(context, hypothesis):
         residuals = Residuals(context, hypothesis, group)
@@ -76,7 +76,7 @@ def _seen(residuals: Residuals, x: Array) -> _Seen:
     return _Seen(blocks.sum(axis=0), normal, alone, BLOCKS / (BLOCKS - 1) * blocks.T @ blocks, stepped)
 
 
-def _deviations(residuals: Residuals, x: Array, seen: _Seen) -> Spread:
+def _deviations(residuals: Residuals, x: Array, seen: _Seen) -> Spreads:
     std = np.linalg.norm([WIDER * _pulled(seen), _still_to_go(residuals, x, seen), _stepped(seen)], axis=0)
     late = HARDLY * residuals.context.step
     return {
@@ -127,7 +127,7 @@ def _natural(f: Free, hypothesis: Hypothesis, std: float, late: float) -> float:
     return std if f.parameter.moment else float(np.hypot(std, ROUGH * value))
 
 
-def _no_flatter(residuals: Residuals, x: Array, found: Spread) -> Spread:
+def _no_flatter(residuals: Residuals, x: Array, found: Spreads) -> Spreads:
     """Spreads of moments, widened until the data tell their ends apart: near its best a moment may be moved
     for nothing.
     """

@@ -184,7 +184,7 @@ def _fitted_with(context: Context, hypothesis: Hypothesis, columns: list[int]) -
 def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
     for name, term in state.hypothesis.items():
         if name not in state.context.known:
-            seen = [c for c in term.columns if c in state.context.columns]
+            seen = state.context.judged(term)
             yield from ((name, c) for c in ([None] if effect(name).everywhere and seen else seen))
 
 

@@ -70,9 +70,8 @@ class Signal(Measured):
 
 def signals(result: Answer) -> list[Signal]:
     """The signals of all stages in the order of the signal path."""
-    plots = {} if result.plots is None else result.plots.signals
     out = []
-    for (stage, name), held in sorted(plots.items(), key=lambda item: STAGES.index(item[0][0])):
+    for (stage, name), held in sorted(result.plots.items(), key=lambda item: STAGES.index(item[0][0])):
         said = entries(result, stage).get(name, {})
         valid = np.asarray(held["valid"], dtype=bool) & np.isfinite(held["measured"])
         about = stage, name, str(said.get("unit", "rad"))

@@ -41,7 +41,7 @@ def unshown(context: Context, hypothesis: Hypothesis) -> int:
 
 def hidden(context: Context, term: Term) -> list[int]:
     """The joints of a term whose motion does not show it."""
-    shown = {c: _shown(context, term, c) for c in term.columns if c in context.columns}
+    shown = {c: _shown(context, term, c) for c in context.judged(term)}
     alone = {c for c, level in shown.items() if level == Shown.ALONE}
     return [c for c, level in shown.items() if level < (Shown.BESIDE if alone - {c} else Shown.ALONE)]
 

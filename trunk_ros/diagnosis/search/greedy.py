@@ -10,7 +10,6 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -18,16 +17,16 @@ from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, NAMED, PLAINER
 from trunk_ros.diagnosis.search.moves.add import additions
-from trunk_ros.diagnosis.search.score import STRONG, beats, score
+from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 
 
-def search(context: Context, desk: Desk, start: Hypothesis | None = None) -> Fit:
+def search(context: Context, desk: Desk) -> Fit:
     """The hypothesis that no single change improves by what is needed; what would not be claimed is left out
     even where the work that was granted is done, as far as what is granted on top goes. What is claimed is
     judged in the noise that it leaves itself: what was left out since had told another one.
     """
-    first = renewed(begun(context, start))
+    first = renewed(begun(context))
     best = descend(first, MOVES, desk, steady=True)
     others = sorted(additions(first, desk), key=score)[1:REFITTED] if incomplete(best) else []
     for other in others:
@@ -58,7 +57,7 @@ def _besides(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
 def incomplete(best: Fit) -> bool:
     """Whether something is left that is as strong as the noise, and more than formulas may be off by."""
     nominal = costed(best.context, best.context.known)
-    least = {c: max(STRONG * best.context.count(c), LITTLE * nominal.rest(c)) for c in best.cost}
+    least = {c: max(best.context.count(c), LITTLE * nominal.rest(c)) for c in best.cost}
     return any(best.rest(c) > least[c] for c in best.cost)
 
 
@@ -68,10 +67,9 @@ def better_of(best: Fit, other: Fit) -> Fit:
     return other if beats(costed(alike, other.hypothesis), best) else best
 
 
-def begun(context: Context, start: Hypothesis | None = None) -> Fit:
+def begun(context: Context) -> Fit:
     """What is known, fitted; all else is measured by what it leaves."""
-    known = start or context.known
-    first = refit(arrived(context, known), known)
+    first = refit(arrived(context, context.known), context.known)
     return replace(first, context=measured(first))
 
 

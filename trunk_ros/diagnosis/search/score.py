@@ -1,4 +1,4 @@
-"""What a fit is worth: squared residuals, a price for each effect. It is the only judge, and it is pure."""
+"""What a fit is worth: squared residuals, a price for each effect. A move of the search has to lower it."""
 
 from __future__ import annotations
 
@@ -25,12 +25,8 @@ SIGNIFICANT = 60.0
 """Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""
 RELEVANT = 0.02
 """Share of the noise power that an effect must remove from a joint, however long the recording is."""
-OWN_STEPS = 0.1
-"""Times that of the joint's own encoder, which the other noise shakes loose."""
 SLICE = 0.15
-"""The same for each value of what will be said, beside a rest as strong as the noise."""
-STRONG = 1.0
-"""Of the noise power: a rest from which on a hypothesis is known to be incomplete."""
+"""Share of a rest as strong as the noise that each value of what will be said must explain."""
 FURTHER = SIGNIFICANT / 3.0
 """Price of each further value of an effect, in white noise."""
 CURVE = 2.5
@@ -62,7 +58,8 @@ def beats(trial: Fit, best: Fit) -> bool:
 def need(context: Context, column: int, rest: float = 0.0) -> float:
     """The gain on a column below which nothing is claimed there; ``rest``: what is left above the noise.
 
-    The encoders' steps are an error that stands still with the joint, so they are no noise to be averaged.
+    The encoders' steps are an error that stands still with the joint, so they are no noise to be averaged: of
+    those of its own, which the other noise shakes loose, a PART is left.
     """
     if column not in context.least_needs:
         context.least_needs[column] = _least_need(context, column)
@@ -80,7 +77,7 @@ def needed(fit: Fit, columns: Iterable[int]) -> float:
 def _least_need(context: Context, column: int) -> float:
     stage, noise = context.stage, context.noise[column]
     steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
-    least = context.count(column) * max(RELEVANT, STANDING * steps**2, OWN_STEPS * own**2)
+    least = context.count(column) * max(RELEVANT, STANDING * steps**2, PART * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
     return max(SIGNIFICANT * chance(context, column), least, formulas)
 
@@ -117,7 +114,7 @@ def price(fit: Fit, term: Term) -> float:
     name, source = naming(kind.stage), choice(len(context.joints) - 1)
     known = dict.get(context.known, term.effect, Term(term.effect))
     more = _besides(term, known) if term.effect in context.known else term
-    asked = [c for c in term.columns if c in context.columns]
+    asked = context.judged(term)
     columns = [c for c in asked if c not in known.own]
     new = [c for c in asked if c in columns or more.own[c] or c in more.words]
     needs = {c: need(context, c, fit.rest(c)) for c in new}
@@ -139,10 +136,11 @@ def price(fit: Fit, term: Term) -> float:
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
             usual = sum(needs[c] for c in columns)
             each = _further(context, free, columns, len(columns))
-        return name + max(usual + each, _shared_slice(fit, columns)) + moments
+        return name + max(usual + each, _slice(fit, columns, HALF)) + moments
     values = {c: max(sum(f.column == c for f in free), 1) for c in columns}
     further = _further(context, [f for f in free if f.column is not None], columns, len(columns))
-    return name + sum(max(needs[c], _slice(fit, c, n)) for c, n in values.items()) + words + further + moments
+    parts = (max(needs[c], n * _slice(fit, [c], SLICE)) for c, n in values.items())
+    return name + sum(parts) + words + further + moments
 
 
 def _besides(term: Term, known: Term) -> Term:
@@ -277,7 +275,7 @@ def _apart(times: list[tuple[float, float]]) -> float:
 
 def for_a_time(context: Context, column: int, left: float) -> float:
     """What is charged on a column for what does not always act, beside squared residuals so far ``left``."""
-    return (1 / OVER_TIME - 1) * max(left - (1.0 + STRONG) * context.count(column), 0.0)
+    return (1 / OVER_TIME - 1) * max(left - 2.0 * context.count(column), 0.0)
 
 
 def may_be_for_a_time(context: Context, left: dict[int, float], gain: float) -> bool:
@@ -288,13 +286,10 @@ def may_be_for_a_time(context: Context, left: dict[int, float], gain: float) -> 
     return sum(for_a_time(context, c, stays * before) for c, before in left.items()) < gain
 
 
-def _slice(fit: Fit, column: int, values: int) -> float:
-    rest = fit.rest(column)
-    strong = fit.context.claims and rest > STRONG * fit.context.count(column)
-    return SLICE * rest * values if strong else 0.0
-
-
-def _shared_slice(fit: Fit, columns: list[int]) -> float:
+def _slice(fit: Fit, columns: list[int], share: float) -> float:
+    """A share of what is left on columns where that is as strong as the noise: a hypothesis is known to be
+    incomplete there, and what will be said has to explain so much.
+    """
     rest = sum(map(fit.rest, columns))
-    strong = fit.context.claims and rest > STRONG * sum(map(fit.context.count, columns))
-    return HALF * rest if strong else 0.0
+    strong = fit.context.claims and rest > sum(map(fit.context.count, columns))
+    return share * rest if strong else 0.0

@@ -217,8 +217,9 @@ class Screen:
     def all_everywhere(
         self, kind: type[Effect], only: str | None = None, also: dict[str, float] | None = None
     ) -> list[Candidate]:
-        """The same with values that the arm's description states, and with values of each joint's own.
-        ``only``: in one form; ``also``: start values of what is optional.
+        """Promising starts of an effect that acts on all joints alike: with values that the arm's description
+        states, and with values of each joint's own. ``only``: in one form; ``also``: start values of what is
+        optional.
         """
         found: dict[tuple[bool, bool], Candidate] = {}
         for form in plain_forms(kind, self.context, self.context.columns) if only is None else (only,):

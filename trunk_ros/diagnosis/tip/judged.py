@@ -12,7 +12,6 @@ from trunk_ros.diagnosis.data.motion_content import APART
 from trunk_ros.diagnosis.data.noise import FLOOR
 from trunk_ros.diagnosis.evidence.residual_dependence import goes_on
 from trunk_ros.diagnosis.levels import LITTLE
-from trunk_ros.diagnosis.search.score import STRONG
 from trunk_ros.diagnosis.tip.data import UNITS, tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.tip.lasting import lasting_on
@@ -62,7 +61,7 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
     misfit, rest = (float(np.mean((off / problem.noise) ** 2)) - 1.0 for off in (before, after))
     joints = len(problem.arm.joints)
     stage = {"compared": True, "tip": tip, "strays": problem.strays}
-    if rest > STRONG and rest > LITTLE * misfit and _goes_on(problem, after):
+    if rest > max(1.0, LITTLE * misfit) and _goes_on(problem, after):
         said = unknown_arm_finding(problem, rest / max(misfit, rest))
         return stage, [said], model_effects(problem.known, joints)
     return stage, arm_findings(problem, done), model_effects(problem.known | done.values, joints)

@@ -43,7 +43,11 @@ class Answer:
     model: Model
     quality: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
-    plots: Plots | None = None
+    plots: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
+    """Arrays that the report draws: per stage and signal, stamps, measured, how far that is from what was
+    predicted before and after, what counts. Beside the stamps single precision will do for pictures; of
+    errors too, as they are kept instead of predictions, whose difference would show steps.
+    """
     trajectories: dict[str, Trajectory] = field(default_factory=dict)
     """Motions of the experiments by the names of their files."""
     simulation: dict[str, Any] = field(default_factory=dict)
@@ -98,16 +102,6 @@ class Answer:
             save_model(self.simulator, folder / "simulation.yaml")
         for name, trajectory in self.trajectories.items():
             save_trajectory(folder / name, trajectory)
-
-
-@dataclass
-class Plots:
-    """Arrays that the report draws: per stage and signal, stamps, measured, how far that is from what was
-    predicted before and after, what counts. Beside the stamps single precision will do for pictures; of
-    errors too, as they are kept instead of predictions, whose difference would show steps.
-    """
-
-    signals: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
 
 
 def _plain(value: Any) -> Any:

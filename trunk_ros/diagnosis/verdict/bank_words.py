@@ -9,17 +9,9 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 
 POINTS = 200  # of a loop
-
-
-def kind_of(term: Term) -> type[Bank]:
-    """The kind of bank."""
-    kind = effect(term.effect)
-    assert issubclass(kind, Bank)
-    return kind
 
 
 def sources_of(term: Term, column: int) -> list[str]:
@@ -32,21 +24,21 @@ def varies_with(term: Term) -> list[str]:
     return sorted({word for column in term.columns for word in sources_of(term, column)})
 
 
-def statement(term: Term, where: str) -> str:
+def statement(kind: type[Bank], term: Term, where: str) -> str:
     """One sentence."""
     on = " and ".join(varies_with(term))
-    if kind_of(term).fades:
+    if kind.fades:
         return f"{where}: loops are others at first and settle, in a way that no name fits."
-    if kind_of(term).by_posture:
+    if kind.by_posture:
         return f"{where}: loops change with the posture in a way that no name fits; plays stand in."
-    if not kind_of(term).named:
+    if not kind.named:
         return f"{where}: the angle remembers the motion of {on} in a way that no name fits; plays stand in."
-    if kind_of(term).regime == "reversal":
+    if kind.regime == "reversal":
         return f"{where}: the motion of {on} drags the joint along, contact after contact."
     return f"{where}: the posture of {on} moves the joint along a curve."
 
 
-def parameters(context: Context, term: Term) -> dict[str, dict[str, dict[str, Any]]]:
+def parameters(context: Context, kind: type[Bank], term: Term) -> dict[str, dict[str, dict[str, Any]]]:
     """By joint: each source, and how far it moves the joint at most over its range."""
     out: dict[str, dict[str, dict[str, Any]]] = {}
     for column in term.columns:
@@ -55,12 +47,12 @@ def parameters(context: Context, term: Term) -> dict[str, dict[str, dict[str, An
         for k, word in enumerate(sources_of(term, column), start=1):
             number = "" if k == 1 else f"_{k}"
             told[f"source{number}"] = {"value": word, "std": None, "unit": ""}
-            size = float(np.ptp(_loop(term, column, k)[1]))
+            size = float(np.ptp(_loop(kind, term.own[column], k)[1]))
             told[f"size{number}"] = {"value": size, "std": None, "unit": unit}
     return out
 
 
-def told(context: Context, term: Term) -> dict[str, Any]:
+def told(context: Context, kind: type[Bank], term: Term) -> dict[str, Any]:
     """The first source's curve or loop by joint, with what it is over and of, and their units."""
     column = term.columns[0]
     word = sources_of(term, column)[0]
@@ -71,16 +63,15 @@ def told(context: Context, term: Term) -> dict[str, Any]:
         "x_unit": context.stage.units.get(word, "rad") if word in context.joints else own,
         "y_unit": own,
         "joints": {
-            context.joints[c]: dict(zip(("x", "y"), _loop(term, c, 1), strict=True)) for c in term.columns
+            context.joints[c]: dict(zip(("x", "y"), _loop(kind, term.own[c], 1), strict=True))
+            for c in term.columns
         },
     }
 
 
-def _loop(term: Term, column: int, k: int) -> tuple[Array, Array]:
+def _loop(kind: type[Bank], own: dict[str, float], k: int) -> tuple[Array, Array]:
     """What a source adds, over one large swing to and fro about its centre."""
-    own, kind = term.own[column], kind_of(term)
-    weights = np.array([own[f"weight_{k}_{i}"] for i in range(1, kind.weights + 1)])
-    low, high = own[f"low_{k}"], own[f"high_{k}"]
+    low, high, weights = kind.read(own, k)
     bottom, top = kind.swing(low, high)
     swing = np.linspace(0.5 * (bottom + top), top, POINTS // 4)
     path = np.concatenate(

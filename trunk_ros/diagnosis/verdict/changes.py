@@ -11,17 +11,11 @@ from typing import Any
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.evidence import SUREST
+from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import ROUGH, SURE
 from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
-from trunk_ros.diagnosis.verdict.findings import (
-    ARM,
-    VARIES_WITH,
-    Spreads,
-    is_known,
-    unchanged,
-    value_of,
-)
+from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, is_known, unchanged, value_of
 from trunk_ros.diagnosis.verdict.units import sized, unit_of
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank

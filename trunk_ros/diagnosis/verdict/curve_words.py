@@ -10,7 +10,6 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.verdict.units import unit_of
-from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, words_of
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
@@ -37,13 +36,6 @@ def by_variable(context: Context, term: Term) -> list[Term]:
     ]
 
 
-def kind_of(term: Term) -> type[Curve]:
-    """The kind of curve."""
-    kind = effect(term.effect)
-    assert issubclass(kind, Curve)
-    return kind
-
-
 def variable_of(term: Term, column: int) -> str:
     """What a column's curve is drawn over."""
     return term.words[column][ON]
@@ -56,9 +48,8 @@ def regime_of(kind: type[Curve], variable: str) -> str:
     return REGIME_OF.get(words_of(variable)[-1], "posture")
 
 
-def statement(term: Term, where: str) -> str:
+def statement(kind: type[Curve], term: Term, where: str) -> str:
     """One sentence."""
-    kind = kind_of(term)
     if kind is UnknownCycle:
         rates = {f"{1.0 / term.own[c][HIGH]:.3g} Hz" for c in term.columns}
         return (
@@ -73,9 +64,9 @@ def statement(term: Term, where: str) -> str:
     return f"{where}: {of}depends on {on} in a way that no name fits; a smooth curve stands in for it."
 
 
-def told(context: Context, term: Term) -> dict[str, Any]:
+def told(context: Context, kind: type[Curve], term: Term) -> dict[str, Any]:
     """The curves by joint, with what they are over and of, and their units."""
-    kind, variable = kind_of(term), variable_of(term, term.columns[0])
+    variable = variable_of(term, term.columns[0])
     own = context.stage.unit(term.columns[0])
     other = variable.removeprefix(SPEED_OF)
     over = context.stage.units.get(other, "rad") if other in context.joints else own

@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
+from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import LITTLE, MOST, SLIGHT, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
@@ -36,8 +37,6 @@ VARIES_WITH: dict[str, list[str]] = {
 ARM = "arm"
 NO_CURVE = "No effect and no curve explains it."
 
-Spreads = dict[tuple[str, str, int | None], float]
-
 
 def findings(
     context: Context, hypothesis: Hypothesis, found: dict[str, Evidence], std: Spreads, told: Determined
@@ -58,11 +57,11 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
     if issubclass(kind, Curve):
         variable = curve_words.variable_of(term, term.columns[0])
         varies, regime = [*kind.also, *words_of(variable)], curve_words.regime_of(kind, variable)
-        statement, curve = curve_words.statement(term, where), curve_words.told(context, term)
+        statement, curve = curve_words.statement(kind, term, where), curve_words.told(context, kind, term)
     elif issubclass(kind, Bank):
-        parameters = bank_words.parameters(context, term) if kind.named else {}
+        parameters = bank_words.parameters(context, kind, term) if kind.named else {}
         varies, regime = bank_words.varies_with(term), kind.regime
-        statement, curve = bank_words.statement(term, where), bank_words.told(context, term)
+        statement, curve = bank_words.statement(kind, term, where), bank_words.told(context, kind, term)
     else:
         parameters = _parameters(context, kind, term, std)
         varies, regime = _varies_with(kind, term), kind.regime

@@ -10,13 +10,14 @@ import numpy as np
 
 from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence, apart, doubt, likely
+from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import need, needed, score
 from trunk_ros.diagnosis.verdict.changes import MODEL, changes
 from trunk_ros.diagnosis.verdict.finding import Finding
-from trunk_ros.diagnosis.verdict.findings import Spreads, findings
+from trunk_ros.diagnosis.verdict.findings import findings
 from trunk_ros.effects import effect
 
 
@@ -73,8 +74,7 @@ def _without(state: Fit, name: str) -> list[Hypothesis]:
 def _told(state: Fit, term: Term, part: str) -> Term:
     """The effect that a term includes, with its values on each joint."""
     form = term.form if term.form in effect(part).forms else ""
-    columns = [c for c in term.columns if c in state.context.columns]
-    return Term(part, form, own={c: _values(state, term, c) for c in columns})
+    return Term(part, form, own={c: _values(state, term, c) for c in state.context.judged(term)})
 
 
 def _values(state: Fit, term: Term, column: int) -> dict[str, float]:
@@ -85,7 +85,7 @@ def _values(state: Fit, term: Term, column: int) -> dict[str, float]:
 def _spread(state: Fit, term: Term, part: str, std: Spreads) -> Spreads:
     """Standard deviations, from those of the term's own values."""
     out: Spreads = {}
-    for c in (c for c in term.columns if c in state.context.columns):
+    for c in state.context.judged(term):
         best = _values(state, term, c)
         squares = dict.fromkeys(best, 0.0)
         for name in term.own[c]:

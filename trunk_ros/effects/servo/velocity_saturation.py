@@ -60,13 +60,9 @@ class VelocitySaturation(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        speed = np.abs(_speed(now))
+        speed = np.abs(now.speed[:, column] / now.ratio[column])
         fast = float(speed.max())
         steady = float(np.median(speed[speed >= STEADY * fast]))
         return tuple(
             max(start, 2e-3) for start in (steady, *(share * fast for share in (0.995, 0.97, 0.85, 0.7)))
         )
-
-
-def _speed(now: Now) -> Array:
-    return np.asarray(now.speed / now.ratio)

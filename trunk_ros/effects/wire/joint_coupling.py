@@ -26,8 +26,7 @@ class JointCoupling(Effect):
     """u += gain theta_source, for up to three sources a joint.
 
     drag: wires that touch. u += gain s + drag (s - play(s, reach)) with s = r phi of the source's wire: it
-    takes this
-    joint's wire along by friction, as far as ``reach``, and then slides on it.
+    takes this joint's wire along by friction, as far as ``reach``, and then slides on it.
     """
 
     id = "joint_coupling"

@@ -136,8 +136,6 @@ class ViscoelasticCreep(OnBothSides):
 
     def _modes(self) -> tuple[Array, Array]:
         """Gains and time constants, (modes, columns) each."""
-        if self.bears(self.form):
-            return self["compliance"][None], self["time_constant"][None]
         if self.form == "spectrum":
             constants = np.geomspace(self["time_constant"], self["time_constant_2"], MODES)
             return np.tile(self["gain"] / MODES, (MODES, 1)), constants

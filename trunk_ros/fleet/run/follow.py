@@ -13,7 +13,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
-from trunk_ros.diagnosis.evidence.spreads import Spread, spreads
+from trunk_ros.diagnosis.evidence.spreads import Spreads, spreads
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -74,7 +74,7 @@ def _fitted(stage: Stage, effects: Followed) -> Iterator[dict[str, Any]]:
     yield from _values(now, spreads(now), set(effects))
 
 
-def _values(now: Fit, std: Spread, wanted: set[str]) -> Iterator[dict[str, Any]]:
+def _values(now: Fit, std: Spreads, wanted: set[str]) -> Iterator[dict[str, Any]]:
     stage = now.context.stage
     for (name, parameter, column), spread in std.items():
         if name not in wanted or not np.isfinite(spread):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.order import moves
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, correlation
@@ -13,7 +14,6 @@ from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.signal.fill import fill
 
-DELAY = 0.6  # s: less is a delay
 COARSE = 0.05  # s: as exactly as it is needed
 BANDS = np.linspace(0.02, 0.48, 16)  # half-widths of dead bands, of the motion
 
@@ -32,7 +32,7 @@ def clock_offset(first: Array, source: Array, second: Array, target: Array) -> f
     step = max(COARSE, usual, np.ptp(first) / CELLS, np.ptp(second) / CELLS)
     lag = _lag(_changes(first, source, step), _changes(second, target, step))
     off = float(second[0] - first[0]) + step * lag
-    if abs(off) <= DELAY:
+    if abs(off) <= REMEMBERED:  # it is a delay
         return 0.0
     least = max(FOLLOWS, _alike_by_a_play(first, source, second, target))
     return off if _alike(first + off, source, second, target) > least else 0.0

@@ -18,7 +18,11 @@ from trunk_ros.recording.topics import COMPARED, TOPICS
 
 
 def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
-    """What is mixed up between the topics of each stage; nothing where the joints are not the model's."""
+    """What is mixed up between the topics of each stage; nothing where the joints are not the model's, or
+    follow several motors each.
+    """
+    if model.arm.coupling is not None:
+        return []
     out: list[MixUp] = []
     for stage in ("wire", "servo"):
         if all(key in recording.series for key in COMPARED[stage]):
@@ -27,8 +31,8 @@ def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
 
 
 def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
-    """The recording without what is mixed up for certain: joint readings become NaN, and setpoints and tip
-    are left out.
+    """The recording without what is mixed up for certain: setpoints that do not fit the motors are left out;
+    joint readings that do not become NaN, and the tip is left out with them.
     """
     series, tip = dict(recording.series), recording.tip
     for one in (one for one in found if one.certain):
@@ -52,8 +56,6 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     off = clock_offset(source.stamp, source.position, target.stamp, target.position)
     if off:
         return [_clock(stage, joints, off)]
-    if getattr(model.arm, "coupling", None) is not None:  # each joint follows several motors
-        return []
     pair = pair_of(recording, model, stage, source, target)
     found: list[MixUp] = []
     if pair is None:

@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, own_correlation
 from trunk_ros.diagnosis.data.sensing.wraps import TURN
-from trunk_ros.diagnosis.levels import TENFOLD
+from trunk_ros.diagnosis.levels import HALF, TENFOLD
 from trunk_ros.recording.signal.encoder import count
 
 CLOSE, CLOSER = np.log(1.15), np.log(1.03)  # to that factor: where the ratio is known, and where it is not
@@ -34,7 +34,7 @@ def counts(pair: Pair) -> list[MixUp]:
 def _is_whole(readings: Array) -> bool:
     """Whether readings (n,) go far in whole numbers; between two of them, interpolated, some are not."""
     step = count(readings[readings == np.rint(readings)]) if np.ptp(readings) > WHOLE else 0.0
-    return step >= 1.0 and float(np.mean(readings == np.rint(readings))) > 0.5
+    return step >= 1.0 and float(np.mean(readings == np.rint(readings))) > HALF
 
 
 def degrees(pair: Pair) -> list[MixUp]:

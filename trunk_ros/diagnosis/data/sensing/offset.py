@@ -6,7 +6,7 @@ Physics makes a joint late, never early, and leaves the stamps of its readings a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -40,9 +40,7 @@ class Offset:
     def off(self, series: JointSeries) -> JointSeries:
         """The series with stamps without it; samples that then come before earlier ones are left out."""
         late = series.stamp >= (-np.inf if self.since is None else self.since)
-        stamp = series.stamp - self.size * late
-        rising = np.concatenate([[True], np.diff(np.maximum.accumulate(stamp)) > 0.0])
-        return replace(series.rows(rising), stamp=stamp[rising])
+        return series.restamped(series.stamp - self.size * late)
 
 
 def early(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Offset | None:

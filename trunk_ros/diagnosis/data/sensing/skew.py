@@ -41,7 +41,7 @@ def one_clock(first: Array, second: Array) -> bool:
     """Whether stamps (n,) and (m,) are of one clock: most of the second are among the first."""
     place = np.clip(np.searchsorted(first, second), 1, len(first) - 1)
     apart = np.minimum(np.abs(first[place] - second), np.abs(first[place - 1] - second))
-    return bool(np.mean(apart < SAME) > 0.5)
+    return bool(np.mean(apart < SAME) > HALF)
 
 
 def skew(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Skew | None:

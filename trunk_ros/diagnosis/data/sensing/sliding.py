@@ -85,9 +85,7 @@ def _nearest(found: Sliding, left: Callable[[Sliding], float], stamp: Array) -> 
 
 def waited(setpoints: JointSeries, found: Sliding) -> JointSeries:
     """Setpoints with the stamps at which they acted, but for the mean wait: that is a delay of the servo."""
-    stamp = setpoints.stamp + found.waits(setpoints.stamp) - found.longest / 2
-    rising = np.concatenate([[True], np.diff(np.maximum.accumulate(stamp)) > 0.0])
-    return replace(setpoints.rows(rising), stamp=stamp[rising])
+    return setpoints.restamped(setpoints.stamp + found.waits(setpoints.stamp) - found.longest / 2)
 
 
 def _saw(stamp: Array, takes: float, phase: float) -> Array:

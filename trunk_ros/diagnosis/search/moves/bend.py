@@ -44,7 +44,7 @@ def _straight(best: Fit, kind: type[Bank]) -> Iterator[tuple[str, int]]:
         like, known = effect(name), context.known
         if not (name in confused(kind.id) or (issubclass(like, Curve) and like.linear and not like.also)):
             continue
-        for column in [c for c in term.columns if c in context.columns]:
+        for column in context.judged(term):
             has = kind.id in hypothesis and column in hypothesis[kind.id].own
             if not (has or (name in known and column in known[name].own)):
                 yield name, column

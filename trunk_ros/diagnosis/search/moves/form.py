@@ -48,7 +48,7 @@ def _groups(best: Fit, desk: Desk, shaking: bool, early: bool = False) -> Iterat
     for name, term in best.hypothesis.items():
         kind = effect(name)
         forms = [f for f in kind.forms if f != term.form and (f in kind.shaking) == shaking]
-        columns = [c for c in term.columns if c in best.context.columns]
+        columns = best.context.judged(term)
         others = [form for form in forms if form != kind.apart]
         if others and columns:
             yield Group(name, columns, partial(make, best, desk, name, others))

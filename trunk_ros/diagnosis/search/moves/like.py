@@ -18,7 +18,7 @@ from trunk_ros.effects import effect
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each joint of an effect that has several values of each, which nobody states."""
     for name, term in best.hypothesis.items():
-        kind, columns = effect(name), [c for c in term.columns if c in best.context.columns]
+        kind, columns = effect(name), best.context.judged(term)
         own = [p.name for p in kind.own_parameters(term.form) if not p.shared and p.name not in term.given]
         if kind.named and min(len(own), len(columns)) >= SEVERAL and not kind.texts:
             surest = cache(partial(_surest, best, name, columns))

@@ -22,7 +22,7 @@ def moments(now: Fit) -> Iterator[tuple[str, int | None, str]]:
     for term in now.hypothesis.values():
         names = [p.name for p in effect(term.effect).used(term.form) if p.moment]
         yield from ((term.effect, None, name) for name in names if name in term.shared)
-        for column in [c for c in term.columns if c in now.context.columns]:
+        for column in now.context.judged(term):
             yield from ((term.effect, column, name) for name in names if name in term.own[column])
 
 
@@ -37,7 +37,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 def events(best: Fit) -> Iterator[Group]:
     """What happens on several joints, each by itself."""
     for name, term in best.hypothesis.items():
-        on = {c: term.moments(c) for c in term.columns if c in best.context.columns}
+        on = {c: term.moments(c) for c in best.context.judged(term)}
         for moment in sorted({moment for some in on.values() for moment in some}):
             columns = [c for c, some in on.items() if moment in some]
             if len(columns) > 1:

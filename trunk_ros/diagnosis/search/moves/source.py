@@ -17,7 +17,7 @@ from trunk_ros.effects import effect
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each joint with several sources."""
     for name, term in best.hypothesis.items():
-        for column in [c for c in term.columns if effect(name).named and c in best.context.columns]:
+        for column in best.context.judged(term) if effect(name).named else []:
             if len(best.hypothesis.get_words(name, column)) > 1:
                 yield Group((name, column), [column], partial(_fewer, best, name, column))
 

@@ -99,7 +99,7 @@ def sized(now: Fit) -> Iterator[Sized]:
             if lead.name in term.shared:
                 yield Sized(name, None, lead)
             continue
-        for column in (c for c in term.columns if c in now.context.columns):
+        for column in now.context.judged(term):
             if lead.name in term.own[column]:
                 yield Sized(name, column, lead)
 

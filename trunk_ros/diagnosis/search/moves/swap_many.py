@@ -28,7 +28,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def _on_several(best: Fit, name: str) -> bool:
-    return len(set(best.hypothesis[name].columns) & set(best.context.columns)) >= SEVERAL
+    return len(best.context.judged(best.hypothesis[name])) >= SEVERAL
 
 
 def on_most(best: Fit, name: str) -> bool:
