@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -33,6 +34,16 @@ def test_an_effect_of_the_model_is_left_out_only_where_the_recording_tells_it(
     known = Hypothesis(backlash=Term("backlash", own={2: {"half_width": half_width}}))
     left_out = costed(knowing(clean, known), Hypothesis())
     assert ("backlash" in as_given(left_out).hypothesis) == stays
+
+
+def test_values_of_the_model_beside_which_something_is_incredible_are_not_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = Hypothesis(backlash=Term("backlash", own={2: {"half_width": 1e-6}}))
+    left_out = costed(knowing(context("clean"), known), Hypothesis())
+    there = sys.modules[as_given.__module__]
+    monkeypatch.setattr(there, "unshown", lambda context, hypothesis: len(hypothesis))
+    assert not as_given(left_out).hypothesis
 
 
 def test_an_effect_of_the_model_stays_where_a_curve_stands_for_it() -> None:

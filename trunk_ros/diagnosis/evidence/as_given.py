@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import NEARLY
+from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, change, refit
 from trunk_ros.diagnosis.search.formed import behind
 from trunk_ros.diagnosis.search.moves.swap_all import alike
@@ -25,13 +26,16 @@ from trunk_ros.parameter import Parameter
 
 def as_given(state: Fit) -> Fit:
     """With the values of the model, of each effect that it has, but for those by which the recording is so
-    much better explained as effects have to: the fewest that do.
+    much better explained as effects have to: the fewest that do. Nothing that was found becomes incredible
+    beside them.
     """
     for name in state.context.known:
         if not effect(name).named or issubclass(effect(name), Bank):
             continue
-        state = _no_fuller(state, name)
-        state = _as_given(state, name) if name in state.hypothesis else _there_again(state, name)
+        less = _no_fuller(state, name)
+        less = _as_given(less, name) if name in less.hypothesis else _there_again(less, name)
+        if unshown(less.context, less.hypothesis) <= unshown(state.context, state.hypothesis):
+            state = less
     return unrounded(state)
 
 
