@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
 from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.spreads import Spreads, spreads
+from trunk_ros.diagnosis.evidence.untold import as_the_surest
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.heap import give_back
@@ -53,5 +54,8 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     state, part, found = believed(state, part)
     early = done.early or state.context.work.over
     state = from_the_start(state, settle)
+    std = spreads(state)
+    surer = as_the_surest(state, std)
+    std, state = (std if surer is state else spreads(surer)), surer
     found = found | banks_evidence(state, found)
-    return Judged(state, part, found, spreads(state), held_out(state), early)
+    return Judged(state, part, found, std, held_out(state), early)

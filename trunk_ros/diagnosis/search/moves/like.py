@@ -4,8 +4,8 @@ alike, and what one hardly tells may have several minima.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import cache, partial
+from collections.abc import Iterator
+from functools import cached_property, partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SEVERAL
@@ -15,36 +15,53 @@ from trunk_ros.diagnosis.search.state import structure_of
 from trunk_ros.effects import effect
 
 
+class Alike:
+    """An effect of several joints that each have several values, which nobody states."""
+
+    def __init__(self, state: Fit, name: str, names: list[str]):
+        self.state, self.name, self.names = state, name, names
+        self.columns = state.context.judged(state.hypothesis[name])
+
+    @cached_property
+    def surest(self) -> int:
+        """The joint on which the effect changes most, over the noise."""
+        less = self.state.hypothesis.without(self.name)
+        changes = {c: change(self.state.context, self.state.hypothesis, less, c) for c in self.columns}
+        return max(self.columns, key=lambda c: float(changes[c] @ changes[c]))
+
+    def on(self, column: int) -> Hypothesis | None:
+        """With the values of the surest joint on another one; None on itself, and in another unit."""
+        unit = self.state.context.stage.unit
+        if self.surest == column or unit(self.surest) != unit(column):
+            return None
+        out = self.state.hypothesis.copy()
+        own, theirs = out[self.name].own[column], out[self.name].own[self.surest]
+        out[self.name].own[column] = own | {n: theirs[n] for n in self.names if n in own and n in theirs}
+        return out
+
+
+def effects_of_several(state: Fit) -> Iterator[Alike]:
+    """Each such effect of a hypothesis."""
+    for name, term in state.hypothesis.items():
+        kind, own = effect(name), effect(name).own_parameters(term.form)
+        names = [p.name for p in own if not p.shared and p.name not in term.given]
+        several = min(len(names), len(state.context.judged(term))) >= SEVERAL
+        if kind.named and several and not kind.texts:
+            yield Alike(state, name, names)
+
+
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Each joint of an effect that has several values of each, which nobody states."""
-    for name, term in best.hypothesis.items():
-        kind, columns = effect(name), best.context.judged(term)
-        own = [p.name for p in kind.own_parameters(term.form) if not p.shared and p.name not in term.given]
-        if kind.named and min(len(own), len(columns)) >= SEVERAL and not kind.texts:
-            surest = cache(partial(_surest, best, name, columns))
-            for column in columns:
-                what = (name, structure_of(term), column)
-                yield Group(what, [column], partial(_like_it, best, name, own, column, surest))
+    """Each joint of each such effect."""
+    for one in effects_of_several(best):
+        for column in one.columns:
+            what = (one.name, structure_of(best.hypothesis[one.name]), column)
+            yield Group(what, [column], partial(_begun, one, column))
 
 
-def _surest(best: Fit, name: str, columns: list[int]) -> int:
-    """The joint on which an effect changes most, over the noise."""
-    less = best.hypothesis.without(name)
-    changes = {c: change(best.context, best.hypothesis, less, c) for c in columns}
-    return max(columns, key=lambda c: float(changes[c] @ changes[c]))
-
-
-def _like_it(best: Fit, name: str, names: list[str], column: int, surest: Callable[[], int]) -> Iterator[Fit]:
-    unit = best.context.stage.unit
-    if surest() != column and unit(surest()) == unit(column):
-        yield refit_column(best, _with_values_of(best.hypothesis, name, names, column, surest()), column)
-
-
-def _with_values_of(now: Hypothesis, name: str, names: list[str], column: int, other: int) -> Hypothesis:
-    out = now.copy()
-    own, theirs = out[name].own[column], out[name].own[other]
-    out[name].own[column] = own | {n: theirs[n] for n in names if n in own and n in theirs}
-    return out
+def _begun(one: Alike, column: int) -> Iterator[Fit]:
+    there = one.on(column)
+    if there is not None:
+        yield refit_column(one.state, there, column)
 
 
 LIKE = Move("like", groups, resort=True)
