@@ -12,9 +12,11 @@ from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.commands.info import gathered
 from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
+from trunk_ros.diagnosis.data.names import refuse_misnamed
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.report import write
 from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
 
@@ -190,3 +192,26 @@ def test_degrees_end_in_no_finding_and_in_a_report_that_says_so(good: Recording,
     assert [f for f in told.findings if f.stage == "wire"] == []
     write(told, tmp_path / "report.html")
     assert "looks like degrees" in (tmp_path / "report.html").read_text()
+
+
+def test_a_joint_under_two_names_is_refused_by_both(good: Recording) -> None:
+    """It had been left out, and what it does to the others was physics that the library lacks."""
+    model = Model(replace(TRUNK.arm, joints=("base", "sholder", "left_hand", "wrist_1", "tool")))
+    named = ("base", "shoulder", "left_hand", "wrist_1", "tool")
+    mistyped = replace(good, series={k: replace(s, joints=named) for k, s in good.series.items()})
+    with pytest.raises(RecordingError, match="the model's joint 'sholder' is not in trunk/gearbox_states, "
+                       "which has 'shoulder': rename one of them"):  # fmt: skip
+        diagnose([mistyped], model)
+    mixed = reshaped(good, "joint_states", joints=("Joint-1", *TRUNK.arm.joints[1:]))
+    with pytest.raises(RecordingError, match="gearbox_states' joint 'joint_1' is not in joint_states"):
+        refuse_misnamed(mixed, DIRECT)
+
+
+@pytest.mark.parametrize("other", ["right_hand", "wrist_2", "gripper", "hand"])
+def test_another_joint_is_no_other_name(good: Recording, other: str) -> None:
+    model = Model(replace(TRUNK.arm, joints=("base", "shoulder", "left_hand", "wrist_1", "tool")))
+    for absent in (2, 3):
+        named = tuple(other if j == absent else joint for j, joint in enumerate(model.arm.joints))
+        refuse_misnamed(
+            replace(good, series={k: replace(s, joints=named) for k, s in good.series.items()}), model
+        )
