@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded, reshaped
+from test.diagnosis.arms import SHORT, diagnose, of_the_wires, on, recorded, reshaped
 from trunk_ros.commands.info import gathered
 from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
@@ -184,6 +184,17 @@ def test_mixed_up_joints_are_not_diagnosed_and_the_verdict_says_why(good: Record
     assert "look swapped" in told.unexplained[0].statement
     assert [one["kind"] for one in told.quality["made"]["mix_ups"]] == ["order"]
     assert told.stages["wire"]["silent"] == []
+
+
+def test_what_a_mixed_up_joint_does_to_others_is_not_named() -> None:
+    """The gain of the other joint had come out with the wrong sign, and was in model.yaml."""
+    turned = np.array([1.0, -1.0, 1.0])
+    gains = {"gain": [0.0, 0.0, 0.02], "source": ["", "", "joint_2"]}
+    made = of_the_wires(recorded({"joint_coupling": gains}, 20.0, nominal=SHORT))
+    told = diagnose([scaled(made, "joint_states", turned)], SHORT)
+    assert "turn" in told.unexplained[0].statement
+    assert told.findings and not any(finding.named for finding in told.findings)
+    assert told.model.reach[1] > 0.0
 
 
 def test_degrees_end_in_no_finding_and_in_a_report_that_says_so(good: Recording, tmp_path: Path) -> None:

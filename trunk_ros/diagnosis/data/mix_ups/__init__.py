@@ -3,7 +3,7 @@ that are seconds apart. They are reported, never repaired: what is mixed up is n
 """
 
 from trunk_ros.diagnosis.data.mix_ups.doubtful import doubtful
-from trunk_ros.diagnosis.data.mix_ups.find import mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.mix_ups.find import as_if_standing, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp
 
-__all__ = ["MixUp", "doubtful", "mix_ups", "without_mix_ups"]
+__all__ = ["MixUp", "as_if_standing", "doubtful", "mix_ups", "without_mix_ups"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
 from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees
+from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -40,6 +42,19 @@ def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
         position[:, [shown.joints.index(joint) for joint in one.joints]] = np.nan
         series["joint_states"] = replace(shown, position=position)
     return replace(recording, series=series, tip=tip)
+
+
+def as_if_standing(span: Span, found: Sequence[MixUp]) -> Span:
+    """The wires with motors that stand where what they turn is mixed up for certain: nobody knows where such
+    a joint is, and what others have is no matter of it.
+    """
+    told = {joint for one in found if one.certain and one.stage == "wire" for joint in one.joints}
+    mixed = [c for c, joint in enumerate(span.joints) if joint in told]
+    if not mixed:
+        return span
+    path, velocity = span.gearbox.copy(), span.velocity.copy()
+    path[:, mixed], velocity[:, mixed] = np.median(path[:, mixed], axis=0), 0.0
+    return replace(span, source=path, gearbox=path, velocity=velocity)
 
 
 def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
