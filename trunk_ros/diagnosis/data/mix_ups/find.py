@@ -11,11 +11,12 @@ from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
-from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees
+from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees, exchanged
 from trunk_ros.diagnosis.data.span import Span
+from trunk_ros.diagnosis.levels import FEWEST
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
 
@@ -63,6 +64,9 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
         joints = common_joints(recording, model, source, target)
     except RecordingError:  # is said where it matters
         return []
+    joints = tuple(j for j in joints if all(_is_read(series, j) for series in (source, target)))
+    if not joints:
+        return []
     source, target = source.select(joints), target.select(joints)
     off = clock_offset(source.stamp, source.position, target.stamp, target.position)
     if off:
@@ -73,10 +77,16 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     found: list[MixUp] = []
     if pair is None:
         return found
-    for look in (counts, swapped, degrees, turned_signs):
+    for look in (counts, swapped, degrees, exchanged, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
     return found
+
+
+def _is_read(series: JointSeries, joint: str) -> bool:
+    """Whether a joint has readings at all: one without would hide the others."""
+    readings = series.position[:, series.joints.index(joint)]
+    return bool(np.isfinite(readings).sum() >= FEWEST)
 
 
 def _clock(stage: str, joints: tuple[str, ...], off: float) -> MixUp:
