@@ -232,8 +232,8 @@ def _off(readings: Array) -> tuple[Array, Array]:
 
 
 def _rest_alike(position: Array, moved: Sequence[Array | None]) -> bool:
-    """Whether readings (n, joints) repeat where motors stand, as a rule: what looks like noise is the steps of
-    the motors' encoders that a simulation was driven with.
+    """Whether readings (n, joints) repeat where motors stand, as a rule: what looks like noise is the steps
+    of the motors' encoders that a simulation was driven with.
     """
     pairs = [(r, m) for r, m in zip(position.T, moved, strict=True) if m is not None]
     alike = [(np.diff(r) == 0.0)[np.diff(m) == 0.0] for r, m in pairs]

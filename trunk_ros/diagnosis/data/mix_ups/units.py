@@ -93,8 +93,8 @@ def exchanged(pair: Pair) -> list[MixUp]:
     source, target = pair.topics
     said = (
         f"motor and joint side exchanged? {target} of {', '.join(pair.names(moves))} goes as far beside "
-        f"{source} as the model has it the other way round. Exchange the two in the driver or the mapping, or write "
-        "wire.ratio as joint angle per motor angle, and diagnose again."
+        f"{source} as the model has it the other way round. Exchange the two in the driver or the mapping, "
+        "or write wire.ratio as joint angle per motor angle, and diagnose again."
     )
     return [pair.found("order", moves, said)]
 
