@@ -127,6 +127,11 @@ def test_motors_for_joints_are_told_by_the_ratio() -> None:
     assert only(turned)[1] == made.joints
     upright = scaled(other, "joint_states", np.array([1.0, 1.0, 1.0, 1.0, TRUNK.arm.ratio[4] ** 2]))
     assert mix_ups(upright, TRUNK) == []
+    once = {key: series.position.copy() for key, series in made.series.items()}
+    for key in once:
+        once[key][:-20] = once[key][-20]
+    brief = {key: replace(made.series[key], position=position) for key, position in once.items()}
+    assert mix_ups(replace(made, series=brief), TRUNK) == []
     near = Model(replace(TRUNK.arm, ratio=np.full(5, 0.9)))
     assert mix_ups(scaled(made, "joint_states", 1.0 / 0.9 / TRUNK.arm.ratio), near) == []
 

@@ -86,9 +86,11 @@ def exchanged(pair: Pair) -> list[MixUp]:
     moves = (np.abs(own_correlation(pair)) > FOLLOWS) & pair.angles
     if pair.stage != "wire" or not pair.ratio_known or not moves.any():
         return []
-    times = np.log(_spread(pair.target[:, moves]) / _spread(pair.driven[:, moves]))
-    back = -2.0 * np.log(np.abs(pair.factor[moves]))
-    if (np.abs(times - back) > CLOSE).any() or np.abs(back).min() < np.log(CLEARLY):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        times = np.log(_spread(pair.target[:, moves]) / _spread(pair.driven[:, moves]))
+        back = -2.0 * np.log(np.abs(pair.factor[moves]))
+        near = np.abs(times - back) < CLOSE
+    if not near.all() or np.abs(back).min() < np.log(CLEARLY):
         return []
     source, target = pair.topics
     said = (
