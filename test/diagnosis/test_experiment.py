@@ -25,7 +25,7 @@ from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import evidence
 from trunk_ros.diagnosis.experiment.design import Design, Experiment, experiment, proposals, statement
 from trunk_ros.diagnosis.experiment.discrimination import Difference, Other, span_of
-from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of, most_of
+from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of, most_of, seconds_of
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -304,7 +304,9 @@ def test_a_motion_begins_where_the_arm_may_be_and_not_hours_away() -> None:
 @pytest.mark.parametrize(("step", "many"), [(0.01, 16), (1.0, 5), (20.0, 1)])
 def test_a_motion_is_no_longer_than_a_few_recordings(step: float, many: int) -> None:
     view = SimpleNamespace(span=SimpleNamespace(stamp=np.arange(0.0, 398.0, step)))
-    assert most_of(SimpleNamespace(step=step, views=[view]), 16) == many
+    context = SimpleNamespace(step=step, views=[view])
+    assert most_of(context, 16) == many
+    assert many * seconds_of(context) <= 3.0 * 398.0
 
 
 def test_a_motion_is_repeated_only_as_often_as_it_decides_more() -> None:

@@ -113,16 +113,18 @@ def motion(context: Context, limits: Limits, parts: list[Stretch], own: Collecti
 
 def seconds_of(context: Context) -> float:
     """How long a stretch takes [s]."""
-    return max(SECONDS, SAMPLES * context.step)
+    return max(SECONDS, min(SAMPLES * context.step, _longest(context)))
 
 
 def most_of(context: Context, usual: int) -> int:
     """Stretches of a motion at most: as many as ``usual`` where these are short, else a few times as long as
     what was recorded.
     """
-    recorded = sum(float(np.ptp(view.span.stamp)) for view in context.views)
-    longest = max(usual * SECONDS, THREEFOLD * recorded)
-    return min(max(int(longest / seconds_of(context)), 1), usual)
+    return min(int(max(usual * SECONDS, _longest(context)) / seconds_of(context)), usual)
+
+
+def _longest(context: Context) -> float:
+    return THREEFOLD * sum(float(np.ptp(view.span.stamp)) for view in context.views)
 
 
 class _Path:
