@@ -65,10 +65,12 @@ def test_a_mistyped_joint_is_said_in_one_line_by_all_commands(
     own.write_text("/**: {ros__parameters: {arm: {joints: [shoulder, elbo]}}}")
     write_recording(tmp_path / "run", recording)
     said = (
-        "elbow (its elbo?) left out: the model has no such joint, and no topic has its elbo: "
+        "elbow (the model's elbo?) left out: the model has no such joint, and no topic has its elbo: "
         "if these are the same, give them one name"
     )
     assert left_out(recording, load_model(own)) == [said]
+    (names,) = gathered(recording, load_model(own))["mixed_up"]
+    assert names.startswith("the model's joint 'elbo' is not in trunk/gearbox_states, which has 'elbow'")
     run, out = str(tmp_path / "run"), str(tmp_path / "out")
     assert main(["simulate", run, "--model", str(own), "--output", out]) == 0
     assert f"{run}: {said}\n" in capsys.readouterr().out

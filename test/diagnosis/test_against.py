@@ -87,6 +87,19 @@ def test_what_the_simulator_has_itself_is_no_finding() -> None:
     assert len(result.simulation["has"]) == 3
 
 
+def test_a_recording_against_itself_lacks_nothing() -> None:
+    """What no name fits, in the servos of both, had been a finding at 0.95."""
+    whole = run({}, 0.0)
+    made = replace(whole, series={key: series.select(JOINTS[:1]) for key, series in whole.series.items()})
+    shown, stamp = made.series["gearbox_states"], made.series["gearbox_states"].stamp
+    bend = 0.004 * np.sin(0.9 * stamp) * np.exp(-(((stamp - 12.0) / 4.0) ** 2))
+    asked = replace(shown, position=shown.position - bend[:, None], velocity=None)
+    both = replace(made, series={**made.series, "setpoints": asked})
+    result = diagnose([both], against=both)
+    assert any(" no name " in words for words in result.simulation["has"])
+    assert (result.verdict, result.findings) == ("no_mismatch", [])
+
+
 def test_too_much_of_an_effect_has_a_negative_size_and_says_so(tmp_path: Path) -> None:
     result = found(SIMULATORS["too much"])
     (backlash,) = (f for f in result.findings if f.effect == "backlash")

@@ -23,13 +23,13 @@ from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import evidence
-from trunk_ros.diagnosis.experiment.design import Experiment, experiment, proposals, statement
+from trunk_ros.diagnosis.experiment.design import Design, Experiment, experiment, proposals, statement
 from trunk_ros.diagnosis.experiment.discrimination import Difference, Other, span_of
-from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of
+from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of, most_of, seconds_of
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import CLEARLY
+from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -255,6 +255,10 @@ def test_where_no_motion_decides_the_whole_motion_is_told_beside_its_largest_sam
     told = statement(duel, seen, True, SimpleNamespace(joints=["elbow"]), {}, FILE)
     assert "by 0.57 mrad in one sample of elbow (5.7 times the noise), but over all samples by 0.3" in told
     assert told.endswith("24% of what a decision takes.")
+    hidden = replace(seen, gap=0.89e-4, rms=0.54, ratio=TENFOLD)
+    told = statement(duel, hidden, False, SimpleNamespace(joints=["elbow"]), {}, FILE)
+    assert told.startswith("No motion within the joint limits decides between")
+    assert told.endswith("noise hides it.")
 
 
 @pytest.mark.parametrize("period", [0.01, 0.42], ids=["moving", "stop_and_measure"])
@@ -267,9 +271,9 @@ def test_an_arm_without_limits_is_not_moved_beyond_what_it_did(period: float, tm
     series = {key: JointSeries(stamp, ("a", "b"), position) for key, position in topics.items()}
     result = diagnose([Recording("made", 1, float(stamp[-1]), series)], model="direct")
     (motion,) = result.trajectories.values()
+    assert motion.duration <= 3.0 * stamp[-1]
     position, velocity, _ = motion.sample(np.linspace(0.0, motion.duration, 5000))
-    arrived = np.maximum.accumulate(position, axis=0) > alike.min()
-    assert position[arrived].min() >= alike.min()
+    assert position.min() >= alike.min()
     assert position.max() <= alike.max()
     assert np.abs(velocity).max() <= np.abs(np.gradient(alike, stamp)).max()
     result.save(tmp_path)
@@ -282,6 +286,36 @@ def test_a_joint_that_never_moved_is_left_where_it_stood(speed: float) -> None:
     path = _Path(limits, 0)
     path.follow(Stretch("all", 0.5, 0.5, 0.5), True, 8.0)
     assert {angle for _, angle in path.points} == {0.3}
+
+
+def test_a_motion_begins_where_the_arm_may_be_and_not_hours_away() -> None:
+    """A tip that moves by a millimetre, 0.1 m away from 0: the way from there took 5540 s."""
+    limits = Limits(*(np.array([value]) for value in (-0.108, -0.107, 2e-5, 1e-6)))
+    path = _Path(limits, 0, fastest=1.5)
+    assert path.lead < 120.0
+    path.stay(path.lead)
+    path.follow(Stretch("all", 0.0, 0.9, 0.9), True, path.lead + 200.0)
+    angles = np.array([angle for _, angle in path.points])
+    assert angles.min() >= -0.108
+    assert angles.max() <= -0.107
+    assert np.ptp(angles) > 5e-4
+
+
+@pytest.mark.parametrize(("step", "many"), [(0.01, 16), (1.0, 5), (20.0, 1)])
+def test_a_motion_is_no_longer_than_a_few_recordings(step: float, many: int) -> None:
+    view = SimpleNamespace(span=SimpleNamespace(stamp=np.arange(0.0, 398.0, step)))
+    context = SimpleNamespace(step=step, views=[view])
+    assert most_of(context, 16) == many
+    assert many * seconds_of(context) <= 3.0 * 398.0
+
+
+def test_a_motion_is_repeated_only_as_often_as_it_decides_more() -> None:
+    """One pair that no motion tells had made four of it for the other, which one or two tell."""
+    design = SimpleNamespace(most=16, ratios=lambda parts: np.array([0.1, 0.5 * len(parts)]))
+    part = Stretch("all", 0.0, 0.9, 0.9)
+    assert Design.repeated(design, [part]) == [part] * 3
+    design.ratios = lambda parts: np.array([0.1])
+    assert Design.repeated(design, [part, part]) == [part] * 8
 
 
 def test_what_joints_share_is_held_in_a_motion_that_only_others_show(

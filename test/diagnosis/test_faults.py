@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, diagnose, on, recorded, reshaped
+from test.diagnosis.arms import NOISE, TRUNK, diagnose, on, recorded, reshaped
+from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.data.sensor_faults import all_that_sticks, dead, sticks, strays, without_faults
@@ -60,6 +61,16 @@ def test_a_joint_that_sticks_and_slips_is_no_sensor_that_sticks(rate: float) -> 
     position[first : first + 8, 3] = position[first, 3]
     seen = without_faults(reshaped(good, "joint_states", position=position))
     assert not any("sticks" in note for note in seen.notes)
+
+
+@pytest.mark.parametrize("seed", [0, 28])
+def test_a_simulated_joint_that_rests_in_its_dead_band_is_no_sensor_that_sticks(seed: int) -> None:
+    """Driven with an encoder's counts: those had passed for noise that lets no reading repeat itself."""
+    made = recorded(seconds=20.0, noise=0.0, seed=seed)
+    motor = made.series["gearbox_states"]
+    angles, _ = Chain(TRUNK, "wire").run(motor.position, motor.stamp)
+    simulated = reshaped(made, "joint_states", position=angles)
+    assert without_faults(simulated) is simulated
 
 
 def test_an_old_message_is_old_for_joints_that_hardly_moved_meanwhile(position: Array) -> None:

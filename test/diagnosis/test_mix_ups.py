@@ -8,13 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded, reshaped
+from test.diagnosis.arms import SHORT, diagnose, of_the_wires, on, recorded, reshaped
 from trunk_ros.commands.info import gathered
 from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
+from trunk_ros.diagnosis.data.names import refuse_misnamed
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.report import write
 from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
 
@@ -112,6 +114,37 @@ def test_a_turned_sign_is_named_and_only_remarked_where_no_ratio_is_known(good: 
     assert [one.certain for one in mix_ups(mixed, DIRECT)] == [False]
 
 
+def test_motors_for_joints_are_told_by_the_ratio() -> None:
+    """Each ratio that was found was one over the model's; 0.9 on a joint may be an error of it."""
+    made = recorded({"backlash": {"half_width": np.full(5, 3e-3)}}, 20.0)
+    motor, joint = (made.series[key] for key in ("gearbox_states", "joint_states"))
+    other = replace(made, series={"gearbox_states": joint, "joint_states": replace(motor, velocity=None)})
+    kind, joints, said = only(other)
+    assert (kind, joints) == ("order", made.joints)
+    assert said.startswith("motor and joint side exchanged? joint_states of joint_1, joint_2, ")
+    assert mix_ups(other, DIRECT) == []
+    turned = scaled(other, "joint_states", np.array([1.0, 1.0, -1.0, 1.0, 1.0]))
+    assert only(turned)[1] == made.joints
+    upright = scaled(other, "joint_states", np.array([1.0, 1.0, 1.0, 1.0, TRUNK.arm.ratio[4] ** 2]))
+    assert mix_ups(upright, TRUNK) == []
+    once = {key: series.position.copy() for key, series in made.series.items()}
+    for key in once:
+        once[key][:-20] = once[key][-20]
+    brief = {key: replace(made.series[key], position=position) for key, position in once.items()}
+    assert mix_ups(replace(made, series=brief), TRUNK) == []
+    near = Model(replace(TRUNK.arm, ratio=np.full(5, 0.9)))
+    assert mix_ups(scaled(made, "joint_states", 1.0 / 0.9 / TRUNK.arm.ratio), near) == []
+
+
+def test_a_dead_sensor_blinds_nothing_for_the_others(good: Recording) -> None:
+    position = good.series["joint_states"].position * np.array([1.0, 1.0, -1.0, 1.0, 1.0])
+    position[:, 0] = np.nan
+    mixed = reshaped(good, "joint_states", position=position)
+    assert only(mixed)[:2] == ("sign", ("joint_3",))
+    late = reshaped(mixed, "joint_states", stamp=good.series["joint_states"].stamp + 3.0)
+    assert only(late)[:2] == ("clock", TRUNK.arm.joints[1:])
+
+
 @pytest.mark.parametrize("off", [3.0, -4.5, 3600.0])
 def test_clocks_that_are_apart_are_told_with_their_distance(good: Recording, off: float) -> None:
     stamp = good.series["joint_states"].stamp + off
@@ -184,9 +217,43 @@ def test_mixed_up_joints_are_not_diagnosed_and_the_verdict_says_why(good: Record
     assert told.stages["wire"]["silent"] == []
 
 
+def test_what_a_mixed_up_joint_does_to_others_is_not_named() -> None:
+    """The gain of the other joint had come out with the wrong sign, and was in model.yaml."""
+    turned = np.array([1.0, -1.0, 1.0])
+    gains = {"gain": [0.0, 0.0, 0.02], "source": ["", "", "joint_2"]}
+    made = of_the_wires(recorded({"joint_coupling": gains}, 20.0, nominal=SHORT))
+    told = diagnose([scaled(made, "joint_states", turned)], SHORT)
+    assert "turn" in told.unexplained[0].statement
+    assert [finding.named for finding in told.findings] == [False]
+    assert told.model.reach[1] > 0.0
+
+
 def test_degrees_end_in_no_finding_and_in_a_report_that_says_so(good: Recording, tmp_path: Path) -> None:
     told = diagnose([scaled(good, "joint_states", PER_RADIAN)])
     assert told.verdict == "unexplained"
     assert [f for f in told.findings if f.stage == "wire"] == []
     write(told, tmp_path / "report.html")
     assert "looks like degrees" in (tmp_path / "report.html").read_text()
+
+
+def test_a_joint_under_two_names_is_refused_by_both(good: Recording) -> None:
+    """It had been left out, and what it does to the others was physics that the library lacks."""
+    model = Model(replace(TRUNK.arm, joints=("base", "sholder", "left_hand", "wrist_1", "tool")))
+    named = ("base", "shoulder", "left_hand", "wrist_1", "tool")
+    mistyped = replace(good, series={k: replace(s, joints=named) for k, s in good.series.items()})
+    with pytest.raises(RecordingError, match="the model's joint 'sholder' is not in trunk/gearbox_states, "
+                       "which has 'shoulder': rename one of them"):  # fmt: skip
+        diagnose([mistyped], model)
+    mixed = reshaped(good, "joint_states", joints=("Joint-1", *TRUNK.arm.joints[1:]))
+    with pytest.raises(RecordingError, match="gearbox_states' joint 'joint_1' is not in joint_states"):
+        refuse_misnamed(mixed, DIRECT)
+
+
+@pytest.mark.parametrize("other", ["right_hand", "wrist_2", "gripper", "hand"])
+def test_another_joint_is_no_other_name(good: Recording, other: str) -> None:
+    model = Model(replace(TRUNK.arm, joints=("base", "shoulder", "left_hand", "wrist_1", "tool")))
+    for absent in (2, 3):
+        named = tuple(other if j == absent else joint for j, joint in enumerate(model.arm.joints))
+        refuse_misnamed(
+            replace(good, series={k: replace(s, joints=named) for k, s in good.series.items()}), model
+        )

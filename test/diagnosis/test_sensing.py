@@ -421,6 +421,7 @@ def test_turns_are_counted_on_and_fast_joints_are_left_alone(model: Model) -> No
     np.testing.assert_allclose(out, angle)
     assert times == 2
     assert unwrapped(np.cumsum(np.full(50, 2.5)) % TURN)[1] == 0  # nobody can count those
+    assert unwrapped(np.array([0.0, 6.28]))[1] == 0  # nor tell whether these two are one turn
     gap = (angle + np.pi) % TURN - np.pi
     gap[100:110] = np.nan
     np.testing.assert_allclose(unwrapped(gap)[0][110:], angle[110:])
@@ -452,6 +453,9 @@ def test_repeats_are_left_out_of_all_joints_alike(model: Model) -> None:
     new, period = new_readings(held)
     assert period == pytest.approx(0.04, abs=1e-6)
     assert len(new.stamp) == pytest.approx(len(held.stamp) / 4, rel=0.02)
+    position = held.position.copy()
+    position[:, 2] = np.nan  # a dead sensor hides nothing of the others
+    assert new_readings(replace(held, position=position))[1] == period
 
 
 @pytest.mark.parametrize("rate", [14.0, 37.0, 40.0, 61.0], ids=lambda rate: f"{rate:g}_hz")

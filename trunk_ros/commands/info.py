@@ -125,6 +125,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
     from dataclasses import asdict
 
     from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups
+    from trunk_ros.diagnosis.data.names import misnamed
     from trunk_ros.diagnosis.data.quality import left_out
     from trunk_ros.diagnosis.prospects import motion_of, prospects
     from trunk_ros.recording.quality import quality
@@ -135,6 +136,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         for key, q in quality(recording).items()
     }
     mixed = mix_ups(recording, model)
+    names = misnamed(recording, model)
     return {
         "recording": recording.name,
         "duration": recording.duration,
@@ -142,7 +144,7 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
         "joints": {j: {**m, "unit": recording.unit(j)} for j, m in motion_of(recording).items()},
         "stages": {one.stage: _as_json(one, asdict(one)) for one in prospects(recording, model)},
         "absent": [topic for key, topic in TOPICS.items() if topic not in topics and key != "reference"],
-        "mixed_up": [one.statement for one in mixed],
+        "mixed_up": [*([names] if names else []), *(one.statement for one in mixed)],
         "note": [*recording.notes, *left_out(recording, model), *doubtful(recording, model, mixed)],
     }
 

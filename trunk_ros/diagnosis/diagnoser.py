@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.aside import aside, size_of
 from trunk_ros.diagnosis.beside import put_right_beside
 from trunk_ros.diagnosis.context import LEAST, Context
 from trunk_ros.diagnosis.data.align import common_joints, servo_joints, servo_span, wire_span
-from trunk_ros.diagnosis.data.mix_ups import MixUp
+from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_by_name
 from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
@@ -68,7 +68,8 @@ class Diagnoser:
         """``recordings``: a list that this object empties and changes. ``mixed``: what is mixed up in each,
         and left out. ``servos``: what was found of the arm's in other recordings.
         """
-        self.recordings, self.against, self.say, self.mixed = recordings, against, progress, mixed
+        self.recordings, self.against, self.say = recordings, against, progress
+        self.mixed = mixed or [[] for _ in recordings]
         self.units = recordings[0].units
         self.experiments, self.settle, self.servos = experiments, settle, servos
         self.size = size_of(recordings)
@@ -193,7 +194,9 @@ class Diagnoser:
             wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
             self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
             del wires
-            stage, self.spans = WireStage(self.spans, self.path, self.units), []
+            seen = [as_if_standing(*each) for each in zip(self.spans, self.mixed, strict=True)]
+            stage, self.spans = WireStage(seen, self.path, self.units), []
+            del seen
             state = self._stage(stage)
         if state is not None:
             for some in (self.recordings, self.wires):
@@ -229,7 +232,7 @@ class Diagnoser:
             "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
-        new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION)
+        new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION, errors)
         effects, said = state.hypothesis.model_effects(len(stage.joints)), {f.effect for f in new}
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)

@@ -48,7 +48,7 @@ def strangers(recording: Recording, model: Model) -> list[str]:
     if not strange:
         return []
     near = {joint: get_close_matches(joint, absent, 1) for joint in strange}
-    named = [f"{joint} (its {near[joint][0]}?)" if near[joint] else joint for joint in strange]
+    named = [f"{joint} (the model's {near[joint][0]}?)" if near[joint] else joint for joint in strange]
     said = f"{', '.join(named)} left out: the model has no such joint{'s' if len(strange) > 1 else ''}"
     same = f", and no topic has its {', '.join(absent)}: if these are the same, give them one name"
     return [said + (same if absent else "")]

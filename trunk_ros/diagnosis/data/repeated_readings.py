@@ -57,8 +57,9 @@ def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     All joints that move have to be held: they are read together. While nothing changes one sample is kept
     every other reading, since standing still is a fact as well.
     """
-    known = np.isfinite(series.position).all(axis=1)
-    stamp, position = series.stamp[known], series.position[known]
+    read = series.position[:, np.isfinite(series.position).any(axis=0)]  # a dead sensor tells nothing
+    known = np.isfinite(read).all(axis=1)
+    stamp, position = series.stamp[known], read[known]
     moving = [j for j in range(position.shape[1]) if np.ptp(position[:, j]) > 0.0] if len(stamp) else []
     times = [holding(stamp, position[:, j]) for j in moving]
     if not times or min(times) == 0.0:

@@ -11,7 +11,18 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
-from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART, ROUGH, ROWS, SLIGHT, TENFOLD
+from trunk_ros.diagnosis.levels import (
+    CERTAIN,
+    CLEARLY,
+    ENOUGH,
+    FEWEST,
+    HALF,
+    PART,
+    ROUGH,
+    ROWS,
+    SLIGHT,
+    TENFOLD,
+)
 from trunk_ros.guards import ROUNDS
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import EXACT, MEDIAN_TO_STD, count, noises
@@ -39,6 +50,7 @@ def without_faults(recording: Recording) -> Recording:
     ]
     beside = [None if m is None else r - m for m, r in zip(moved, position.T, strict=True)]
     noisy = noises(series) > [count(readings) for readings in position.T]  # at rest no two would be equal
+    noisy &= not _rest_alike(position, moved)
     told = [left if one else None for left, one in zip(beside, noisy, strict=True)]
     sticking = all_that_sticks(position, series.stamp, told)
     for j, joint in enumerate(series.joints):
@@ -217,6 +229,15 @@ def _off(readings: Array) -> tuple[Array, Array]:
     before, after = np.median(beside[:, :BESIDE], axis=1), np.median(beside[:, BESIDE + 1 :], axis=1)
     off = np.abs(beside[:, BESIDE] - np.median(np.delete(beside, BESIDE, axis=1), axis=1))
     return off, np.abs(after - before)
+
+
+def _rest_alike(position: Array, moved: Sequence[Array | None]) -> bool:
+    """Whether readings (n, joints) repeat where motors stand, as a rule: what looks like noise is the steps
+    of the motors' encoders that a simulation was driven with.
+    """
+    pairs = [(r, m) for r, m in zip(position.T, moved, strict=True) if m is not None]
+    alike = [(np.diff(r) == 0.0)[np.diff(m) == 0.0] for r, m in pairs]
+    return sum(map(len, alike)) >= FEWEST and float(np.concatenate(alike).mean()) > HALF
 
 
 def what_moves(recording: Recording, joint: str, stamp: Array, readings: Array) -> Array | None:

@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.experiment.discrimination import Difference, Duel, expected, span_of
-from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, motion, stretches
+from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, most_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import Fit
@@ -68,6 +68,7 @@ class Design:
         self.duels = [duels[0] for duels in sides]
         self.own = {c for duel in self.duels for c in duel.columns}
         self.limits = limits_of(context)
+        self.most = most_of(context, STRETCHES**2)
 
     def run(self) -> Experiment:
         """Stretch by stretch; repeated where that is not enough."""
@@ -75,16 +76,24 @@ class Design:
         ranked, faced = self.ranked()
         parts = self.grown(ranked) if self.duels else ranked[:1]
         if self.duels and self.ratios(parts).min() < CLEARLY:
-            parts = max((parts, parts * STRETCHES), key=self.score)
+            parts = self.repeated(parts)
         there = self.motion(parts)
         seen = [duel.seen_in(self.context, there) for duel in faced]
         mutual = [self.back(duel, duels, there) for duel, duels in zip(faced, self.sides, strict=True)]
         return Experiment(there, pairs, faced, seen, mutual)
 
+    def repeated(self, parts: list[Stretch]) -> list[Stretch]:
+        """As often as it takes to rule out what repeating rules out at all; where that is nothing, the most
+        that was tried.
+        """
+        times = range(1, min(STRETCHES, self.most // len(parts)) + 1)
+        told = [int(np.sum(self.ratios(parts * many) >= CLEARLY)) for many in times]
+        return parts * (times[int(np.argmax(told))] if max(told) else times[-1])
+
     def back(self, faced: Duel, duels: list[Duel], there: Trajectory) -> bool:
         """Whether a motion rules out the truth of ``faced`` if it is the other, in whatever form."""
         turned = [duel for duel in duels if duel.truth == faced.other]
-        return all(duel.seen_in(self.context, there).ratio >= CLEARLY for duel in turned)
+        return all(duel.seen_in(self.context, there).decides for duel in turned)
 
     def motion(self, parts: list[Stretch]) -> Trajectory:
         """Stretches as a trajectory of all joints."""
@@ -132,7 +141,11 @@ class Design:
     def grown(self, ranked: list[Stretch]) -> list[Stretch]:
         """The best stretch, then the best after it, and so on until every rival is ruled out."""
         parts = ranked[:1]
-        while len(parts) < STRETCHES and not self.context.work.over and self.ratios(parts).min() < TENFOLD:
+        while (
+            len(parts) < min(STRETCHES, self.most)
+            and not self.context.work.over
+            and self.ratios(parts).min() < TENFOLD
+        ):
             parts = max(([*parts, part] for part in ranked), key=self.score)
         return parts
 
@@ -158,7 +171,7 @@ def proposals(done: Experiment, file: str, units: dict[str, str]) -> list[dict[s
         {
             "separates": list(pair),
             "statement": statement(duel, seen, mutual, done.motion, units, file),
-            "trajectory": file if seen.ratio >= CLEARLY else "",
+            "trajectory": file if seen.decides else "",
         }
         for pair, duel, seen, mutual in told
     ]
@@ -172,11 +185,12 @@ def statement(
     unit = units.get(joint, "rad")
     truth, other = _words(duel.truth, duel.base[duel.truth].form), _words(duel.other)
     gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
-    if seen.ratio < CLEARLY:
+    if not seen.decides:
+        short = f"{seen.ratio / CLEARLY:.0%} of what a decision takes"
         return (
             f"No motion within the joint limits decides between {truth} and {other}: once both are fitted to "
             f"the best one, they differ by {gap} in one sample of {joint} ({times}), but over all samples by "
-            f"{seen.rms:.2g} times the noise (rms): {seen.ratio / CLEARLY:.0%} of what a decision takes."
+            f"{seen.rms:.2g} times the noise (rms): {short if seen.ratio < CLEARLY else 'noise hides it'}."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"

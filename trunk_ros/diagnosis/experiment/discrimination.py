@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
-from trunk_ros.diagnosis.levels import TENFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import ROUNDS, Residuals, groups, minimise
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.guards import BLIND, ROUNDED
@@ -41,6 +41,11 @@ class Difference:
     noise: float
     rms: float
     ratio: float
+
+    @property
+    def decides(self) -> bool:
+        """Whether it rules the rival out, by more than what noise hides everywhere."""
+        return self.ratio >= CLEARLY and abs(self.gap) >= self.noise
 
 
 class Pinned(Residuals):

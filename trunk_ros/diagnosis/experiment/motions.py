@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import ENOUGH, HALF, OUTLIERS, SLIGHT, SOME
+from trunk_ros.diagnosis.levels import ENOUGH, HALF, OUTLIERS, SLIGHT, SOME, THREEFOLD
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 
@@ -99,31 +99,55 @@ def _bend(speed: Array, stamp: Array) -> Array:
 
 
 def motion(context: Context, limits: Limits, parts: list[Stretch], own: Collection[int]) -> Trajectory:
-    """The stretches one after the other, from rest at 0, as one trajectory."""
-    paths, seconds = [], max(SECONDS, SAMPLES * context.step)
-    for joint in range(len(context.joints)):
-        path = _Path(limits, joint)
+    """The stretches one after the other, from rest at 0 or where the arm may be next to it, as one
+    trajectory.
+    """
+    paths = [_Path(limits, joint, float(top)) for joint, top in enumerate(context.arm.top_speed)]
+    begin, seconds = max(path.lead for path in paths), seconds_of(context)
+    for joint, path in enumerate(paths):
+        path.stay(begin)
         for number, part in enumerate(parts, start=1):
-            path.follow(part, joint in own, path.begin + number * seconds)
-        paths.append(np.array(path.points))
-    return merge(context.joints, paths)
+            path.follow(part, joint in own, begin + number * seconds)
+    return merge(context.joints, [np.array(path.points) for path in paths])
+
+
+def seconds_of(context: Context) -> float:
+    """How long a stretch takes [s]."""
+    return max(SECONDS, min(SAMPLES * context.step, _longest(context)))
+
+
+def most_of(context: Context, usual: int) -> int:
+    """Stretches of a motion at most: as many as ``usual`` where these are short, else a few times as long as
+    what was recorded.
+    """
+    return min(int(max(usual * SECONDS, _longest(context)) / seconds_of(context)), usual)
+
+
+def _longest(context: Context) -> float:
+    return THREEFOLD * sum(float(np.ptp(view.span.stamp)) for view in context.views)
 
 
 class _Path:
     """Postures at rest (time s, angle rad) of one joint."""
 
-    def __init__(self, limits: Limits, joint: int):
+    def __init__(self, limits: Limits, joint: int, fastest: float = inf):
+        """``fastest``: top speed with which an arm that stands at 0 comes to where the motion begins."""
         low, high = float(limits.lower[joint]), float(limits.upper[joint])
         self.centre, self.reach = (low + high) / 2, (high - low) / 2 * ROOM
         self.top, self.bend = float(limits.speed[joint]) * ROOM, float(limits.acceleration[joint]) * ROOM
         self.side = 1.0 if joint % 2 else -1.0
         self.pace = 1.0 - SOME * (joint * GOLDEN % 1.0)  # no two joints move alike
-        start = 0.0 if self.top > 0.0 and self.bend > 0.0 else self.centre  # what never moved stays
-        self.points = [(0.0, start), (LEAD_IN, start)]
-        self.begin = LEAD_IN
-        if not low <= start <= high:
-            self._go(self.centre, SOME, inf)
-            self.begin = self.points[-1][0]
+        moves = self.top > 0.0 and self.bend > 0.0
+        start = min(max(0.0, low), high) if moves else self.centre  # what never moved stays
+        self.points = [(0.0, start)]
+        self.lead = LEAD_IN
+        """Time [s] to come to the start: where that is not 0, from anywhere in the reach."""
+        if moves and start:
+            self.lead = max(LEAD_IN, self._time(high - low, self.top), PEAK * abs(start) / (ROOM * fastest))
+
+    def _time(self, way: float, speed: float) -> float:
+        """s from rest to rest."""
+        return max(PEAK * way / speed, sqrt(BEND * way / self.bend), QUICKEST)
 
     def follow(self, part: Stretch, mine: bool, end: float) -> None:
         """One stretch, until ``end`` s."""
@@ -135,10 +159,10 @@ class _Path:
         while going:
             target = min(max(part.centre + side * size, -1.0), 1.0)
             going = self._go(self.centre + target * self.reach, part.speed * self.pace, end)
-            self._stay(min(self.points[-1][0] + part.hold, end))
+            self.stay(min(self.points[-1][0] + part.hold, end))
             size, side = size * part.shrink, -side
             size = size if size > SLIGHT * part.size else part.size
-        self._stay(end)
+        self.stay(end)
 
     def _go(self, angle: float, speed: float, end: float) -> bool:
         """Move to an angle, or as far towards it as there is time for; whether there was any."""
@@ -148,12 +172,13 @@ class _Path:
         way = min(abs(angle - here), max(end - begin, 0.0) * self.top * speed / PEAK)
         if way <= 0.0:
             return False
-        took = max(PEAK * way / (self.top * speed), sqrt(BEND * way / self.bend), QUICKEST)
+        took = self._time(way, self.top * speed)
         in_time = begin + took <= end + MOMENT
         if in_time:
             self.points.append((begin + took, here + copysign(way, angle - here)))
         return in_time
 
-    def _stay(self, until: float) -> None:
+    def stay(self, until: float) -> None:
+        """Until a time [s]."""
         if until > self.points[-1][0] + MOMENT:
             self.points.append((until, self.points[-1][1]))

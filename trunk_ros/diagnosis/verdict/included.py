@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence, apart, doubt, likely
 from trunk_ros.diagnosis.evidence.spreads import Spreads
@@ -21,14 +22,21 @@ from trunk_ros.diagnosis.verdict.findings import findings
 from trunk_ros.effects import effect
 
 
-def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads, who: str = MODEL) -> list[Finding]:
+def all_findings(
+    state: Fit,
+    found: dict[str, Evidence],
+    std: Spreads,
+    who: str = MODEL,
+    errors: Mapping[int, Error] | None = None,
+) -> list[Finding]:
     """One finding per effect of a hypothesis, and per effect that is part of one, but for what ``who`` has
-    already.
+    already, and for what has no name on joints that it predicts as well as noise lets it (``errors``).
     """
     parts, proof, spread = included(state, found, std)
     whole, std = Hypothesis({**state.hypothesis, **parts}), std | spread
     every = findings(state.context, whole, found | proof, std, determined(state))
-    return changes(state.context, whole, every, std, who)
+    right = {state.context.joints[c] for c, e in (errors or {}).items() if e.before <= e.noise_floor}
+    return [f for f in changes(state.context, whole, every, std, who) if f.named or set(f.joints) - right]
 
 
 def included(

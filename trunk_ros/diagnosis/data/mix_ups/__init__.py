@@ -1,9 +1,10 @@
-"""Mix-ups that no physics explains: degrees for radians, encoder counts, swapped joints, turned signs, clocks
-that are seconds apart. They are reported, never repaired: what is mixed up is not diagnosed.
+"""Mix-ups that no physics explains: degrees for radians, encoder counts, swapped joints, motors for joints,
+turned signs, clocks that are seconds apart. They are reported, never repaired: what is mixed up is not
+diagnosed.
 """
 
 from trunk_ros.diagnosis.data.mix_ups.doubtful import doubtful
-from trunk_ros.diagnosis.data.mix_ups.find import mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.mix_ups.find import as_if_standing, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp
 
-__all__ = ["MixUp", "doubtful", "mix_ups", "without_mix_ups"]
+__all__ = ["MixUp", "as_if_standing", "doubtful", "mix_ups", "without_mix_ups"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +11,12 @@ from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
-from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees
+from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees, exchanged
+from trunk_ros.diagnosis.data.span import Span
+from trunk_ros.diagnosis.levels import FEWEST
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
 
@@ -46,11 +49,27 @@ def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
     return replace(recording, series=series, tip=tip)
 
 
+def as_if_standing(span: Span, found: Sequence[MixUp]) -> Span:
+    """The wires with motors that stand where what they turn is mixed up for certain: nobody knows where such
+    a joint is, and what others have is no matter of it.
+    """
+    told = {joint for one in found if one.certain and one.stage == "wire" for joint in one.joints}
+    mixed = [c for c, joint in enumerate(span.joints) if joint in told]
+    if not mixed:
+        return span
+    path, velocity = span.gearbox.copy(), span.velocity.copy()
+    path[:, mixed], velocity[:, mixed] = np.median(path[:, mixed], axis=0), 0.0
+    return replace(span, source=path, gearbox=path, velocity=velocity)
+
+
 def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     source, target = (recording.series[key] for key in COMPARED[stage])
     try:
         joints = common_joints(recording, model, source, target)
     except RecordingError:  # is said where it matters
+        return []
+    joints = tuple(j for j in joints if all(_is_read(series, j) for series in (source, target)))
+    if not joints:
         return []
     source, target = source.select(joints), target.select(joints)
     off = clock_offset(source.stamp, source.position, target.stamp, target.position)
@@ -60,10 +79,16 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     found: list[MixUp] = []
     if pair is None:
         return found
-    for look in (counts, swapped, degrees, turned_signs):
+    for look in (counts, swapped, degrees, exchanged, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
     return found
+
+
+def _is_read(series: JointSeries, joint: str) -> bool:
+    """Whether a joint has readings at all: one without would hide the others."""
+    readings = series.position[:, series.joints.index(joint)]
+    return bool(np.isfinite(readings).sum() >= FEWEST)
 
 
 def _clock(stage: str, joints: tuple[str, ...], off: float) -> MixUp:

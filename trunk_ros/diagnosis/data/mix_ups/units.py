@@ -1,4 +1,4 @@
-"""Degrees for radians, and counts of an encoder for either."""
+"""Degrees for radians, counts of an encoder for either, and motors for joints: what the sizes tell."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, own_correlation
 from trunk_ros.diagnosis.data.sensing.wraps import TURN
-from trunk_ros.diagnosis.levels import HALF, TENFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, HALF, TENFOLD
 from trunk_ros.recording.signal.encoder import count
 
 CLOSE, CLOSER = np.log(1.15), np.log(1.03)  # to that factor: where the ratio is known, and where it is not
@@ -77,6 +77,28 @@ def _both(pair: Pair, which: np.ndarray) -> MixUp:
         f"where the model's limits are {limit:.3g} rad. {TO_DO}"
     )
     return pair.found("unit", which, said)
+
+
+def exchanged(pair: Pair) -> list[MixUp]:
+    """Joints that go as far as motors would beside them, all of them: each of the two is the other one, or
+    the model has its ratios the wrong way round.
+    """
+    moves = (np.abs(own_correlation(pair)) > FOLLOWS) & pair.angles
+    if pair.stage != "wire" or not pair.ratio_known or not moves.any():
+        return []
+    with np.errstate(divide="ignore", invalid="ignore"):
+        times = np.log(_spread(pair.target[:, moves]) / _spread(pair.driven[:, moves]))
+        back = -2.0 * np.log(np.abs(pair.factor[moves]))
+        near = np.abs(times - back) < CLOSE
+    if not near.all() or np.abs(back).min() < np.log(CLEARLY):
+        return []
+    source, target = pair.topics
+    said = (
+        f"motor and joint side exchanged? {target} of {', '.join(pair.names(moves))} goes as far beside "
+        f"{source} as the model has it the other way round. Exchange the two in the driver or the mapping, "
+        "or write wire.ratio as joint angle per motor angle, and diagnose again."
+    )
+    return [pair.found("order", moves, said)]
 
 
 def _spread(values: Array) -> Array:

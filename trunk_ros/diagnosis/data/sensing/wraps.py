@@ -22,7 +22,7 @@ def unwrapped(readings: Array) -> tuple[Array, int]:
     steps = np.diff(readings[known])
     turns = np.rint(steps / TURN)
     jumps = (turns != 0.0) & (np.abs(steps - TURN * turns) < PART * TURN)
-    if not jumps.any() or np.quantile(np.abs(steps[~jumps]), 0.999) > 2.0 * PART * TURN:
+    if not jumps.any() or jumps.all() or np.quantile(np.abs(steps[~jumps]), 0.999) > 2.0 * PART * TURN:
         return readings, 0
     out = readings.copy()
     out[known] -= TURN * np.concatenate([[0.0], np.cumsum(np.where(jumps, turns, 0.0))])
