@@ -100,7 +100,10 @@ def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
 
 def provenance(result: Answer) -> list[tuple[str, str]]:
     """Command, versions and hashes as lines of text; the fitted model's hash among them."""
-    lines = [(key.replace("_", " "), value) for key, value in _flat(result.provenance)]
+    told = {
+        key: value for key, value in result.provenance.items() if key != "arguments"
+    }  # the command has them
+    lines = [(key.replace("_", " "), value) for key, value in _flat(told)]
     return [*lines, ("fitted model hash", result.model.hash())]
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil
-from shlex import quote
 from typing import Any
 
+from trunk_ros.diagnosis.report import commands
 from trunk_ros.diagnosis.report.errors import ratios
 from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
@@ -43,9 +43,8 @@ def next_steps(result: Answer) -> list[Step]:
 
 def _nothing(result: Answer) -> Iterator[Step]:
     if result.verdict == "no_mismatch" and ratios(result):
-        yield Step(
-            "Nothing to change.", "Check the simulation on another motion:", (_scored("trunk", result),)
-        )
+        check = commands.evaluate(result, commands.nominal(result))
+        yield Step("Nothing to change.", "Check the simulation on another motion:", (check,))
 
 
 def _mixed_up(result: Answer) -> Iterator[Step]:
@@ -59,13 +58,13 @@ def _use(result: Answer) -> Iterator[Step]:
         yield Step(
             "Put what was found into your simulator.",
             "Formats: MJCF, URDF, SDF.",
-            ("trunk_ros export model.yaml --to mjcf --into arm.xml -o arm_real.xml",),
+            (commands.export(result),),
         )
     elif any(_compensated(f) for f in result.findings):
         yield Step(
             "Compensate with this model",
             "(model.yaml, beside this page), and score it on a recording that the fit did not see:",
-            ("trunk_ros compensator --ros-args --params-file model.yaml", _scored("model.yaml", result)),
+            (commands.compensate(result), commands.evaluate(result, commands.beside(result, "model.yaml"))),
         )
 
 
@@ -73,11 +72,6 @@ def _compensated(finding: Finding) -> bool:
     """Whether there is anything to compensate: where only a reading is late, the joint is not."""
     kind = registry().get(finding.effect)
     return finding.stage != "arm" and not (kind is not None and kind.delays_readings)
-
-
-def _scored(model: str, result: Answer) -> str:
-    given = result.provenance.get("model", model) if model == "trunk" else model
-    return f"trunk_ros evaluate another_run -m {quote(str(given))}"
 
 
 def _record(result: Answer) -> Iterator[Step]:

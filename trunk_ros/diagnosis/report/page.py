@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from math import ceil
 from pathlib import Path
-from shlex import quote
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from trunk_ros.diagnosis.report.cards import cards
+from trunk_ros.diagnosis.report.commands import cut, diagnose_again, play
 from trunk_ros.diagnosis.report.data import numbers, provenance, recordings
 from trunk_ros.diagnosis.report.errors import (
     LEAST,
@@ -77,7 +76,8 @@ def content(result: Answer) -> dict[str, Any]:
         "unnamed": any(not f.named for f in result.findings),
         "experiments": result.experiments,
         "runs": runs(result),
-        "recorded": " ".join(quote(str(bag)) for bag in result.provenance.get("bags", ["run1"])),
+        "again": diagnose_again(result),
+        "cut": cut(result),
         "rivals_remain": any(f.equivalents for f in result.findings),
         "numbers": numbers(result),
         "provenance": provenance(result),
@@ -97,15 +97,10 @@ def contents(result: Answer, over_time: bool) -> list[tuple[str, str]]:
     ]
 
 
-def runs(result: Answer) -> list[tuple[str, str]]:
-    """File of each experiment's motion with what else the command needs, and for how many s to run it."""
-    model = result.provenance.get("model", "trunk")
-    more = "" if model == "trunk" else f" --model {quote(str(model))}"
+def runs(result: Answer) -> list[str]:
+    """The command that plays each experiment's motion."""
     files = dict.fromkeys(e["trajectory"] for e in result.experiments if e.get("trajectory"))
-    motions = result.trajectories
-    return [
-        (file + more, f"{ceil(motions[file].duration) + 1}" if file in motions else "S") for file in files
-    ]
+    return [play(result, file) for file in files]
 
 
 def quiet(result: Answer, shown: list[Signal]) -> list[str]:
