@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis import made
+from trunk_ros.commands.diagnose import spoken
 from trunk_ros.diagnosis.report import render, write
 from trunk_ros.diagnosis.report.regimes import stretches
 from trunk_ros.diagnosis.report.series import thinned
@@ -313,14 +314,17 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     )
 
 
-def test_the_doubt_stands_in_the_headline_the_better_rival_first() -> None:
+def test_the_doubt_stands_in_the_headline_behind_the_effect_that_is_in_the_model() -> None:
     doubtful = made.backlash()
     (finding,) = doubtful.findings
     evidence = {**finding.evidence, "rivals": {"stribeck_friction": -3.0, "cogging": 5.0}}
     rivals = ["cogging", "stribeck_friction"]
     doubtful.findings = [replace(finding, equivalents=rivals, evidence=evidence)]
     text = words(render(doubtful))
-    assert "either stribeck friction, backlash or cogging (joint_3, " in text
+    assert "either backlash, cogging or stribeck friction (joint_3, " in text
+    assert "backlash, cogging or stribeck friction: joint_3" in text
+    said = next(line for line in spoken(doubtful) if "joint_3" in line)
+    assert said.startswith("  backlash or cogging or stribeck_friction (90% that it is one of these")
 
 
 def test_names_that_stand_together_are_bracketed_in_the_headline_beside_other_findings() -> None:
