@@ -8,7 +8,7 @@ from math import ceil
 from typing import Any
 
 from trunk_ros.diagnosis.report import commands
-from trunk_ros.diagnosis.report.errors import ratios
+from trunk_ros.diagnosis.report.signals import judged, mixed_up
 from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
@@ -42,14 +42,13 @@ def next_steps(result: Answer) -> list[Step]:
 
 
 def _nothing(result: Answer) -> Iterator[Step]:
-    if result.verdict == "no_mismatch" and ratios(result):
+    if result.verdict == "no_mismatch" and judged(result):
         check = commands.evaluate(result, commands.nominal(result))
         yield Step("Nothing to change.", "Check the simulation on another motion:", (check,))
 
 
 def _mixed_up(result: Answer) -> Iterator[Step]:
-    said = [one for held in result.quality.values() for one in held.get("mix_ups", ()) if one["certain"]]
-    for statement in dict.fromkeys(str(one["statement"]).rstrip(".") for one in said):
+    for statement in dict.fromkeys(one.rstrip(".") for said in mixed_up(result).values() for one in said):
         yield Step("Put the data right and diagnose again.", f"{statement}.")
 
 
@@ -110,7 +109,7 @@ def _move(result: Answer) -> Iterator[Step]:
 
 def _rest(result: Answer) -> Iterator[Step]:
     nameless = any(not f.named for f in result.findings)
-    told = {one["statement"] for held in result.quality.values() for one in held.get("mix_ups", ())}
+    told = {statement for said in mixed_up(result).values() for statement in said}
     joints = dict.fromkeys(
         joint for rest in result.unexplained if rest.statement not in told for joint in rest.joints
     )

@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.report.errors import (
 from trunk_ros.diagnosis.report.next_steps import next_steps
 from trunk_ros.diagnosis.report.script import as_data, policy, script, stylesheet
 from trunk_ros.diagnosis.report.series import series
-from trunk_ros.diagnosis.report.signals import Signal, signals
+from trunk_ros.diagnosis.report.signals import Signal, judged, mixed_up, signals
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.report.verdict import gain, headline, verdict_word
@@ -61,6 +61,8 @@ def content(result: Answer) -> dict[str, Any]:
         "simulation": result.simulation,
         "verdict_word": verdict_word(result),
         "recordings": recordings(result),
+        "judged": judged(result),
+        "mixed_up": [statement for said in mixed_up(result).values() for statement in said],
         "maps": maps(result),
         "framed": any(cell.rest for m in maps(result) for _, row in m.rows for cell in row),
         "not_compared": not_compared(result),
@@ -86,12 +88,12 @@ def content(result: Answer) -> dict[str, Any]:
 
 def contents(result: Answer, over_time: bool) -> list[tuple[str, str]]:
     """Anchors and titles of the parts that the page has."""
+    seen = judged(result)
     return [
-        ("where", "Where"),
+        *([("where", "Where")] if seen else []),
         *([("time", "Over time")] if over_time else []),
         *([("found", "What was found")] if result.findings else []),
-        ("rest", "Still unexplained"),
-        ("settle", "Decisive motion"),
+        *([("rest", "Still unexplained"), ("settle", "Decisive motion")] if seen else []),
         ("data", "Quality of the data"),
         ("again", "To reproduce"),
     ]

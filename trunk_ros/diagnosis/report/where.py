@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from trunk_ros.diagnosis.report.errors import ABOVE, Ratio, ratios
-from trunk_ros.diagnosis.report.signals import concerns, entries, largest
+from trunk_ros.diagnosis.report.signals import concerns, entries, largest, mixed_up
 from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
 from trunk_ros.diagnosis.verdict.answer import Answer
 
@@ -50,8 +50,11 @@ def maps(result: Answer) -> list[Map]:
 
 
 def not_compared(result: Answer) -> list[str]:
-    """Stages without a comparison, with what they would be."""
-    return [f"{s} ({what})" for s, what in MEANING.items() if not result.stages.get(s, {}).get("compared")]
+    """Stages without a comparison, with what they would be and why there is none."""
+    left = [s for s in MEANING if not result.stages.get(s, {}).get("compared")]
+    mixed = mixed_up(result)
+    why = {s: "mixed up, see above" if s in mixed else "topics or motion are missing" for s in left}
+    return [f"{s} ({MEANING[s]}: {why[s]})" for s in left]
 
 
 def _names(result: Answer, stages: list[str]) -> list[str]:
