@@ -72,3 +72,4 @@ def test_diagnose_hands_on_what_it_was_given(tmp_path: Path, monkeypatch: pytest
     page = (tmp_path / "v" / "report.html").read_text()
     assert (tmp_path / of(page, "evaluate")[-1]).is_file()
     assert all("90%" in words for words in commands(page) if words[1] == "diagnose")
+    assert page.count("run1, 0 to 17.99 s of 19.99 s") == 2

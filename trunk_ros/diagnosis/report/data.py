@@ -21,12 +21,18 @@ def recordings(result: Answer) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "duration": quantity(float(held.get("duration", 0.0)), None, "s"),
+            "duration": _length(held),
             "topics": [_topic(topic, said) for topic, said in held.get("topics", {}).items()],
             "notes": [str(note) for note in held.get("notes", ())],
         }
         for name, held in result.quality.items()
     ]
+
+
+def _length(held: dict[str, Any]) -> str:
+    """How long a recording is, and which part of it was asked for."""
+    whole = f"{float(held.get('duration', 0.0)):.4g} s"
+    return f"{held['from']:.4g} to {held['until']:.4g} s of {whole}" if "until" in held else whole
 
 
 def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
