@@ -183,7 +183,7 @@ def test_correlated_values_and_those_at_a_bound_are_said(found: Diagnosis) -> No
     finding = replace(finding, evidence={**finding.evidence, **told})
     text = words(render(replace(found, findings=[finding])))
     assert "half width (joint_3) and stribeck friction amplitude (joint_3): −0.97" in text
-    assert "half width (joint_3), upper bound 57.30 °" in text
+    assert "half width (joint_3), upper bound 57.3 °" in text
 
 
 def test_what_to_do_next_follows_from_what_was_found(found: Diagnosis) -> None:
@@ -237,7 +237,7 @@ def test_every_part_of_the_report_is_there(page: str) -> None:
     assert re.findall("<h2[^>]*>(.*)</h2>", page) == PARTS
     assert "trunk_ros diagnose run1 --output out" in text
     assert "The end is cut off." in text
-    assert "1, longest 400.0 ms at 12.0 s" in text
+    assert "1, longest 400 ms at 12.0 s" in text
     assert "39" in text
     assert "3 duplicates" in text
     assert "100 Hz" in text
@@ -302,7 +302,7 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     assert "No effect is missing: the residual that remains (8.00 µrad rms) is below a step of" in text
     assert [cell.heat for _, cells in maps(clean)[0].rows for cell in cells] == [0] * 5
     assert "8.00 µrad 0.9 × encoder steps" in text
-    assert "0.2000 µrad 8.600 µrad" in text
+    assert "0.200 µrad 8.60 µrad" in text
     clean.stages["wire"]["joints"]["joint_2"] |= {
         "rmse_before": 1e-4,
         "rmse_after": 1e-4,

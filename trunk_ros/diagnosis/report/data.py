@@ -9,8 +9,9 @@ import numpy as np
 
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
 from trunk_ros.diagnosis.report.signals import Signal, entries, largest, signals
-from trunk_ros.diagnosis.report.units import quantity, significant
+from trunk_ros.diagnosis.report.units import quantity
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
+from trunk_ros.diagnosis.words import significant
 
 SAME = "same"
 LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag
@@ -45,7 +46,7 @@ def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
     return {
         "name": name,
         "samples": said.get("samples", 0),
-        "rate": f"{significant(1 / period, 3)} Hz" if period else "–",
+        "rate": f"{significant(1 / period)} Hz" if period else "–",
         "jitter": quantity(jitter, None, "s") if jitter > 1e-6 else "none",
         "lost": "–" if said.get("lost") is None else str(said["lost"]),
         "gaps": f"{gaps}, longest {longest} at {float(said.get('gap_at') or 0.0):.1f} s" if gaps else "none",

@@ -78,6 +78,7 @@ def content(result: Answer) -> dict[str, Any]:
         "unnamed": any(not f.named for f in result.findings),
         "experiments": result.experiments,
         "runs": runs(result),
+        "undecided": any(not e.get("trajectory") for e in result.experiments),
         "again": diagnose_again(result),
         "cut": cut(result),
         "rivals_remain": any(f.equivalents for f in result.findings),
