@@ -189,6 +189,8 @@ def test_correlated_values_and_those_at_a_bound_are_said(found: Diagnosis) -> No
 def test_what_to_do_next_follows_from_what_was_found(found: Diagnosis) -> None:
     text = words(render(found))
     assert "Compensate with this model" in text
+    assert text.index("Compensate with") < text.index("Put what was found into your simulator.")
+    assert "trunk_ros export model.yaml --to mjcf --into arm.xml" in text
     assert "Record trunk/setpoints and trunk/gearbox_states too." in text
     told = {"separates": ["backlash", "tension_error"], "statement": "x", "trajectory": "a.yaml"}
     text = words(render(replace(found, experiments=[told])))

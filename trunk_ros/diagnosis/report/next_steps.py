@@ -53,17 +53,17 @@ def _mixed_up(result: Answer) -> Iterator[Step]:
 
 
 def _use(result: Answer) -> Iterator[Step]:
-    if result.simulation and result.findings:
-        yield Step(
-            "Put what was found into your simulator.",
-            "Formats: MJCF, URDF, SDF.",
-            (commands.export(result),),
-        )
-    elif any(_compensated(f) for f in result.findings):
+    if not result.simulation and any(_compensated(f) for f in result.findings):
         yield Step(
             "Compensate with this model",
             "(model.yaml, beside this page), and score it on a recording that the fit did not see:",
             (commands.compensate(result), commands.evaluate(result, commands.beside(result, "model.yaml"))),
+        )
+    if result.findings:
+        yield Step(
+            "Put what was found into your simulator.",
+            "Formats: MJCF, URDF, SDF; arm.xml is your simulator's own file.",
+            (commands.export(result),),
         )
 
 
