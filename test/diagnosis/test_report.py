@@ -246,7 +246,7 @@ def test_every_part_of_the_report_is_there(page: str) -> None:
 
 
 def test_values_have_spreads_and_sensible_units(page: str) -> None:
-    assert "1.0000 ± 0.0023 mrad" in words(page)
+    assert "1.00 ± 0.0023 mrad" in words(page)
 
 
 def test_rivals_are_listed_nearest_first_with_what_they_would_show(found: Diagnosis) -> None:
@@ -347,10 +347,10 @@ def test_findings_without_plots_are_told_all_the_same() -> None:
     result.stages["arm"] = {"compared": True, "tip": {"y": tip}}
     text = words(render(result))
     assert "base tilt (the tip, 90%)" in text
-    assert "2.000 ± 0.010 mrad" in text
+    assert "2.00 ± 0.010 mrad" in text
     assert "13.3 → 1.0" in text
     result.plots = None
-    assert "2.000 ± 0.010 mrad" in words(render(result))
+    assert "2.00 ± 0.010 mrad" in words(render(result))
 
 
 def test_joints_that_slide_are_in_millimetres(found: Diagnosis) -> None:

@@ -1,4 +1,4 @@
-"""Numbers for readers: SI prefixes, as many digits as the spread allows."""
+"""Numbers for readers: SI prefixes, three digits, or as many as the spread allows."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def multiple(size: float, unit: str) -> tuple[float, str]:
 def quantity(
     value: object, std: float | None = None, unit: str = "1", relative: bool = False, size: float = 0.0
 ) -> str:
-    """``1.223 ± 0.012 mrad``; words as they are, a dash where there is no number; ``relative`` in percent.
+    """``1.22 ± 0.012 mrad``; words as they are, a dash where there is no number; ``relative`` in percent.
 
     The multiple suits the largest of value, spread and ``size``.
     """
@@ -49,7 +49,7 @@ def quantity(
     number, spread = float(value) * factor, (std or 0.0) * factor
     if spread > 0.0 and math.isfinite(spread):
         places = min(max(1 - math.floor(math.log10(spread)), 0), 7)
-        text = f"{number:.{places}f} ± {spread:.{places}f}"
+        text = f"{min(f'{number:.{places}f}', significant(number), key=len)} ± {significant(spread, 2)}"
     else:
         text = significant(number)
     return f"{text}{NBSP}{label}".strip().replace("-", "−")
