@@ -9,6 +9,7 @@ from rich.console import Console
 from test.diagnosis import made
 from test.diagnosis.test_report import words
 from trunk_ros.diagnosis.report import render
+from trunk_ros.diagnosis.report.data import numbers
 from trunk_ros.diagnosis.report.units import fall, powers, rounded, times
 from trunk_ros.diagnosis.verdict.findings import statement_of
 from trunk_ros.diagnosis.verdict.units import as_read
@@ -47,6 +48,12 @@ def test_sentence_and_table_of_the_page_tell_a_bound_and_the_file_the_numbers() 
     assert "shared not determined" in text
     assert "8.7" not in text.partition("What was found")[2].partition("Still unexplained")[0]
     assert result.to_json()["findings"][0]["parameters"]["arm"]["time_constant"]["std"] == 8.7e3
+
+
+def test_of_a_lag_that_is_less_than_its_spread_a_bound_is_told() -> None:
+    rows = {row["signal"]: row for row in numbers(made.backlash())}
+    assert re.fullmatch(r"under 0\.\d+ ms", rows["wire · joint_3"]["lag_after"])
+    assert " ± " in rows["wire · joint_3"]["lag_before"]
 
 
 def test_three_digits_at_most() -> None:

@@ -89,7 +89,9 @@ def _samples(signal: Signal | None) -> dict[str, str]:
 
 
 def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
-    """Time by which what was measured trails what was predicted: the error over the slope, least squares."""
+    """Time by which what was measured trails what was predicted: the error over the slope, least squares.
+    Where that is less than its spread, how large it may be.
+    """
     if len(signal.stamp) < 3:
         return "–"
     slope = np.gradient(predicted, signal.stamp)
@@ -102,6 +104,8 @@ def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
     off = np.where(known, (error + lag * slope) * slope, 0.0)
     blocks = [float(block.sum()) for block in np.array_split(off, BLOCKS)]
     spread = float(np.sqrt(np.sum(np.square(blocks)))) / power
+    if abs(lag) < 2 * spread:
+        return f"under {significant(1e3 * (abs(lag) + 2 * spread), 2)} ms"
     return f"{round(1e3 * lag, 2) + 0.0:.2f} ± {2e3 * spread:.2f} ms".replace("-", "−")
 
 
