@@ -88,6 +88,7 @@ def test_evaluate_shows_no_ratio_to_noise_that_is_not_there(capsys: pytest.Captu
     show([row, replace(row, joint="joint_2", noise=1e-4), replace(row, model="m")], Console(width=160))
     told = capsys.readouterr().out.splitlines()
     assert [line.split()[-1] for line in told[1:4]] == ["–", "100", "–"]
+    assert "≈ 0" in told[1]
     assert "no signal has noise" in told[-1]
 
 
