@@ -55,6 +55,8 @@ MEANT = {  # by who knows the word from other tools
     "sysid": "bodies",
 }  # fmt: skip
 
+WHOLE = ("diagnose", "simulate", "import")  # what they write is there once all of it is
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; as an installed script its name is that of the script. Returns the exit code."""
@@ -97,6 +99,7 @@ def _run(name: str, arguments: list[str]) -> int:
     except TrunkError as error:
         return _refuse(str(error))
     except KeyboardInterrupt:
+        print(f"trunk_ros: interrupted{', nothing was written' if name in WHOLE else ''}", file=sys.stderr)
         return 130
     except BrokenPipeError:
         sys.stderr.close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import errno
+import importlib
 import json
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from trunk_ros.errors import ArgumentError, ModelError, RecordingError
 from trunk_ros.recording.importing.mapping import load_mapping
 from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.output import prepare_output
+from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.write import write_recording
 from trunk_ros.share import share_folder
 
@@ -177,6 +179,36 @@ def test_info_shows_the_columns_of_a_table_and_a_mapping_to_begin_with(
     start = text.index("  time:")
     (tmp_path / "map.yaml").write_text(text[start : text.index("then:")])
     assert load_mapping(tmp_path / "map.yaml").delimiter == ";"
+
+
+def test_the_mapping_that_info_proposes_for_decimal_commas_is_one_that_import_takes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, mapping = tmp_path / "de.csv", tmp_path / "map.yaml"
+    table.write_text("t_ms;m;e\n" + "".join(f"{10 * k};{k},5;-0,{k}e0\n" for k in range(1, 9)))
+    text = said(capsys, "info", str(table))
+    proposed = text[text.index("  time:") : text.index("then:")]
+    proposed = proposed.replace("MOTOR_SIDE_ANGLE", "m").replace("JOINT_ANGLE", "e")
+    mapping.write_text(proposed.replace('  decimal: ","\n', ""))
+    plain = ["import", str(table), "--mapping", str(mapping), "-o", str(tmp_path / "bag")]
+    assert 'the mapping wants `decimal: ","`' in refused(capsys, *plain)
+    mapping.write_text(proposed)
+    assert main(plain) == 0
+    series = read_recording(tmp_path / "bag").series
+    assert series["gearbox_states"].position[:2, 0] == pytest.approx([1.5, 2.5])
+    assert series["joint_states"].position[:2, 0] == pytest.approx([-0.1, -0.2])
+
+
+def test_a_command_that_is_interrupted_says_what_it_left(
+    bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(importlib.import_module("trunk_ros.diagnosis.diagnose"), "diagnose", interrupted)
+    assert main(["diagnose", str(bag), "-o", str(tmp_path / "out")]) == 130
+    assert capsys.readouterr().err == "trunk_ros: interrupted, nothing was written\n"
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_cannot_be_used_is_named_with_its_reason(

@@ -52,7 +52,7 @@ def test_a_value_that_was_held_is_said_without_a_spread() -> None:
     told = {
         name: value_of(79.73, std, "Hz") for name, std in {"held": 0.0, "hidden": None, "seen": 2.0}.items()
     }
-    said = "joint_1 held = 79.73 Hz; joint_1 hidden = 79.73 Hz; joint_1 seen = 79.73 ± 2 Hz"
+    said = "joint_1 held = 79.7 Hz; joint_1 hidden = 79.7 Hz; joint_1 seen = 79.7 ± 2 Hz"
     assert statement_of("Links swing", "joint_1", {"joint_1": told}) == f"joint_1: links swing ({said})."
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis import made
+from trunk_ros.commands.diagnose import spoken
 from trunk_ros.diagnosis.report import render, write
 from trunk_ros.diagnosis.report.regimes import stretches
 from trunk_ros.diagnosis.report.series import thinned
@@ -181,12 +182,14 @@ def test_correlated_values_and_those_at_a_bound_are_said(found: Diagnosis) -> No
     finding = replace(finding, evidence={**finding.evidence, **told})
     text = words(render(replace(found, findings=[finding])))
     assert "half width (joint_3) and stribeck friction amplitude (joint_3): −0.97" in text
-    assert "half width (joint_3), upper bound 57.30 °" in text
+    assert "half width (joint_3), upper bound 57.3 °" in text
 
 
 def test_what_to_do_next_follows_from_what_was_found(found: Diagnosis) -> None:
     text = words(render(found))
     assert "Compensate with this model" in text
+    assert text.index("Compensate with") < text.index("Put what was found into your simulator.")
+    assert "trunk_ros export model.yaml --to mjcf --into arm.xml" in text
     assert "Record trunk/setpoints and trunk/gearbox_states too." in text
     told = {"separates": ["backlash", "tension_error"], "statement": "x", "trajectory": "a.yaml"}
     text = words(render(replace(found, experiments=[told])))
@@ -235,7 +238,7 @@ def test_every_part_of_the_report_is_there(page: str) -> None:
     assert re.findall("<h2[^>]*>(.*)</h2>", page) == PARTS
     assert "trunk_ros diagnose run1 --output out" in text
     assert "The end is cut off." in text
-    assert "1, longest 400.0 ms at 12.0 s" in text
+    assert "1, longest 400 ms at 12.0 s" in text
     assert "39" in text
     assert "3 duplicates" in text
     assert "100 Hz" in text
@@ -300,7 +303,7 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     assert "No effect is missing: the residual that remains (8.00 µrad rms) is below a step of" in text
     assert [cell.heat for _, cells in maps(clean)[0].rows for cell in cells] == [0] * 5
     assert "8.00 µrad 0.9 × encoder steps" in text
-    assert "0.2000 µrad 8.600 µrad" in text
+    assert "0.200 µrad 8.60 µrad" in text
     clean.stages["wire"]["joints"]["joint_2"] |= {
         "rmse_before": 1e-4,
         "rmse_after": 1e-4,
@@ -312,14 +315,17 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     )
 
 
-def test_the_doubt_stands_in_the_headline_the_better_rival_first() -> None:
+def test_the_doubt_stands_in_the_headline_behind_the_effect_that_is_in_the_model() -> None:
     doubtful = made.backlash()
     (finding,) = doubtful.findings
     evidence = {**finding.evidence, "rivals": {"stribeck_friction": -3.0, "cogging": 5.0}}
     rivals = ["cogging", "stribeck_friction"]
     doubtful.findings = [replace(finding, equivalents=rivals, evidence=evidence)]
     text = words(render(doubtful))
-    assert "either stribeck friction, backlash or cogging (joint_3, " in text
+    assert "either backlash, cogging or stribeck friction (joint_3, " in text
+    assert "backlash, cogging or stribeck friction: joint_3" in text
+    said = next(line for line in spoken(doubtful) if "joint_3" in line)
+    assert said.startswith("  backlash or cogging or stribeck_friction (90% that it is one of these")
 
 
 def test_names_that_stand_together_are_bracketed_in_the_headline_beside_other_findings() -> None:

@@ -24,10 +24,10 @@ def found() -> Diagnosis:
     ("value", "std", "unit", "text"),
     [
         (0.0123, 0.0004, "s", "12.30 ± 0.40 ms"),
-        (0.21, None, "rad", "12.03 °"),
+        (0.21, None, "rad", "12.0 °"),
         (-2e-5, 1e-6, "rad", "−20.0 ± 1.0 µrad"),
         (0.6159, 0.001, "rad/s", "0.6159 ± 0.0010 rad/s"),
-        (0.0279, None, "rad/(N*m)", "27.90 mrad/(N·m)"),
+        (0.0279, None, "rad/(N*m)", "27.9 mrad/(N·m)"),
         (0.0638, 0.0008, "kg", "63.80 ± 0.80 g"),
         (float("nan"), None, "rad", "–"),
         ("joint_1", None, "", "joint_1"),

@@ -70,6 +70,14 @@ def test_help_lists_what_the_node_has_and_is_the_same_once_ros_is_there(name, pe
 
 
 @needs_ros
+def test_a_file_of_parameters_that_is_not_there_is_one_line(command):
+    done = command("compensator", "--ros-args", "--params-file", "nowhere.yaml")
+    assert (done.returncode, done.stderr) == (
+        2, "trunk_ros: --params-file nowhere.yaml: there is no such file\n",
+    )  # fmt: skip
+
+
+@needs_ros
 def test_a_parameter_that_a_node_does_not_have_is_said_with_the_nearest_name(command):
     done = command("recorder", "--ros-args", "-p", "outptu:=bag", "-p", "wire.ratio:=[0.5]")
     assert "unknown parameter 'outptu': did you mean 'output'?" in done.stderr

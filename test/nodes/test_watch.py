@@ -1,10 +1,12 @@
 """watch over DDS: a change is said, recorded with the minutes around it, and diagnosed."""
 
+import signal
+
 import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded
-from test.nodes.graph import JOINTS, PATIENCE, Received, needs_ros, running
+from test.nodes.graph import JOINTS, PATIENCE, Received, ended, needs_ros, running
 from trunk_ros.recording.read import read_recording
 
 pytestmark = [needs_ros, pytest.mark.timeout(600)]
@@ -30,6 +32,28 @@ def publish_all(peer, publishers, clock, recording, start):
             publisher.publish(joint_state(ns, JOINTS, recording.series[key].position[k]))
         if k % BATCH == BATCH - 1:
             yield k + 1
+
+
+def test_topics_without_a_publisher_are_said_once(domain, peer):
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState
+
+    publisher = peer.publisher(JointState, "joint_states")
+    heard = peer.listen(DiagnosticArray, "diagnostics")
+    alone = "/trunk/setpoints, /trunk/gearbox_states"
+
+    def told():
+        values = {
+            item.value for each in heard for item in each.status[0].values if item.key == "no publisher"
+        }
+        return alone in values
+
+    with running("watch", "--ros-args", "-p", "timeout:=0.5", domain=domain) as watch:
+        peer.meets(publisher, node="watch")
+        peer.until(told)
+        _, _, said = ended(watch, signal.SIGINT)
+    lines = [line for line in said.splitlines() if "no publisher of" in line]
+    assert f"no publisher of {alone}: watched" in lines[-1]
+    assert len(lines) <= 2  # before the publisher was met
 
 
 def test_a_wider_dead_band_is_said_recorded_and_diagnosed(domain, peer, tmp_path):

@@ -285,6 +285,14 @@ def test_a_part_keeps_the_stamps_of_the_whole(tmp_path):
     assert read_recording(bag, "0.5", "0.6").require("joint_states").stamp[0] == pytest.approx(0.5)
 
 
+def test_a_limit_beyond_the_end_is_noted_and_a_part_knows_what_was_asked(tmp_path):
+    bag = write_bag(tmp_path / "bag", motion())
+    beyond, part = read_recording(bag, until="500"), read_recording(bag, "0.1", "0.2s")
+    assert beyond.notes[-1] == "--until 500 is beyond the end of the recording, which is at 0.49 s"
+    assert (beyond.asked, part.asked) == (None, (0.1, 0.2))
+    assert not any("--until" in note for note in part.notes + read_recording(bag, until="100%").notes)
+
+
 @pytest.mark.parametrize(
     ("first", "until"),
     [("soon", None), ("-1", None), ("nan", None), ("101%", None), ("7", None), ("60%", "0.2")],

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import shlex
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser, add_namespace, add_settle, count
+from trunk_ros.commands.arguments import SETTLE, Parser, add_namespace, add_settle, count
 from trunk_ros.commands.console import say
 from trunk_ros.commands.progress import progress
 from trunk_ros.errors import ArgumentError
@@ -96,6 +97,7 @@ def main(argv: list[str]) -> int:
             **result.provenance,
             "bags": [str(bag) for bag in asked.bag],
             **{key: at for key in ("from_time", "until") if (at := getattr(asked, key))},
+            "arguments": given(asked),
         }
         step("report")
         with new_folder(asked.output, asked.overwrite, FILES) as folder:
@@ -105,9 +107,20 @@ def main(argv: list[str]) -> int:
     return 0
 
 
+def given(asked: Namespace) -> dict[str, Any]:
+    """The arguments that are not as usual, for commands that go on with them."""
+    keys = ("model", "urdf", "against", "from_time", "until", "namespace", "output")
+    told = {key: value for key in keys if (value := getattr(asked, key)) is not None}
+    return told | ({"settle": asked.settle} if asked.settle != SETTLE else {})
+
+
 def _default(result: Diagnosis) -> str:
     """What stood for a model that was not given."""
-    return "trunk" if result.model.arm.description is None else "robot_description"
+    from trunk_ros.diagnosis.against import nominal_for
+
+    if result.model.arm.description is not None:
+        return "robot_description"
+    return "direct" if nominal_for(result.model.arm.joints).any_joints else "trunk"
 
 
 def refuse_tables(paths: Sequence[str]) -> None:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from trunk_ros.recording.recording import Recording
 
 TABLES = (".csv", ".tsv", ".txt")
+SOME_ROWS = 20  # in which a decimal comma shows
 
 
 def parser() -> Parser:
@@ -195,6 +196,7 @@ def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]
 def table(path: Path) -> list[str]:
     """The columns of a table with what they hold, and the mapping to begin with."""
     from trunk_ros.errors import RecordingError
+    from trunk_ros.recording.importing.table import with_comma
 
     try:
         with path.open(encoding="utf-8-sig") as stream:
@@ -207,6 +209,7 @@ def table(path: Path) -> list[str]:
     delimiter = max(",;\t", key=head.count)
     names = [name.strip().strip('"') for name in head.split(delimiter)]
     first = rows[0].split(delimiter) if rows else []
+    commas = any(with_comma(value) for row in rows[:SOME_ROWS] for value in row.split(delimiter))
     shown = [(name, value.strip()) for name, value in zip(names, [*first, *[""] * len(names)], strict=False)]
     return [
         f"{path}: a table of {len(rows)} rows",
@@ -218,6 +221,7 @@ def table(path: Path) -> list[str]:
         "  gearbox_states: {position: {columns: [MOTOR_SIDE_ANGLE], unit: rad}}",
         "  joint_states: {position: {columns: [JOINT_ANGLE], unit: rad}}",
         *([f'  delimiter: "{delimiter}"'] if delimiter != "," else []),
+        *(['  decimal: ","'] if delimiter != "," and commas else []),
         f"then: trunk_ros import {path} --mapping MAP.yaml -o {path.with_suffix('')}",
     ]
 

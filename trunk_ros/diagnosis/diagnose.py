@@ -21,7 +21,7 @@ from trunk_ros.errors import ModelError
 from trunk_ros.model import Model
 from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
-from trunk_ros.recording.time_range import time_range
+from trunk_ros.recording.time_range import part_of
 from trunk_ros.start import SETTLE
 
 
@@ -85,7 +85,7 @@ def _read(
 ) -> list[Recording]:
     """The recordings that one is: two where its clock was set."""
     if isinstance(recording, Recording):
-        return [recording.part(*time_range(recording.duration, from_time, until))]
+        return [part_of(recording, from_time, until)]
     return read_parts(recording, from_time, until, namespace)
 
 

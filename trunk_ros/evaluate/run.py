@@ -11,6 +11,7 @@ from rich.console import Console
 
 from trunk_ros.diagnosis.data.quality import strangers
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
+from trunk_ros.diagnosis.words import significant
 from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
 from trunk_ros.evaluate.source import of_model, of_simulator
@@ -85,9 +86,10 @@ def verdict(rows: Sequence[Row], most: float | None, aside: Collection[str] = ()
     if not above:
         return 0
     worst = max(above, key=lambda row: row.in_noise)
+    noise = f": {significant(worst.in_noise)}" if worst.has_noise else ", which has no noise"
     print(
         f"trunk_ros: {len(above)} of {len(rows)} signals err by more than {most:g} times the noise, "
-        f"most of all {worst.stage} {worst.joint} of {worst.recording} ({worst.model}): {worst.in_noise:.2f}",
+        f"most of all {worst.stage} {worst.joint} of {worst.recording} ({worst.model}){noise}",
         file=sys.stderr,
     )
     return FAILED

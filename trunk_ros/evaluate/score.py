@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import noise_of, strides_within
+from trunk_ros.diagnosis.data.noise import is_none, noise_of, strides_within
 from trunk_ros.evaluate.signals import Signal
 from trunk_ros.evaluate.source import Prediction
 from trunk_ros.recording.signal.encoder import count
@@ -39,6 +39,11 @@ class Row:
     def in_noise(self) -> float:
         """The rms error after, in noise."""
         return self.rms_after / self.noise
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether there is any noise to speak of."""
+        return not is_none(self.noise)
 
 
 def score(recording: str, predictions: Sequence[Prediction], settle: float = SETTLE) -> list[Row]:

@@ -11,8 +11,13 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from trunk_ros.diagnosis.data.noise import is_none
 from trunk_ros.diagnosis.verdict.units import SMALL
+from trunk_ros.diagnosis.words import significant
 from trunk_ros.evaluate.score import Row
+
+ROUNDING = "≈ 0"  # what is no more than rounding
+NONE = "–"  # where there is no noise to compare with
 
 
 def show(rows: Sequence[Row], console: Console) -> None:
@@ -23,8 +28,9 @@ def show(rows: Sequence[Row], console: Console) -> None:
     for row in rows:
         factor, unit = SMALL.get(row.unit, (1.0, row.unit))
         sizes = (row.rms_before, row.rms_after, row.worst_before, row.worst_after, row.noise)
-        said = [f"{size * factor:.3g} {unit}" for size in sizes]
-        table.add_row(row.recording, row.model, row.stage, row.joint, *said, f"{row.in_noise:.2f}")
+        said = [ROUNDING if is_none(size) else f"{size * factor:.3g} {unit}" for size in sizes]
+        said.append(significant(row.in_noise) if row.has_noise else NONE)
+        table.add_row(row.recording, row.model, row.stage, row.joint, *said)
     console.print(table)
     if len({(row.recording, row.model) for row in rows}) > 1:
         console.print(summary(rows))
@@ -36,11 +42,15 @@ def summary(rows: Sequence[Row]) -> Table:
     for head in ("signals", "median", "worst", "where"):
         table.add_column(head, justify="left" if head == "where" else "right")
     for model in dict.fromkeys(row.model for row in rows):
-        mine = [row for row in rows if row.model == model]
+        every = [row for row in rows if row.model == model]
+        mine = [row for row in every if row.has_noise]
+        if not mine:
+            table.add_row(model, str(len(every)), NONE, NONE, "no signal has noise")
+            continue
         worst = max(mine, key=lambda row: row.in_noise)
         median = float(np.median([row.in_noise for row in mine]))
         where = f"{worst.recording}, {worst.stage} {worst.joint}"
-        table.add_row(model, str(len(mine)), f"{median:.2f}", f"{worst.in_noise:.2f}", where)
+        table.add_row(model, str(len(every)), significant(median), significant(worst.in_noise), where)
     return table
 
 

@@ -65,6 +65,18 @@ class Watch(TrunkNode):
         for topic in KEPT:
             self.hear(topic, None, "sensor_msgs/msg/JointState", JointState)
         self.hear(TIP, None, "geometry_msgs/msg/PoseStamped", PoseStamped)
+        self.alone: list[str] = []
+        self.every(self.value("timeout"), self.look_for_publishers)
+
+    def look_for_publishers(self) -> None:
+        """Say of which topics nobody is a publisher, each time that changes: nothing is seen of those."""
+        alone = [topic for topic in map(self.resolve_topic_name, STATES) if not self.count_publishers(topic)]
+        if self.active and alone != self.alone:
+            self.alone = alone
+            if alone:
+                self.log(
+                    WARN, f"no publisher of {', '.join(alone)}: watched is what goes on between two of them"
+                )
 
     def begin(self, model: Model) -> None:
         """What is usual for an arm of this model is learnt."""
@@ -189,6 +201,7 @@ class Watch(TrunkNode):
         for stage, share in self.monitor.learnt.items():
             self.health.values[f"{stage}: usual range known"] = f"{share:.0%}"
         self.health.values["changes"] = str(self.changes)
+        self.health.values["no publisher"] = ", ".join(self.alone) or "none missing"
 
     def release(self) -> None:
         """End a diagnosis that is under way."""

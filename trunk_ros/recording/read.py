@@ -24,7 +24,7 @@ from trunk_ros.recording.messages.text import last_text
 from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.recording import Counts, JointSeries, PoseSeries, Recording
 from trunk_ros.recording.remarks import loss_remarks, recorder_remarks, series_remarks
-from trunk_ros.recording.time_range import time_range
+from trunk_ros.recording.time_range import part_of
 from trunk_ros.recording.topics import (
     DESCRIPTION_TOPIC,
     STRING,
@@ -51,7 +51,7 @@ def read_recording(
     RecordingError, ArgumentError: one line on what is wrong.
     """
     whole = max(_read(Path(path), namespace, progress), key=_samples)
-    return whole.part(*time_range(whole.duration, from_time, until)).checked()
+    return part_of(whole, from_time, until).checked()
 
 
 def read_parts(
@@ -59,7 +59,7 @@ def read_parts(
 ) -> list[Recording]:
     """The same as all the recordings that it is, mostly one; times are those of each part."""
     wholes = _read(Path(path), namespace, None)
-    return [each.part(*time_range(each.duration, from_time, until)).checked() for each in wholes]
+    return [part_of(each, from_time, until).checked() for each in wholes]
 
 
 def _samples(recording: Recording) -> int:

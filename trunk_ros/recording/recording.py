@@ -27,6 +27,7 @@ class Recording:
     custom: what the writer noted in the bag. counts: per key of `series`, what the reader saw.
     description: the URDF of `robot_description`, where that was recorded.
     observed: what clocks and sensors were seen to do; mostly it was put right in `series`.
+    asked: (first, end) s of the part that was asked for, where not all was.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Recording:
     counts: dict[str, Counts] = field(default_factory=dict)
     description: str = ""
     observed: tuple[Observed, ...] = ()
+    asked: tuple[float, float] | None = None
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -110,4 +112,5 @@ class Recording:
         lost = [key for key in series if key not in kept]
         lost += [TIP] if self.tip and not tip else []
         notes = tuple(f"{TOPICS[key]}: no sample from {first:g} to {end:g} s" for key in lost)
-        return replace(self, series=kept, tip=tip, notes=self.notes + notes)
+        asked = None if first <= 0.0 and end > self.duration else (first, min(end, self.duration))
+        return replace(self, series=kept, tip=tip, notes=self.notes + notes, asked=asked)

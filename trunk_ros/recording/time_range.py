@@ -1,8 +1,10 @@
 """The part of a recording that `--from-time` and `--until` ask for."""
 
 import math
+from dataclasses import replace
 
 from trunk_ros.errors import ArgumentError
+from trunk_ros.recording.recording import Recording
 
 
 def time_range(duration: float, from_time: str | None, until: str | None) -> tuple[float, float]:
@@ -18,6 +20,15 @@ def time_range(duration: float, from_time: str | None, until: str | None) -> tup
     if first >= end:
         raise ArgumentError(f"--from-time {from_time} is not before --until {until}")
     return first, end
+
+
+def part_of(recording: Recording, from_time: str | None, until: str | None) -> Recording:
+    """The part that is asked for, with a note where the recording ends before that."""
+    part = recording.part(*time_range(recording.duration, from_time, until))
+    if until is None or _seconds("--until", until, recording.duration) <= recording.duration:
+        return part
+    note = f"--until {until} is beyond the end of the recording, which is at {recording.duration:.4g} s"
+    return replace(part, notes=(*part.notes, note))
 
 
 def _seconds(option: str, value: str, duration: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.innovations import innovations, innovations_of_two, unlikely
-from trunk_ros.diagnosis.levels import SURE
+from trunk_ros.diagnosis.levels import SURE, TENFOLD
 from trunk_ros.guards import ROUNDS, SAME
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.resample import SLOW
@@ -30,6 +30,11 @@ BEND = 2.0 * (len(BINOMIAL) - 1)
 """Power of the stride with which the variance of a smooth signal's fourth difference grows."""
 TELLING = 4  # strides that tell motion from noise
 STRIDES = (1, 2, 3, 4, 6, 8, 12, 16)
+
+
+def is_none(std: float) -> bool:
+    """Whether a standard deviation is that of rounding, and nothing can be told in times of it."""
+    return std < TENFOLD * FLOOR
 
 
 @dataclass(frozen=True)

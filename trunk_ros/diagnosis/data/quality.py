@@ -69,6 +69,7 @@ def quality_of_recording(
     notes = [*recording.notes, *odd, *torque, *remarks]
     return {
         "duration": recording.duration,
+        **({} if recording.asked is None else dict(zip(("from", "until"), recording.asked, strict=True))),
         "topics": topics,
         "notes": notes,
         "mix_ups": [{**asdict(one), "joints": list(one.joints)} for one in mixed],

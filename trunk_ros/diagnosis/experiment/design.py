@@ -20,9 +20,10 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.experiment.discrimination import Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, most_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
-from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.long import WORK
+from trunk_ros.diagnosis.words import significant
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.trajectory import Trajectory
 
@@ -184,20 +185,23 @@ def statement(
     joint = there.joints[seen.column]
     unit = units.get(joint, "rad")
     truth, other = _words(duel.truth, duel.base[duel.truth].form), _words(duel.other)
-    gap, times = f"{1e3 * abs(seen.gap):.2g} m{unit}", f"{abs(seen.gap) / seen.noise:.2g} times the noise"
+    gap = f"{1e3 * abs(seen.gap):.2g} m{unit}"
+    times = f"{significant(abs(seen.gap) / seen.noise, 2)} times the noise"
     if not seen.decides:
-        short = f"{seen.ratio / CLEARLY:.0%} of what a decision takes"
+        part = seen.ratio / CLEARLY
+        short = f"{f'{part:.0%}' if part >= HARDLY else 'less than 1%'} of what a decision takes"
         return (
             f"No motion within the joint limits decides between {truth} and {other}: once both are fitted to "
             f"the best one, they differ by {gap} in one sample of {joint} ({times}), but over all samples by "
-            f"{seen.rms:.2g} times the noise (rms): {short if seen.ratio < CLEARLY else 'noise hides it'}."
+            f"{significant(seen.rms, 2)} times the noise (rms): "
+            f"{short if seen.ratio < CLEARLY else 'noise hides it'}."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
     told = (
         f"Play {file} ({ceil(there.duration)} s) on the arm that was recorded, and look at {where}: if it is "
         f"{truth}, the joint reads {gap} {'higher' if seen.gap > 0 else 'lower'} than if it is {other} "
-        f"({times}; {seen.rms:.2g} times rms over the whole motion)."
+        f"({times}; {significant(seen.rms, 2)} times rms over the whole motion)."
     )
     absent = f" If that is not seen, both remain possible: {truth} can do what {other} does."
     return told if mutual else told + absent

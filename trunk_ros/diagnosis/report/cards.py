@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
+from trunk_ros.diagnosis.data.noise import is_none
+from trunk_ros.diagnosis.report.signals import concerns, contributions, entries, signals
 from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import powers, quantity, rounded, spoken, times
@@ -16,6 +17,7 @@ from trunk_ros.diagnosis.report.verdict import place
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.finding import Finding
+from trunk_ros.diagnosis.verdict.units import AT_MOST, UNTOLD, bound, is_open
 from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect, registry
 
@@ -32,6 +34,7 @@ def _card(result: Answer, finding: Finding) -> dict[str, Any]:
     figure = figure_signature(result, finding)
     samples = samples_of(result, finding)
     gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
+    quiet = without_noise(result, finding)
     return {
         "name": spoken(finding.effect),
         "title": ("less " if is_excess(finding) else "")
@@ -45,14 +48,20 @@ def _card(result: Answer, finding: Finding) -> dict[str, Any]:
         "parameters": table(finding),
         "sizes": sizes(finding),
         "confidence": round(100 * finding.confidence),
-        "strength": times(float(finding.evidence.get("strength", 0.0))),
+        "strength": "" if quiet else times(float(finding.evidence.get("strength", 0.0))),
         "does": "" if figure is None else does(result, finding),
         "ties": ties(finding),
         "at_bound": at_bound(finding),
-        "gain": per_sample(gain, samples),
-        "rivals": rivals(finding, samples),
+        "gain": "" if quiet else per_sample(gain, samples),
+        "rivals": rivals(finding, 0 if quiet else samples),
         "equivalents": [spoken(name) for name in finding.equivalents],
     }
+
+
+def without_noise(result: Answer, finding: Finding) -> bool:
+    """Whether a finding is on signals without noise alone: nothing is told in times of that."""
+    mine = [s for name, s in entries(result, finding.stage).items() if concerns(finding, finding.stage, name)]
+    return bool(mine) and all(is_none(float(said.get("noise_floor") or 0.0)) for said in mine)
 
 
 def statement(finding: Finding) -> str:
@@ -83,6 +92,9 @@ def _value(finding: Finding, name: str, held: dict[str, Any] | None) -> str:
         return ""
     kind, unit = registry().get(finding.effect), held.get("unit") or "1"
     relative = kind is not None and any(p.relative for p in kind.parameters if p.name == name)
+    if is_open(held):
+        most = bound(held)
+        return UNTOLD if most is None else f"{UNTOLD} ({AT_MOST} {quantity(most, None, unit, relative)})"
     return quantity(held.get("value"), held.get("std"), unit, relative)
 
 
@@ -104,9 +116,10 @@ def sizes(finding: Finding) -> list[str]:
 
 
 def _telling(finding: Finding, held: dict[str, dict[str, Any]]) -> str:
-    """The first value with a spread, else the first that is a number; "" where none is."""
+    """The first value with a spread that is less, else the first that is a number; "" where none is."""
     numbers = [name for name, said in held.items() if not isinstance(said.get("value"), str)]
-    name = next((n for n in numbers if held[n].get("std") is not None), next(iter(numbers), None))
+    sure = [n for n in numbers if held[n].get("std") is not None and not is_open(held[n])]
+    name = next(iter([*sure, *numbers]), None)
     return "" if name is None else f"{spoken(name)} {_value(finding, name, held[name])}"
 
 

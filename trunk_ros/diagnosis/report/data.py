@@ -9,8 +9,9 @@ import numpy as np
 
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
 from trunk_ros.diagnosis.report.signals import Signal, entries, largest, signals
-from trunk_ros.diagnosis.report.units import quantity, significant
+from trunk_ros.diagnosis.report.units import quantity
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
+from trunk_ros.diagnosis.words import significant
 
 SAME = "same"
 LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag
@@ -21,12 +22,18 @@ def recordings(result: Answer) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "duration": quantity(float(held.get("duration", 0.0)), None, "s"),
+            "duration": _length(held),
             "topics": [_topic(topic, said) for topic, said in held.get("topics", {}).items()],
             "notes": [str(note) for note in held.get("notes", ())],
         }
         for name, held in result.quality.items()
     ]
+
+
+def _length(held: dict[str, Any]) -> str:
+    """How long a recording is, and which part of it was asked for."""
+    whole = f"{float(held.get('duration', 0.0)):.4g} s"
+    return f"{held['from']:.4g} to {held['until']:.4g} s of {whole}" if "until" in held else whole
 
 
 def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
@@ -39,7 +46,7 @@ def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:
     return {
         "name": name,
         "samples": said.get("samples", 0),
-        "rate": f"{significant(1 / period, 3)} Hz" if period else "–",
+        "rate": f"{significant(1 / period)} Hz" if period else "–",
         "jitter": quantity(jitter, None, "s") if jitter > 1e-6 else "none",
         "lost": "–" if said.get("lost") is None else str(said["lost"]),
         "gaps": f"{gaps}, longest {longest} at {float(said.get('gap_at') or 0.0):.1f} s" if gaps else "none",
@@ -82,7 +89,9 @@ def _samples(signal: Signal | None) -> dict[str, str]:
 
 
 def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
-    """Time by which what was measured trails what was predicted: the error over the slope, least squares."""
+    """Time by which what was measured trails what was predicted: the error over the slope, least squares.
+    Where that is less than its spread, how large it may be.
+    """
     if len(signal.stamp) < 3:
         return "–"
     slope = np.gradient(predicted, signal.stamp)
@@ -95,12 +104,17 @@ def _lag(signal: Signal, predicted: np.ndarray, error: np.ndarray) -> str:
     off = np.where(known, (error + lag * slope) * slope, 0.0)
     blocks = [float(block.sum()) for block in np.array_split(off, BLOCKS)]
     spread = float(np.sqrt(np.sum(np.square(blocks)))) / power
+    if abs(lag) < 2 * spread:
+        return f"under {significant(1e3 * (abs(lag) + 2 * spread), 2)} ms"
     return f"{round(1e3 * lag, 2) + 0.0:.2f} ± {2e3 * spread:.2f} ms".replace("-", "−")
 
 
 def provenance(result: Answer) -> list[tuple[str, str]]:
     """Command, versions and hashes as lines of text; the fitted model's hash among them."""
-    lines = [(key.replace("_", " "), value) for key, value in _flat(result.provenance)]
+    told = {
+        key: value for key, value in result.provenance.items() if key != "arguments"
+    }  # the command has them
+    lines = [(key.replace("_", " "), value) for key, value in _flat(told)]
     return [*lines, ("fitted model hash", result.model.hash())]
 
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.noise import is_none
 from trunk_ros.diagnosis.report.signals import Signal, concerns, entries, signals
 from trunk_ros.diagnosis.report.style import (
     ACCENT,
@@ -53,12 +54,12 @@ class Ratio:
 
 
 def ratios(result: Answer) -> list[Ratio]:
-    """All signals that were judged, in the order of the signal path."""
+    """All signals that were judged and have noise, or steps, in the order of the signal path."""
     out = []
     for stage in STAGES:
         for name, said in entries(result, stage).items():
             floor, steps = (said.get(key) or 0.0 for key in ("noise_floor", "resolution"))
-            noise = max(floor, steps) or math.nan
+            noise = math.nan if is_none(max(floor, steps)) else max(floor, steps)
             keys = ("rmse_before", "rmse_before_std", "rmse_after", "rmse_after_std")
             values = [float(said.get(key) or 0.0) / noise for key in keys]
             if all(math.isfinite(value) for value in values):

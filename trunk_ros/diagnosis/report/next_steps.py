@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil
-from shlex import quote
 from typing import Any
 
-from trunk_ros.diagnosis.report.errors import ratios
+from trunk_ros.diagnosis.report import commands
+from trunk_ros.diagnosis.report.signals import judged, mixed_up
 from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
@@ -42,30 +42,28 @@ def next_steps(result: Answer) -> list[Step]:
 
 
 def _nothing(result: Answer) -> Iterator[Step]:
-    if result.verdict == "no_mismatch" and ratios(result):
-        yield Step(
-            "Nothing to change.", "Check the simulation on another motion:", (_scored("trunk", result),)
-        )
+    if result.verdict == "no_mismatch" and judged(result):
+        check = commands.evaluate(result, commands.nominal(result))
+        yield Step("Nothing to change.", "Check the simulation on another motion:", (check,))
 
 
 def _mixed_up(result: Answer) -> Iterator[Step]:
-    said = [one for held in result.quality.values() for one in held.get("mix_ups", ()) if one["certain"]]
-    for statement in dict.fromkeys(str(one["statement"]).rstrip(".") for one in said):
+    for statement in dict.fromkeys(one.rstrip(".") for said in mixed_up(result).values() for one in said):
         yield Step("Put the data right and diagnose again.", f"{statement}.")
 
 
 def _use(result: Answer) -> Iterator[Step]:
-    if result.simulation and result.findings:
-        yield Step(
-            "Put what was found into your simulator.",
-            "Formats: MJCF, URDF, SDF.",
-            ("trunk_ros export model.yaml --to mjcf --into arm.xml -o arm_real.xml",),
-        )
-    elif any(_compensated(f) for f in result.findings):
+    if not result.simulation and any(_compensated(f) for f in result.findings):
         yield Step(
             "Compensate with this model",
             "(model.yaml, beside this page), and score it on a recording that the fit did not see:",
-            ("trunk_ros compensator --ros-args --params-file model.yaml", _scored("model.yaml", result)),
+            (commands.compensate(result), commands.evaluate(result, commands.beside(result, "model.yaml"))),
+        )
+    if result.findings:
+        yield Step(
+            "Put what was found into your simulator.",
+            "Formats: MJCF, URDF, SDF; arm.xml is your simulator's own file.",
+            (commands.export(result),),
         )
 
 
@@ -73,11 +71,6 @@ def _compensated(finding: Finding) -> bool:
     """Whether there is anything to compensate: where only a reading is late, the joint is not."""
     kind = registry().get(finding.effect)
     return finding.stage != "arm" and not (kind is not None and kind.delays_readings)
-
-
-def _scored(model: str, result: Answer) -> str:
-    given = result.provenance.get("model", model) if model == "trunk" else model
-    return f"trunk_ros evaluate another_run -m {quote(str(given))}"
 
 
 def _record(result: Answer) -> Iterator[Step]:
@@ -116,7 +109,7 @@ def _move(result: Answer) -> Iterator[Step]:
 
 def _rest(result: Answer) -> Iterator[Step]:
     nameless = any(not f.named for f in result.findings)
-    told = {one["statement"] for held in result.quality.values() for one in held.get("mix_ups", ())}
+    told = {statement for said in mixed_up(result).values() for statement in said}
     joints = dict.fromkeys(
         joint for rest in result.unexplained if rest.statement not in told for joint in rest.joints
     )

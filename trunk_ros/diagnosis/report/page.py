@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from math import ceil
 from pathlib import Path
-from shlex import quote
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from trunk_ros.diagnosis.report.cards import cards
+from trunk_ros.diagnosis.report.commands import cut, diagnose_again, play
 from trunk_ros.diagnosis.report.data import numbers, provenance, recordings
 from trunk_ros.diagnosis.report.errors import (
     LEAST,
@@ -22,7 +21,7 @@ from trunk_ros.diagnosis.report.errors import (
 from trunk_ros.diagnosis.report.next_steps import next_steps
 from trunk_ros.diagnosis.report.script import as_data, policy, script, stylesheet
 from trunk_ros.diagnosis.report.series import series
-from trunk_ros.diagnosis.report.signals import Signal, signals
+from trunk_ros.diagnosis.report.signals import Signal, judged, mixed_up, signals
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.report.verdict import gain, headline, verdict_word
@@ -62,6 +61,8 @@ def content(result: Answer) -> dict[str, Any]:
         "simulation": result.simulation,
         "verdict_word": verdict_word(result),
         "recordings": recordings(result),
+        "judged": judged(result),
+        "mixed_up": [statement for said in mixed_up(result).values() for statement in said],
         "maps": maps(result),
         "framed": any(cell.rest for m in maps(result) for _, row in m.rows for cell in row),
         "not_compared": not_compared(result),
@@ -77,7 +78,9 @@ def content(result: Answer) -> dict[str, Any]:
         "unnamed": any(not f.named for f in result.findings),
         "experiments": result.experiments,
         "runs": runs(result),
-        "recorded": " ".join(quote(str(bag)) for bag in result.provenance.get("bags", ["run1"])),
+        "undecided": any(not e.get("trajectory") for e in result.experiments),
+        "again": diagnose_again(result),
+        "cut": cut(result),
         "rivals_remain": any(f.equivalents for f in result.findings),
         "numbers": numbers(result),
         "provenance": provenance(result),
@@ -86,26 +89,21 @@ def content(result: Answer) -> dict[str, Any]:
 
 def contents(result: Answer, over_time: bool) -> list[tuple[str, str]]:
     """Anchors and titles of the parts that the page has."""
+    seen = judged(result)
     return [
-        ("where", "Where"),
+        *([("where", "Where")] if seen else []),
         *([("time", "Over time")] if over_time else []),
         *([("found", "What was found")] if result.findings else []),
-        ("rest", "Still unexplained"),
-        ("settle", "Decisive motion"),
+        *([("rest", "Still unexplained"), ("settle", "Decisive motion")] if seen else []),
         ("data", "Quality of the data"),
         ("again", "To reproduce"),
     ]
 
 
-def runs(result: Answer) -> list[tuple[str, str]]:
-    """File of each experiment's motion with what else the command needs, and for how many s to run it."""
-    model = result.provenance.get("model", "trunk")
-    more = "" if model == "trunk" else f" --model {quote(str(model))}"
+def runs(result: Answer) -> list[str]:
+    """The command that plays each experiment's motion."""
     files = dict.fromkeys(e["trajectory"] for e in result.experiments if e.get("trajectory"))
-    motions = result.trajectories
-    return [
-        (file + more, f"{ceil(motions[file].duration) + 1}" if file in motions else "S") for file in files
-    ]
+    return [play(result, file) for file in files]
 
 
 def quiet(result: Answer, shown: list[Signal]) -> list[str]:

@@ -85,6 +85,21 @@ def entries(result: Answer, stage: str) -> dict[str, dict[str, Any]]:
     return dict(said.get("tip" if stage == "arm" else "joints", {}))
 
 
+def judged(result: Answer) -> bool:
+    """Whether any signal of any stage was compared."""
+    return any(entries(result, stage) for stage in STAGES)
+
+
+def mixed_up(result: Answer) -> dict[str, list[str]]:
+    """By stage, what is said of data that are mixed up and were left out for it."""
+    out: dict[str, list[str]] = {}
+    for held in result.quality.values():
+        for one in held.get("mix_ups", ()):
+            if one["certain"] and one["statement"] not in (said := out.setdefault(one["stage"], [])):
+                said.append(str(one["statement"]))
+    return out
+
+
 def largest(result: Answer, stage: str, unit: str) -> float:
     """Error of the worst of a stage's signals of one unit: all of a column are told in its multiple."""
     every = entries(result, stage).values()

@@ -1,8 +1,11 @@
-"""Numbers for readers: SI prefixes, as many digits as the spread allows."""
+"""Numbers for readers: SI prefixes, three digits, or as many as the spread tells."""
 
 from __future__ import annotations
 
 import math
+
+from trunk_ros.diagnosis.levels import ROUGH
+from trunk_ros.diagnosis.words import significant
 
 # Largest size (in the SI unit) up to which a multiple is used; the last one holds for all above.
 STEPS: dict[str, tuple[tuple[float, float, str], ...]] = {
@@ -17,7 +20,6 @@ STEPS: dict[str, tuple[tuple[float, float, str], ...]] = {
     "kg": ((1.0, 1e3, "g"), (math.inf, 1.0, "kg")),
     "N*m": ((0.1, 1e3, "mN·m"), (math.inf, 1.0, "N·m")),
 }
-DIGITS = 4
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 NBSP = "\N{NO-BREAK SPACE}"
 
@@ -43,7 +45,7 @@ def quantity(
         return value
     if not isinstance(value, (int, float)) or not math.isfinite(value):
         return "–"
-    factor, label = (100.0, "%") if relative else multiple(max(abs(value), _spread(std), size), unit)
+    factor, label = (100.0, "%") if relative else multiple(_shown(max(abs(value), _spread(std)), size), unit)
     number, spread = float(value) * factor, (std or 0.0) * factor
     if spread > 0.0 and math.isfinite(spread):
         places = min(max(1 - math.floor(math.log10(spread)), 0), 7)
@@ -58,23 +60,22 @@ def _spread(std: float | None) -> float:
 
 
 def fall(before: float, after: float, unit: str, size: float = 0.0) -> str:
-    """``4.65 → 0.095 mrad``: both in the multiple that suits the first, or ``size``."""
-    factor, label = multiple(max(before, size), unit)
-    return f"{significant(factor * before, 3)} → {significant(factor * after, 2)}{NBSP}{label}".strip()
+    """``4.65 → 0.095 mrad``: both in the multiple that suits the first, or ``size``, if that suits both."""
+    factor, label = multiple(_shown(before, size), unit)
+    other, small = multiple(_shown(after, max(before, size)), unit)
+    first = significant(factor * before) + (f"{NBSP}{label}" if small != label else "")
+    return f"{first} → {significant(other * after, 2)}{NBSP}{small}".strip()
+
+
+def _shown(value: float, size: float) -> float:
+    """The size whose multiple a value is told in: its own where it would be all zeros in that of ``size``."""
+    return max(abs(value), size) if abs(value) > ROUGH * size or value == 0.0 else abs(value)
 
 
 def rounded(value: float, unit: str, size: float = 0.0) -> str:
     """``4.65 mrad``: three digits, for tables at a glance, in the multiple that suits it or ``size``."""
-    factor, label = multiple(max(abs(value), size), unit)
-    return f"{significant(factor * value, 3)}{NBSP}{label}".strip()
-
-
-def significant(number: float, digits: int = DIGITS) -> str:
-    """A number with so many significant digits, without an exponent where it can be."""
-    if number == 0.0 or not math.isfinite(number):
-        return "0" if number == 0.0 else "–"
-    places = digits - 1 - math.floor(math.log10(abs(number)))
-    return f"{number:.{max(places, 0)}f}" if places < 9 else f"{number:.{digits - 1}e}"
+    factor, label = multiple(_shown(value, size), unit)
+    return f"{significant(factor * value)}{NBSP}{label}".strip()
 
 
 def powers(number: float) -> str:
@@ -86,10 +87,11 @@ def powers(number: float) -> str:
 
 
 def times(ratio: float | None) -> str:
-    """A ratio: ``1.0``, ``15.4``, ``312``, ``1 340``."""
+    """A ratio: ``1.0``, ``15.4``, ``312``, ``1 340``; three digits at most."""
     if ratio is None or not math.isfinite(ratio):
         return "–"
-    return f"{ratio:.1f}" if ratio < 99.95 else f"{ratio:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    whole = float(f"{ratio:.2e}")
+    return f"{ratio:.1f}" if ratio < 99.95 else f"{whole:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
 def spoken(effect: str | list[str]) -> str:

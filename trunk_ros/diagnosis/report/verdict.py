@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from trunk_ros.diagnosis.report.errors import ABOVE, Ratio, ratios
-from trunk_ros.diagnosis.report.signals import entries
+from trunk_ros.diagnosis.report.signals import entries, judged
 from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
@@ -16,9 +16,9 @@ LIKELY = 0.5  # confidence: below it a finding is a guess, and called one
 
 def headline(result: Answer) -> str:
     """What the busy reader needs to know; more than FEW findings are counted, for the list below to name."""
-    if not ratios(result) and result.unexplained:
+    if not judged(result) and result.unexplained:
         return f"Nothing can be said before the data are put right: {result.unexplained[0].statement}"
-    if not ratios(result):
+    if not judged(result):
         return "Nothing can be said: no signal moved enough, or was measured enough, to be judged."
     if result.verdict == "no_mismatch":
         return _no_mismatch(result)
@@ -126,5 +126,5 @@ WORDS = {
 
 
 def verdict_word(result: Answer) -> str:
-    """The verdict as words, or that there is none."""
-    return WORDS[result.verdict] if ratios(result) else "nothing judged"
+    """The verdict as words, as the other files and the command line have it; or that there is none."""
+    return WORDS[result.verdict] if judged(result) or result.unexplained else "nothing judged"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from trunk_ros.diagnosis.report.errors import ABOVE, Ratio, ratios
-from trunk_ros.diagnosis.report.signals import concerns, entries, largest
+from trunk_ros.diagnosis.report.signals import concerns, entries, largest, mixed_up
 from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
 from trunk_ros.diagnosis.verdict.answer import Answer
 
@@ -50,8 +50,11 @@ def maps(result: Answer) -> list[Map]:
 
 
 def not_compared(result: Answer) -> list[str]:
-    """Stages without a comparison, with what they would be."""
-    return [f"{s} ({what})" for s, what in MEANING.items() if not result.stages.get(s, {}).get("compared")]
+    """Stages without a comparison, with what they would be and why there is none."""
+    left = [s for s in MEANING if not result.stages.get(s, {}).get("compared")]
+    mixed = mixed_up(result)
+    why = {s: "mixed up, see above" if s in mixed else "topics or motion are missing" for s in left}
+    return [f"{s} ({MEANING[s]}: {why[s]})" for s in left]
 
 
 def _names(result: Answer, stages: list[str]) -> list[str]:
@@ -68,18 +71,20 @@ def _cell(result: Answer, stage: str, name: str, ratio: Ratio | None) -> Cell:
     found = [
         spoken(f.effect) + ("?" if f.equivalents else "") for f in result.findings if concerns(f, stage, name)
     ]
-    if ratio is None:
+    said = entries(result, stage).get(name)
+    if said is None:
         silent = name in result.stages[stage].get("silent", [])
         return Cell(-1, SILENT if silent else "not measured", "", found)
     rest = any(u.stage == stage and (name in u.joints or not u.joints) for u in result.unexplained)
-    changed = abs(ratio.after - ratio.before) > 0.05 * ratio.before
-    said = entries(result, stage)[name]
+    before, after = float(said["rmse_before"]), float(said["rmse_after"])
+    changed = abs(after - before) > 0.05 * before
     unit = str(said.get("unit", "rad"))
-    noise = f"{times(ratio.before)} → {times(ratio.after)}" if changed else times(ratio.before)
-    before, after = said["rmse_before"], said["rmse_after"]
     size = largest(result, stage, unit)
     text = fall(before, after, unit, size) if changed else rounded(before, unit, size)
     if stage == "arm" and not changed:  # a tip's coordinate that an arm effect leaves alone
         found = []
+    if ratio is None:  # nothing to compare its size with
+        return Cell(0, text, "", found, rest)
+    noise = f"{times(ratio.before)} → {times(ratio.after)}" if changed else times(ratio.before)
     heat = sum(ratio.before > limit for limit in HEAT)
     return Cell(heat, text, noise, found, rest and ratio.after > ABOVE, ratio.of)

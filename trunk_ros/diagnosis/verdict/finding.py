@@ -40,12 +40,5 @@ class Finding:
 
     @property
     def candidates(self) -> list[str]:
-        """The effect and its equivalents, which ``confidence`` is about together; those that fit the data
-        better than the effect come first.
-        """
-        losses = self.evidence.get("rivals", {})
-        words = {name if isinstance(name, str) else " + ".join(name): name for name in self.equivalents}
-        better = [
-            word for word, name in words.items() if isinstance(name, str) and losses.get(name, 0.0) < 0.0
-        ]
-        return [*better, self.effect, *(word for word in words if word not in better)]
+        """The effect, whose values the model has, and its equivalents: ``confidence`` is about them all."""
+        return [self.effect, *(one if isinstance(one, str) else " + ".join(one) for one in self.equivalents)]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.noise import is_none
 from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
@@ -18,7 +19,8 @@ from trunk_ros.diagnosis.levels import LITTLE, MOST, SLIGHT, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
-from trunk_ros.diagnosis.verdict.units import as_read, unit_of
+from trunk_ros.diagnosis.verdict.units import as_read, is_open, unit_of
+from trunk_ros.diagnosis.words import significant
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
@@ -164,7 +166,7 @@ def statement_of(what: str, where: str, parameters: dict[str, dict[str, dict[str
 
 
 def _said(name: str, value: dict[str, Any]) -> str:
-    return f"{name}{' ' if isinstance(value['value'], str) else ' = '}{as_read(value)}"
+    return f"{name}{' ' if isinstance(value['value'], str) or is_open(value) else ' = '}{as_read(value)}"
 
 
 def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
@@ -176,16 +178,21 @@ def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
         if share < LITTLE and power < 1.0:
             continue
-        found.setdefault(tuple(varies), []).append((context.joints[column], share, float(np.sqrt(power))))
+        size = float("nan") if is_none(context.noise[column].std) else float(np.sqrt(power))
+        found.setdefault(tuple(varies), []).append((context.joints[column], share, size))
     return [_unexplained(context.stage.name, list(varies), each) for varies, each in found.items()]
 
 
 def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, float]]) -> Unexplained:
-    """What is left on joints, with its share of their residual's power, and its size over the noise."""
+    """What is left on joints, with its share of their residual's power, and its size over the noise, NaN
+    where there is none.
+    """
     joints, shares, sizes = (list(column) for column in zip(*each, strict=True))
     regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
     on = f" and depends on {' and '.join(varies)}" if varies else ""
-    size = f"{max(shares):.1%} of the residual's power, {max(sizes):.2g} times the noise,"
+    known = [size for size in sizes if size == size]
+    times = f" {significant(max(known), 2)} times the noise," if known else ""
+    size = f"{max(shares):.1%} of the residual's power,{times}"
     statement = f"{', '.join(joints)} ({stage}): {size} stays unexplained{on}."
     return Unexplained(stage, joints, regime, max(shares), varies, statement)
 

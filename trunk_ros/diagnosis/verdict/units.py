@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from trunk_ros.diagnosis.levels import NOTABLE, TENFOLD
+
 SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}
 
 
@@ -23,8 +25,29 @@ def sized(value: float, unit: str, digits: int = 3) -> str:
 
 
 def as_read(value: Mapping[str, Any]) -> str:
-    """A parameter of diagnosis.json as one reads it: one that was held has no spread."""
+    """A parameter of diagnosis.json as one reads it: one that was held has no spread, and of one that is
+    less than its spread only a bound is told, where there is any.
+    """
     if not isinstance(value["value"], float):
         return str(value["value"] or "")
-    spread = f" ± {value['std']:.2g}" if value["std"] else ""
-    return f"{value['value']:.4g}{spread} {'' if value['unit'] == '1' else value['unit']}".strip()
+    unit = "" if value["unit"] == "1" else f" {value['unit']}"
+    if is_open(value):
+        most = bound(value)
+        return UNTOLD if most is None else f"{UNTOLD} ({AT_MOST} {most:.2g}{unit})"
+    if not value["std"]:
+        return f"{value['value']:.3g}{unit}"
+    return f"{value['value']:.4g} ± {value['std']:.2g}{unit}"
+
+
+UNTOLD, AT_MOST = "not determined", "at most"
+
+
+def is_open(value: Mapping[str, Any]) -> bool:
+    """Whether a parameter is less than its spread: these data do not determine it."""
+    return isinstance(value["value"], float) and (value["std"] or 0.0) > abs(value["value"])
+
+
+def bound(value: Mapping[str, Any]) -> float | None:
+    """How large such a parameter may be; None where its spread is that of nothing known."""
+    size = abs(value["value"])
+    return size + NOTABLE * value["std"] if value["std"] < TENFOLD * size else None

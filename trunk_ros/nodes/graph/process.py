@@ -6,6 +6,8 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from trunk_ros.errors import TrunkError
@@ -97,8 +99,16 @@ def serve_for(seconds: float, executor: Any, node: Any) -> None:
     serve(executor, node, lambda: time.monotonic() > end)
 
 
+def look_for_files(argv: Sequence[str]) -> None:
+    """Raise TrunkError for a ``--params-file`` that is not there: rcl says it in lines of its own."""
+    for option, file in pairwise(argv):
+        if option == "--params-file" and not Path(file).is_file():
+            raise TrunkError(f"--params-file {file}: there is no such file")
+
+
 def start_ros(argv: list[str]) -> None:
     """Initialise ROS with a command's ``--ros-args``. Raises TrunkError for others."""
+    look_for_files(argv)
     try:
         rclpy.init(args=["trunk_ros", *argv], signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:

@@ -14,7 +14,7 @@ from trunk_ros.recording.topics import JOINT_TOPICS
 from trunk_ros.share import config_names, config_path
 
 TOPICS = tuple(key for key in JOINT_TOPICS if key != "wire_states")
-_KEYS = ("time", "rate_hz", "joints", "delimiter", *TOPICS)
+_KEYS = ("time", "rate_hz", "joints", "delimiter", "decimal", *TOPICS)
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,7 @@ class Mapping:
     rate_hz: float
     topics: dict[str, dict[str, Quantity]]
     delimiter: str = ","
+    decimal: str = "."
 
     @property
     def of_bag(self) -> bool:
@@ -91,7 +92,10 @@ def parse_mapping(content: Any) -> Mapping:
     delimiter = table.get("delimiter", ",")
     if not isinstance(delimiter, str) or len(delimiter) != 1 or delimiter in '\r\n"':
         raise ValueError("delimiter: must be one character")
-    return Mapping(joints, time, rate, topics, delimiter)
+    decimal = table.get("decimal", ".")
+    if decimal not in (".", ",") or decimal == delimiter:
+        raise ValueError('decimal: must be "." or ",", and not the delimiter')
+    return Mapping(joints, time, rate, topics, delimiter, decimal)
 
 
 def _table(content: Any, where: str, keys: tuple[str, ...]) -> dict[str, Any]:

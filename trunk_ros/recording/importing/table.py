@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from array import array
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,10 +13,18 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import Floats
 
 DELIMITERS = ";\t|"
+_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _EMPTY = {"", "nan", "na", "n/a", "null", "none", "-"}
 
 
-def read_table(path: Path, columns: tuple[str, ...], delimiter: str) -> tuple[dict[str, Floats], list[str]]:
+def with_comma(text: str) -> bool:
+    """Whether a field is a number with a decimal comma."""
+    return bool(_COMMA.fullmatch(text.strip()))
+
+
+def read_table(
+    path: Path, columns: tuple[str, ...], delimiter: str, decimal: str = "."
+) -> tuple[dict[str, Floats], list[str]]:
     """({column: (rows,)}, remarks): NaN where a field is empty. A last line that is cut is left out and said.
 
     RecordingError names a column that is missing and those that are there, or the line that cannot be read.
@@ -26,7 +35,7 @@ def read_table(path: Path, columns: tuple[str, ...], delimiter: str) -> tuple[di
             header = [name.strip() for name in next(rows, [])]
             _check(path, header, columns)
             places = [header.index(name) for name in columns]
-            values, remarks = _values(path, rows, places, len(header))
+            values, remarks = _values(path, rows, places, len(header), decimal)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
     except csv.Error as error:
@@ -47,7 +56,7 @@ def _check(path: Path, header: list[str], columns: tuple[str, ...]) -> None:
 
 
 def _values(
-    path: Path, rows: Iterator[list[str]], places: list[int], width: int
+    path: Path, rows: Iterator[list[str]], places: list[int], width: int, decimal: str
 ) -> tuple[list[Floats], list[str]]:
     values = [array("d") for _ in places]
     short = 0
@@ -62,15 +71,16 @@ def _values(
         if any(field.strip() for field in row[width:]):
             raise RecordingError(f"{path}: line {line} has {len(row)} fields, the header {width}")
         for value, place in zip(values, places, strict=True):
-            value.append(_number(path, line, row[place]))
+            value.append(_number(path, line, row[place], decimal))
     remarks = [f"the last line ({short}) is cut and left out"] if short else []
     return [np.array(value) for value in values], remarks
 
 
-def _number(path: Path, line: int, text: str) -> float:
+def _number(path: Path, line: int, text: str, decimal: str) -> float:
     try:
-        return float(text)
+        return float(text if decimal == "." else text.replace(decimal, "."))
     except ValueError:
         if text.strip().lower() in _EMPTY:
             return float("nan")
-        raise RecordingError(f"{path}: line {line}: {text[:40]!r} is not a number") from None
+        hint = """: the mapping wants `decimal: ","`""" if with_comma(text) else ""
+        raise RecordingError(f"{path}: line {line}: {text[:40]!r} is not a number{hint}") from None
