@@ -23,7 +23,7 @@ def mixed(stage: str, joints: list[str]) -> Diagnosis:
 def refused() -> Diagnosis:
     result = mixed("wire", list(made.JOINTS))
     result.stages["wire"] = {"compared": False, "joints": {}, "silent": []}
-    result.plots = None
+    result.plots = {}
     return result
 
 
