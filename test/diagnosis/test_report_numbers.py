@@ -24,7 +24,7 @@ from trunk_ros.evaluate.table import show
         (0.5843, 8.7e3, "s", "not determined"),
         (0.05324, 0.12365, "1", "not determined (at most 0.3)"),
         (-0.02, 0.05, "rad", "not determined (at most 0.12 rad)"),
-        (0.029994, 2.6e-5, "rad", "0.02999 ± 2.6e-05 rad"),
+        (0.029994, 2.6e-5, "rad", "0.029994 ± 2.6e-05 rad"),
         (0.0, None, "m", "0 m"),
     ],
 )

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import ROUGH, SURE
 from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
-from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, is_known, unchanged, value_of
+from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, unchanged, value_of
 from trunk_ros.diagnosis.verdict.units import sized, unit_of
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
@@ -80,7 +80,7 @@ def changes(
     that is another simulator, values are differences.
     """
     named = {n: t for n, t in context.known.items() if effect(n).named and not issubclass(effect(n), Bank)}
-    new = [f for f in every if f.effect not in named and not is_known(context, f)]
+    new = [f for f in every if f.effect not in named]
     there = dict(hypothesis)
     for name, term in named.items():
         found = next((f for f in every if f.effect == name), None)

@@ -197,22 +197,6 @@ def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, flo
     return Unexplained(stage, joints, regime, max(shares), varies, statement)
 
 
-def is_known(context: Context, finding: Finding) -> bool:
-    """Whether the model has curves, or a bank, already on these joints, going by what it depends on."""
-    over = {finding.curve.get("on", "")}
-    told = {joint: _words(named) for joint, named in finding.parameters.items()}
-    said = {context.joints.index(joint): told.get(joint, over) for joint in finding.joints}
-    return any(
-        (name if effect(name).named else UNKNOWN) == finding.effect
-        and all(c in term.own and words <= set(term.words.get(c, {}).values()) for c, words in said.items())
-        for name, term in context.known.items()
-    )
-
-
-def _words(named: dict[str, dict[str, Any]]) -> set[str]:
-    return {value["value"] for value in named.values() if isinstance(value["value"], str)}
-
-
 def unchanged(found: dict[str, Any], believed: float) -> bool:
     """Whether a value is the one that the model has, within its spread."""
     near = max(SURE * (found["std"] or 0.0), SLIGHT * abs(believed))

@@ -14,12 +14,13 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence, apart, doubt, likely
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.credible import hidden
-from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import need, needed, score
+from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, chance, need, needed, score
 from trunk_ros.diagnosis.verdict.changes import MODEL, changes
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.findings import findings
 from trunk_ros.effects import effect
+from trunk_ros.effects.bank import Bank
 
 
 def all_findings(
@@ -34,9 +35,34 @@ def all_findings(
     """
     parts, proof, spread = included(state, found, std)
     whole, std = Hypothesis({**state.hypothesis, **parts}), std | spread
-    every = findings(state.context, whole, found | proof, std, determined(state))
+    every = findings(state.context, _but_for_the_models(state, whole), found | proof, std, determined(state))
     right = {state.context.joints[c] for c, e in (errors or {}).items() if e.before <= e.noise_floor}
-    return [f for f in changes(state.context, whole, every, std, who) if f.named or set(f.joints) - right]
+    new = changes(state.context, whole, every, std, who)
+    return [f for f in new if f.named or set(f.joints) - right]
+
+
+def _but_for_the_models(state: Fit, whole: Hypothesis) -> Hypothesis:
+    """Without curves and banks on joints on which the model has the same."""
+    out = whole
+    for name, known in state.context.known.items():
+        if name in whole and (not effect(name).named or issubclass(effect(name), Bank)):
+            for column in _kept(state, known):
+                out = out.without(name, column)
+    return out
+
+
+def _kept(state: Fit, known: Term) -> list[int]:
+    """The joints on which a curve is as the model has it: with the model's own no more is left than chance
+    explains, or than is left anyway.
+    """
+    context, kept = state.context, []
+    for c in [c for c in context.judged(known) if c in state.hypothesis[known.effect].own]:
+        there = state.hypothesis.copy()
+        there.have(c, known)
+        lost = costed_on(state, there, c).cost[c] - state.cost[c]
+        if lost < max(SIGNIFICANT * chance(context, c), state.rest(c)):
+            kept.append(c)
+    return kept
 
 
 def included(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import floor, log10
 from typing import Any
 
 from trunk_ros.diagnosis.levels import NOTABLE, TENFOLD
@@ -36,7 +37,8 @@ def as_read(value: Mapping[str, Any]) -> str:
         return UNTOLD if most is None else f"{UNTOLD} ({AT_MOST} {most:.2g}{unit})"
     if not value["std"]:
         return f"{value['value']:.3g}{unit}"
-    return f"{value['value']:.4g} ± {value['std']:.2g}{unit}"
+    digits = 2 + floor(log10(abs(value["value"]))) - floor(log10(value["std"]))
+    return f"{value['value']:.{min(digits, 5)}g} ± {value['std']:.2g}{unit}"
 
 
 UNTOLD, AT_MOST = "not determined", "at most"
