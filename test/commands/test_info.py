@@ -60,17 +60,17 @@ def test_a_mistyped_joint_is_said_in_one_line_by_all_commands(
 ) -> None:
     t = np.arange(0.0, 20.0, 0.01)
     angle = np.sin(np.outer(t, [1.0, 1.3]))
-    recording = Recording.from_arrays(t, angle, angle, joints=["shoulder", "elbow"])
+    recording = Recording.from_arrays(t, angle, angle, joints=["shoulder", "forearm"])
     own = tmp_path / "own.yaml"
-    own.write_text("/**: {ros__parameters: {arm: {joints: [shoulder, elbo]}}}")
+    own.write_text("/**: {ros__parameters: {arm: {joints: [shoulder, forarm]}}}")
     write_recording(tmp_path / "run", recording)
     said = (
-        "elbow (the model's elbo?) left out: the model has no such joint, and no topic has its elbo: "
+        "forearm (the model's forarm?) left out: the model has no such joint, and no topic has its forarm: "
         "if these are the same, give them one name"
     )
     assert left_out(recording, load_model(own)) == [said]
     (names,) = gathered(recording, load_model(own))["mixed_up"]
-    assert names.startswith("the model's joint 'elbo' is not in trunk/gearbox_states, which has 'elbow'")
+    assert names.startswith("the model's joint 'forarm' is not in trunk/gearbox_states, which has 'forearm'")
     run, out = str(tmp_path / "run"), str(tmp_path / "out")
     assert main(["simulate", run, "--model", str(own), "--output", out]) == 0
     assert f"{run}: {said}\n" in capsys.readouterr().out

@@ -12,7 +12,7 @@ from test.diagnosis.arms import SHORT, diagnose, of_the_wires, on, recorded, res
 from trunk_ros.commands.info import gathered
 from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups, without_mix_ups
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
-from trunk_ros.diagnosis.data.names import refuse_misnamed
+from trunk_ros.diagnosis.data.names import _is_alike, refuse_misnamed
 from trunk_ros.diagnosis.data.quality import quality_of_recording
 from trunk_ros.diagnosis.report import write
 from trunk_ros.effects.wire.play import SharpPlay
@@ -247,6 +247,19 @@ def test_a_joint_under_two_names_is_refused_by_both(good: Recording) -> None:
     mixed = reshaped(good, "joint_states", joints=("Joint-1", *TRUNK.arm.joints[1:]))
     with pytest.raises(RecordingError, match="gearbox_states' joint 'joint_1' is not in joint_states"):
         refuse_misnamed(mixed, DIRECT)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        ("shoulder", "sholder", True), ("joint_01", "Joint1", True), ("leftElbow", "left_elbow", True),
+        ("LShoulderPitch", "RShoulderPitch", False), ("LHand", "RHand", False), ("waist", "wrist", False),
+        ("jointA", "jointB", False), ("lwrist", "rwrist", False), ("bendx", "bendy", False),
+        ("shoulder_left", "shoulder_lift", False), ("joint_1_1", "joint_11", False),
+    ],
+)  # fmt: skip
+def test_what_is_a_slip_of_the_pen_and_what_another_joint(one: str, other: str, alike: bool) -> None:
+    assert _is_alike(one, other) == _is_alike(other, one) == alike
 
 
 @pytest.mark.parametrize("other", ["right_hand", "wrist_2", "gripper", "hand"])

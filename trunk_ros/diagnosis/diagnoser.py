@@ -232,7 +232,7 @@ class Diagnoser:
             "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
-        new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION, errors)
+        new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION)
         effects, said = state.hypothesis.model_effects(len(stage.joints)), {f.effect for f in new}
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)

@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable
 from difflib import SequenceMatcher
 
-from trunk_ros.diagnosis.levels import ROUGHLY
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -41,16 +40,26 @@ def misnamed(recording: Recording, model: Model) -> str:
 
 def _nearest(joint: str, names: Iterable[str]) -> str:
     """The one of ``names`` that is ``joint`` but for spelling, "" where none is."""
-    best = max(names, key=lambda name: _alike(joint, name), default="")
-    return best if best and _alike(joint, best) >= 1.0 - ROUGHLY else ""
+    return next((name for name in names if _is_alike(joint, name)), "")
 
 
-def _alike(one: str, other: str) -> float:
-    """How alike names are, word by word: left and right, or 1 and 2, are other joints of one arm."""
-    words = [re.findall(r"\d+|[^\W\d_]+", name.lower()) for name in (one, other)]
-    if all(words) and "".join(words[0]) == "".join(words[1]):
-        return 1.0
-    if not all(words) or len(words[0]) != len(words[1]):
-        return 0.0
-    pairs = zip(*words, strict=True)
-    return min(SequenceMatcher(None, a, b).ratio() if a.isalpha() else float(a == b) for a, b in pairs)
+def _is_alike(one: str, other: str) -> bool:
+    """Whether names differ by capitals and separators, or by one letter within a long word: left and right,
+    or 1 and 2, are other joints of one arm, and so may be what begins or ends with another letter.
+    """
+    words = [re.findall(r"\d+|[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name) for name in (one, other)]
+    mine, theirs = ([int(w) if w.isdigit() else w.lower() for w in each] for each in words)
+    numbers = [[w for w in each if isinstance(w, int)] for each in (mine, theirs)]
+    if "".join(map(str, mine)) == "".join(map(str, theirs)) and numbers[0] == numbers[1]:
+        return bool(mine)
+    differ = [(a, b) for a, b in zip(mine, theirs, strict=False) if a != b]
+    return len(mine) == len(theirs) and len(differ) == 1 and _is_slip(*map(str, differ[0]))
+
+
+def _is_slip(one: str, other: str) -> bool:
+    """Whether two words of more than five letters are one but for a letter within."""
+    if min(len(one), len(other)) <= 5 or (one[0], one[-1]) != (other[0], other[-1]):
+        return False
+    codes = SequenceMatcher(None, one, other, autojunk=False).get_opcodes()
+    changed = [(j - i, n - m) for code, i, j, m, n in codes if code != "equal"]
+    return len(changed) == 1 and max(changed[0]) == 1

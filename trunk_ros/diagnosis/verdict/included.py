@@ -8,7 +8,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.determined import determined
 from trunk_ros.diagnosis.evidence.evidence import Evidence, apart, doubt, likely
 from trunk_ros.diagnosis.evidence.spreads import Spreads
@@ -23,22 +22,14 @@ from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 
 
-def all_findings(
-    state: Fit,
-    found: dict[str, Evidence],
-    std: Spreads,
-    who: str = MODEL,
-    errors: Mapping[int, Error] | None = None,
-) -> list[Finding]:
+def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads, who: str = MODEL) -> list[Finding]:
     """One finding per effect of a hypothesis, and per effect that is part of one, but for what ``who`` has
-    already, and for what has no name on joints that it predicts as well as noise lets it (``errors``).
+    already.
     """
     parts, proof, spread = included(state, found, std)
     whole, std = Hypothesis({**state.hypothesis, **parts}), std | spread
     every = findings(state.context, _but_for_the_models(state, whole), found | proof, std, determined(state))
-    right = {state.context.joints[c] for c, e in (errors or {}).items() if e.before <= e.noise_floor}
-    new = changes(state.context, whole, every, std, who)
-    return [f for f in new if f.named or set(f.joints) - right]
+    return changes(state.context, whole, every, std, who)
 
 
 def _but_for_the_models(state: Fit, whole: Hypothesis) -> Hypothesis:

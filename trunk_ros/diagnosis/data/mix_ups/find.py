@@ -50,16 +50,22 @@ def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
 
 
 def as_if_standing(span: Span, found: Sequence[MixUp]) -> Span:
-    """The wires with motors that stand where what they turn is mixed up for certain: nobody knows where such
-    a joint is, and what others have is no matter of it.
+    """The wires with motors that stand where it is certain that which way, or which joint, they turn is mixed
+    up: nobody knows where such a joint is, and what others have is no matter of it. Readings in another unit
+    leave the motors as they are.
     """
-    told = {joint for one in found if one.certain and one.stage == "wire" for joint in one.joints}
+    told = {joint for one in found if is_astray(one) for joint in one.joints}
     mixed = [c for c, joint in enumerate(span.joints) if joint in told]
     if not mixed:
         return span
     path, velocity = span.gearbox.copy(), span.velocity.copy()
     path[:, mixed], velocity[:, mixed] = np.median(path[:, mixed], axis=0), 0.0
     return replace(span, source=path, gearbox=path, velocity=velocity)
+
+
+def is_astray(one: MixUp) -> bool:
+    """Whether it is not known where joints are whose motors were recorded."""
+    return one.certain and one.stage == "wire" and one.kind in ("sign", "order")
 
 
 def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:

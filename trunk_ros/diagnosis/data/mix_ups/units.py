@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import FOLLOWS, MixUp, Pair, own_correlation
 from trunk_ros.diagnosis.data.sensing.wraps import TURN
-from trunk_ros.diagnosis.levels import CLEARLY, HALF, TENFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, HALF, SEVERAL, TENFOLD
 from trunk_ros.recording.signal.encoder import count
 
 CLOSE, CLOSER = np.log(1.15), np.log(1.03)  # to that factor: where the ratio is known, and where it is not
@@ -80,17 +80,19 @@ def _both(pair: Pair, which: np.ndarray) -> MixUp:
 
 
 def exchanged(pair: Pair) -> list[MixUp]:
-    """Joints that go as far as motors would beside them, all of them: each of the two is the other one, or
-    the model has its ratios the wrong way round.
+    """Joints that go as far as motors would beside them, all of them that the model has turn otherwise than
+    their motors: each of the two is the other one, or the model has its ratios the wrong way round. A single
+    one may have another ratio.
     """
-    moves = (np.abs(own_correlation(pair)) > FOLLOWS) & pair.angles
+    geared = np.abs(np.log(np.abs(pair.factor))) > np.log(CLEARLY)
+    moves = (np.abs(own_correlation(pair)) > FOLLOWS) & pair.angles & geared
     if pair.stage != "wire" or not pair.ratio_known or not moves.any():
         return []
     with np.errstate(divide="ignore", invalid="ignore"):
         times = np.log(_spread(pair.target[:, moves]) / _spread(pair.driven[:, moves]))
         back = -2.0 * np.log(np.abs(pair.factor[moves]))
         near = np.abs(times - back) < CLOSE
-    if not near.all() or np.abs(back).min() < np.log(CLEARLY):
+    if not near.all():
         return []
     source, target = pair.topics
     said = (
@@ -98,7 +100,7 @@ def exchanged(pair: Pair) -> list[MixUp]:
         f"{source} as the model has it the other way round. Exchange the two in the driver or the mapping, "
         "or write wire.ratio as joint angle per motor angle, and diagnose again."
     )
-    return [pair.found("order", moves, said)]
+    return [pair.found("order", moves, said, certain=bool(moves.sum() >= SEVERAL))]
 
 
 def _spread(values: Array) -> Array:

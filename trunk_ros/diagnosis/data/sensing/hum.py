@@ -18,7 +18,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, motion_of, take_off
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, JOINTS, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, HALF, JOINTS, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.resample import SLOW
@@ -166,8 +166,9 @@ def _driven(frequency: float, stamp: Array, asked: _Waves) -> bool:
     load bears on all; every one, where a line is too slow to stand out from what is slower.
     """
     own, beside = _lines(frequency, stamp, asked)
-    usual = np.median if frequency * float(np.ptp(stamp)) > COMES_BACK else np.min
-    return bool(usual(np.hypot(*own) / beside) > SURE)
+    swings = np.hypot(*own) > SURE * beside
+    few = frequency * float(np.ptp(stamp)) <= COMES_BACK
+    return bool(swings.all() if few else np.mean(swings) > HALF)
 
 
 def _lines(frequency: float, stamp: Array, waves: _Waves) -> tuple[Array, Array]:

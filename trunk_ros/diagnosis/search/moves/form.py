@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -127,7 +128,8 @@ def _refines(kind: type[Effect], old: str, new: str) -> bool:
 
 def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
     """Each joint at what a linear look finds best; but for joints that do not show it, as may be where it
-    stood for something else. Those that can not be judged keep what they have.
+    stood for something else. Those that can not be judged keep what they have, and all their form if the
+    other one has no place for that.
     """
     kind, old, out = effect(name), now.hypothesis[name], now.hypothesis.without(name)
     judged = {c for c in old.columns if c in now.context.columns}
@@ -135,8 +137,11 @@ def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
         out = begun_on(now.context, out, kind, form, [column]) or out
     if name not in out or (name in now.context.known and judged - out[name].own.keys()):
         return None
+    used = {p.name for p in kind.used(form)}
     for column in old.own.keys() - judged:
-        out[name].have(column, {**old.shared, **old.own[column]})
+        if old.own[column].keys() - used:
+            return None
+        out.have(column, replace(old, own={column: old.shared | old.own[column]}))
     out[name].shared |= {
         p.name: old.shared[p.name] for p in kind.own_parameters(form) if p.optional and p.name in old.shared
     }

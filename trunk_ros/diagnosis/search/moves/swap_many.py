@@ -11,9 +11,10 @@ from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.candidates import local_kinds, shown_forms
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
-from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.moves.drop import DROP
-from trunk_ros.diagnosis.search.trial import begun_on, refit_to_win
+from trunk_ros.diagnosis.search.score import score
+from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import Effect, confused, effect
 
 
@@ -48,8 +49,8 @@ def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterat
         for form in shown_forms(kind, best.context, new) if there is None else (there.form,):
             out = begun_on(best.context, bare, kind, form, new)
             if out is not None:
-                trial = refit_to_win(best, out)
-                if not unshown(trial.context, trial.hypothesis):
+                trial = refit(best.context, out, score(best))
+                if trial.total < score(best) and not unshown(trial.context, trial.hypothesis):
                     yield descend_with(trial, (DROP,), desk)
 
 
