@@ -256,9 +256,10 @@ def test_where_no_motion_decides_the_whole_motion_is_told_beside_its_largest_sam
     assert "by 0.57 mrad in one sample of elbow (5.7 times the noise), but over all samples by 0.3" in told
     assert told.endswith("24% of what a decision takes.")
     hidden = replace(seen, gap=0.89e-4, rms=0.54, ratio=TENFOLD)
-    told = statement(duel, hidden, False, SimpleNamespace(joints=["elbow"]), {}, FILE)
-    assert told.startswith("No motion within the joint limits decides between")
-    assert told.endswith("noise hides it.")
+    there = SimpleNamespace(joints=["elbow"], duration=20.0)
+    told = statement(duel, hidden, False, there, {}, FILE)
+    assert "diagnose it: no sample of elbow shows whether it is backlash or viscous lag" in told
+    assert told.endswith("(0.089 mrad at most, 0.89 times the noise), all of them do (0.54 times rms).")
 
 
 @pytest.mark.parametrize("period", [0.01, 0.42], ids=["moving", "stop_and_measure"])

@@ -1,4 +1,4 @@
-"""Numbers that people read: three digits, a bound in the place of a spread that is larger than the value."""
+"""Numbers that people read: three digits, or as many as a spread tells, and no value that nothing determines."""
 
 import re
 from dataclasses import replace
@@ -22,29 +22,30 @@ from trunk_ros.evaluate.table import show
     ("value", "std", "unit", "text"),
     [
         (0.5843, 8.7e3, "s", "not determined"),
-        (0.05324, 0.12365, "1", "not determined (at most 0.3)"),
-        (-0.02, 0.05, "rad", "not determined (at most 0.12 rad)"),
+        (0.05324, 0.12365, "1", "0.05 ± 0.12"),
+        (-0.02, 0.05, "rad", "-0.02 ± 0.05 rad"),
+        (1e-4, 0.02, "rad", "0.0001 ± 0.02 rad"),
+        (0.0, 0.0004, "1", "0 ± 0.0004"),
         (0.029994, 2.6e-5, "rad", "0.029994 ± 2.6e-05 rad"),
         (0.0, None, "m", "0 m"),
     ],
 )
-def test_a_value_that_is_less_than_its_spread_is_not_told(
+def test_a_value_that_is_far_less_than_its_spread_is_not_told(
     value: float, std: float | None, unit: str, text: str
 ) -> None:
     assert as_read({"value": value, "std": std, "unit": unit}) == text
 
 
-def test_sentence_and_table_of_the_page_tell_a_bound_and_the_file_the_numbers() -> None:
+def test_sentence_and_table_of_the_page_tell_what_is_determined_and_the_file_the_numbers() -> None:
     parameters = {
         "joint_3": {"gain": made.value(0.05, 0.12, "1")},
         "arm": {"time_constant": made.value(0.58, 8.7e3, "s")},
     }
     said = statement_of("It creeps", "joint_3", parameters)
-    assert said.endswith("(joint_3 gain not determined (at most 0.29); arm time_constant not determined).")
+    assert said.endswith("(joint_3 gain = 0.05 ± 0.12; arm time_constant not determined).")
     creep = made.finding("viscoelastic_creep", ["joint_3"], parameters, statement=said)
     result = replace(made.backlash(), findings=[creep])
     text = words(render(result))
-    assert "not determined (at most 0.290)" in text
     assert "shared not determined" in text
     assert "8.7" not in text.partition("What was found")[2].partition("Still unexplained")[0]
     assert result.to_json()["findings"][0]["parameters"]["arm"]["time_constant"]["std"] == 8.7e3

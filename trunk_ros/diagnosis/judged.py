@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.evidence.untold import as_the_surest
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.heap import give_back
-from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.long import searched
 from trunk_ros.errors import RecordingError
 
@@ -56,6 +56,8 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     state = from_the_start(state, settle)
     std = spreads(state)
     surer = as_the_surest(state, std)
-    std, state = (std if surer is state else spreads(surer)), surer
+    if surer is not state:
+        part = surer if part is state else costed(part.context, surer.hypothesis)
+        std, state = spreads(surer), surer
     found = found | banks_evidence(state, found)
     return Judged(state, part, found, std, held_out(state), early)

@@ -9,6 +9,7 @@ from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.moves.like import Alike, effects_of_several
 from trunk_ros.diagnosis.search.score import FURTHER, chance
+from trunk_ros.effects import effect
 
 
 def as_the_surest(state: Fit, std: Spreads) -> Fit:
@@ -31,4 +32,5 @@ def as_the_surest(state: Fit, std: Spreads) -> Fit:
 
 def _is_untold(state: Fit, one: Alike, column: int, std: Spreads) -> bool:
     own = state.hypothesis[one.name].own[column]
-    return any(std.get((one.name, name, column), 0.0) > abs(own[name]) for name in one.names if name in own)
+    sizes = {n: abs(own[n] - effect(one.name).parameter(n).absent) for n in one.names if n in own}
+    return any(std.get((one.name, n, column), 0.0) > size for n, size in sizes.items())

@@ -193,15 +193,20 @@ def statement(
         return (
             f"No motion within the joint limits decides between {truth} and {other}: once both are fitted to "
             f"the best one, they differ by {gap} in one sample of {joint} ({times}), but over all samples by "
-            f"{significant(seen.rms, 2)} times the noise (rms): "
-            f"{short if seen.ratio < CLEARLY else 'noise hides it'}."
+            f"{significant(seen.rms, 2)} times the noise (rms): {short}."
         )
     moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
+    whole, play = f"{significant(seen.rms, 2)} times", f"Play {file} ({ceil(there.duration)} s)"
+    if abs(seen.gap) < seen.noise:
+        return (
+            f"{play} on the arm that was recorded, and diagnose it: no sample of {joint} shows whether it is "
+            f"{truth} or {other} ({gap} at most, {times}), all of them do ({whole} rms)."
+        )
     told = (
-        f"Play {file} ({ceil(there.duration)} s) on the arm that was recorded, and look at {where}: if it is "
-        f"{truth}, the joint reads {gap} {'higher' if seen.gap > 0 else 'lower'} than if it is {other} "
-        f"({times}; {significant(seen.rms, 2)} times rms over the whole motion)."
+        f"{play} on the arm that was recorded, and look at {where}: if it is {truth}, the joint reads {gap} "
+        f"{'higher' if seen.gap > 0 else 'lower'} than if it is {other} "
+        f"({times}; {whole} rms over the whole motion)."
     )
     absent = f" If that is not seen, both remain possible: {truth} can do what {other} does."
     return told if mutual else told + absent

@@ -44,8 +44,8 @@ class Difference:
 
     @property
     def decides(self) -> bool:
-        """Whether it rules the rival out, by more than what noise hides everywhere."""
-        return self.ratio >= CLEARLY and abs(self.gap) >= self.noise
+        """Whether it rules the rival out."""
+        return self.ratio >= CLEARLY
 
 
 class Pinned(Residuals):

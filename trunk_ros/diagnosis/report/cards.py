@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.report.verdict import place
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.finding import Finding
-from trunk_ros.diagnosis.verdict.units import AT_MOST, UNTOLD, bound, is_open
+from trunk_ros.diagnosis.verdict.units import UNTOLD, is_open
 from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect, registry
 
@@ -92,10 +92,11 @@ def _value(finding: Finding, name: str, held: dict[str, Any] | None) -> str:
         return ""
     kind, unit = registry().get(finding.effect), held.get("unit") or "1"
     relative = kind is not None and any(p.relative for p in kind.parameters if p.name == name)
-    if is_open(held):
-        most = bound(held)
-        return UNTOLD if most is None else f"{UNTOLD} ({AT_MOST} {quantity(most, None, unit, relative)})"
-    return quantity(held.get("value"), held.get("std"), unit, relative)
+    return (
+        UNTOLD
+        if is_open({"unit": unit, **held})
+        else quantity(held.get("value"), held.get("std"), unit, relative)
+    )
 
 
 def _meaning(name: str, parameter: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import floor, log10
 from typing import Any
 
-from trunk_ros.diagnosis.levels import NOTABLE, TENFOLD
+from trunk_ros.diagnosis.levels import TENFOLD
 
 SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}
 
@@ -26,30 +26,26 @@ def sized(value: float, unit: str, digits: int = 3) -> str:
 
 
 def as_read(value: Mapping[str, Any]) -> str:
-    """A parameter of diagnosis.json as one reads it: one that was held has no spread, and of one that is
-    less than its spread only a bound is told, where there is any.
+    """A parameter of diagnosis.json as one reads it: one that was held has no spread, and one that the data
+    do not determine no value.
     """
     if not isinstance(value["value"], float):
         return str(value["value"] or "")
-    unit = "" if value["unit"] == "1" else f" {value['unit']}"
     if is_open(value):
-        most = bound(value)
-        return UNTOLD if most is None else f"{UNTOLD} ({AT_MOST} {most:.2g}{unit})"
+        return UNTOLD
+    unit = "" if value["unit"] == "1" else f" {value['unit']}"
     if not value["std"]:
         return f"{value['value']:.3g}{unit}"
-    digits = 2 + floor(log10(abs(value["value"]))) - floor(log10(value["std"]))
-    return f"{value['value']:.{min(digits, 5)}g} ± {value['std']:.2g}{unit}"
+    digits = 2 + floor(log10(abs(value["value"]) or value["std"])) - floor(log10(value["std"]))
+    return f"{value['value']:.{min(max(digits, 1), 5)}g} ± {value['std']:.2g}{unit}"
 
 
-UNTOLD, AT_MOST = "not determined", "at most"
+UNTOLD = "not determined"
 
 
 def is_open(value: Mapping[str, Any]) -> bool:
-    """Whether a parameter is less than its spread: these data do not determine it."""
-    return isinstance(value["value"], float) and (value["std"] or 0.0) > abs(value["value"])
-
-
-def bound(value: Mapping[str, Any]) -> float | None:
-    """How large such a parameter may be; None where its spread is that of nothing known."""
-    size = abs(value["value"])
-    return size + NOTABLE * value["std"] if value["std"] < TENFOLD * size else None
+    """Whether a spread is many times a parameter: these data do not determine it. Of angles and lengths zero
+    is a place like any other.
+    """
+    size = abs(value["value"]) if isinstance(value["value"], float) else 0.0
+    return 0.0 < TENFOLD * size < (value["std"] or 0.0) and value["unit"] not in ("rad", "m")
