@@ -48,6 +48,15 @@ def test_simulated_time_records_every_step_of_every_topic(bag):
     assert f"{path}: " in done.stdout
 
 
+def test_a_run_in_a_namespace_is_read_with_it(tmp_path):
+    """As the report prints both."""
+    simulated(tmp_path / "run", "--ros-args", "-r", "__ns:=/left", seconds=1)
+    topics = set(bag_messages(tmp_path / "run")) - {"/clock", "/tf", "/tf_static"}
+    assert all(topic.startswith("/left/") for topic in topics), topics
+    series = read_recording(tmp_path / "run", namespace="/left").series
+    assert {"setpoints", "gearbox_states", "joint_states"} <= series.keys()
+
+
 def test_the_bag_says_what_made_it_and_what_was_lost(bag):
     custom = read_metadata(bag[0]).custom
     losses = json.loads(custom["trunk_ros.loss"])

@@ -1,5 +1,6 @@
 """Nodes as processes: help, and machines without ROS 2."""
 
+import os
 import subprocess
 import sys
 
@@ -75,6 +76,20 @@ def test_a_file_of_parameters_that_is_not_there_is_one_line(command):
     assert (done.returncode, done.stderr) == (
         2, "trunk_ros: --params-file nowhere.yaml: there is no such file\n",
     )  # fmt: skip
+
+
+def test_a_file_of_parameters_may_be_a_pipe_and_is_no_folder(tmp_path):
+    from trunk_ros.errors import TrunkError
+    from trunk_ros.nodes.graph.process import look_for_files
+
+    read, write = os.pipe()
+    try:
+        look_for_files(["--ros-args", "--params-file", f"/dev/fd/{read}"])
+    finally:
+        os.close(read)
+        os.close(write)
+    with pytest.raises(TrunkError, match="it is a folder"):
+        look_for_files(["--ros-args", "--params-file", str(tmp_path)])
 
 
 @needs_ros

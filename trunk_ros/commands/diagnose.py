@@ -103,7 +103,7 @@ def main(argv: list[str]) -> int:
         with new_folder(asked.output, asked.overwrite, FILES) as folder:
             result.save(folder)
             write_report(result, folder)
-    say(*spoken(result), f"{asked.output}: {', '.join([*FILES[:3], *result.trajectories])}")
+    say(*spoken(result), f"{asked.output}: {', '.join([*FILES[:3], *result.files])}")
     return 0
 
 

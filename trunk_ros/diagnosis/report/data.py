@@ -32,8 +32,13 @@ def recordings(result: Answer) -> list[dict[str, Any]]:
 
 def _length(held: dict[str, Any]) -> str:
     """How long a recording is, and which part of it was asked for."""
-    whole = f"{float(held.get('duration', 0.0)):.4g} s"
-    return f"{held['from']:.4g} to {held['until']:.4g} s of {whole}" if "until" in held else whole
+    whole = f"{_plain(held.get('duration', 0.0))} s"
+    return f"{_plain(held['from'])} to {_plain(held['until'])} s of {whole}" if "until" in held else whole
+
+
+def _plain(seconds: float) -> str:
+    """Hundredths at most, and no exponent, however long."""
+    return f"{float(seconds):.2f}".rstrip("0").rstrip(".")
 
 
 def _topic(name: str, said: dict[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from trunk_ros.diagnosis.report.cards import cards
-from trunk_ros.diagnosis.report.commands import cut, diagnose_again, play
+from trunk_ros.diagnosis.report.commands import cut, diagnose_again, motions, play, with_simulator
 from trunk_ros.diagnosis.report.data import numbers, provenance, recordings
 from trunk_ros.diagnosis.report.errors import (
     LEAST,
@@ -80,7 +80,9 @@ def content(result: Answer) -> dict[str, Any]:
         "runs": runs(result),
         "undecided": any(not e.get("trajectory") for e in result.experiments),
         "again": diagnose_again(result),
+        "with_simulator": with_simulator(result),
         "cut": cut(result),
+        "not_cut": cut(result, fitting=False),
         "rivals_remain": any(f.equivalents for f in result.findings),
         "numbers": numbers(result),
         "provenance": provenance(result),
@@ -102,8 +104,7 @@ def contents(result: Answer, over_time: bool) -> list[tuple[str, str]]:
 
 def runs(result: Answer) -> list[str]:
     """The command that plays each experiment's motion."""
-    files = dict.fromkeys(e["trajectory"] for e in result.experiments if e.get("trajectory"))
-    return [play(result, file) for file in files]
+    return [play(result, file) for file in motions(result)]
 
 
 def quiet(result: Answer, shown: list[Signal]) -> list[str]:

@@ -16,6 +16,8 @@ from trunk_ros.trajectory import Trajectory, save_trajectory
 
 SCHEMA = "trunk_ros/diagnosis/1"
 STAGES = tuple(COMPARED)
+NOMINAL = "nominal.yaml"  # the arm without effects, where it is in no other file
+FROM_URDF = "robot_description"  # what stood for the model where a recorded URDF did
 
 
 @dataclass
@@ -67,6 +69,17 @@ class Answer:
         return "partly_explained" if named else "unexplained"
 
     @property
+    def described(self) -> bool:
+        """Whether a URDF, given or recorded, says what the nominal arm is, which is then in no model file."""
+        told = self.provenance
+        return "urdf" in told.get("arguments", {}) or told.get("model") == FROM_URDF
+
+    @property
+    def files(self) -> list[str]:
+        """What ``save`` writes for the experiments: their motions, and what plays them."""
+        return [*self.trajectories, *([NOMINAL] if self.trajectories and self.described else [])]
+
+    @property
     def events(self) -> list[Event]:
         """Where findings begin and end within the recording, in the order of time."""
         return events(self.findings)
@@ -92,7 +105,7 @@ class Answer:
 
     def save(self, folder: str | Path) -> None:
         """Write ``diagnosis.json``, ``model.yaml`` and the experiments' trajectories into a folder, which is
-        made where it is not there.
+        made where it is not there; the arm without effects too, where one of them is played with it.
         """
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
@@ -100,6 +113,8 @@ class Answer:
         save_model(self.model, folder / "model.yaml")
         if self.simulator is not None:
             save_model(self.simulator, folder / "simulation.yaml")
+        if NOMINAL in self.files:
+            save_model(Model(self.model.arm), folder / NOMINAL)
         for name, trajectory in self.trajectories.items():
             save_trajectory(folder / name, trajectory)
 

@@ -102,8 +102,12 @@ def serve_for(seconds: float, executor: Any, node: Any) -> None:
 def look_for_files(argv: Sequence[str]) -> None:
     """Raise TrunkError for a ``--params-file`` that is not there: rcl says it in lines of its own."""
     for option, file in pairwise(argv):
-        if option == "--params-file" and not Path(file).is_file():
+        if option != "--params-file":
+            continue
+        if not Path(file).exists():  # a pipe, as of <(…), will do
             raise TrunkError(f"--params-file {file}: there is no such file")
+        if Path(file).is_dir():
+            raise TrunkError(f"--params-file {file}: it is a folder")
 
 
 def start_ros(argv: list[str]) -> None:
