@@ -1,4 +1,4 @@
-"""Numbers that people read: three digits, or as many as a spread tells, and no value that nothing determines."""
+"""Numbers that people read: three digits, or as many as a spread tells; no value that nothing determines."""
 
 import re
 from dataclasses import replace
