@@ -1,5 +1,6 @@
 """A domain per test, nothing left in shared memory, and commands that end by themselves."""
 
+import signal
 import subprocess
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -41,6 +42,8 @@ def command(
             code = main([str(word) for word in words])
         except SystemExit as ended:
             code = int(ended.code or 0)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)  # by which a process of its own would leave in time
         return subprocess.CompletedProcess(words, code, *capfd.readouterr())
 
     return run
