@@ -112,7 +112,7 @@ class Hypothesis(dict[str, Term]):
         """What a fit of these joints moves; shared values only if it covers all of theirs that are judged."""
         return [f for t in self.values() for f in _free(t, columns, t.own if judged is None else judged)]
 
-    def get(self, free: list[Free]) -> Array:  # type: ignore[override]
+    def free_values(self, free: list[Free]) -> Array:
         """The free values, logarithms where the parameter is fitted so."""
         return np.array([_encode(f.parameter, self[f.effect].home(f.column)[f.parameter.name]) for f in free])
 

@@ -36,7 +36,7 @@ def test_what_bends_is_followed_until_nothing_is_left_to_gain() -> None:
     done, took = predictions(look, wide, 2)
     assert took > 5
     there = Residuals(look, done.hypothesis, [2])
-    slope, normal = there.normal(done.hypothesis.get(there.free))
+    slope, normal = there.normal(done.hypothesis.free_values(there.free))
     assert slope[0] ** 2 / normal[0, 0] < 0.1  # of squared unit noise
     assert done.hypothesis["backlash"].own[2]["half_width"] == pytest.approx(1.5e-3, abs=5e-5)
 

@@ -36,7 +36,7 @@ def test_a_look_at_all_joints_is_a_projection_on_all_values_and_the_change() -> 
     there = Hypothesis({**late.copy(), "load_elasticity": soft})
     screen = Screen(now.context, late)
     values = Residuals(now.context, late, now.context.columns)
-    jacobian, rest = values.jacobian(late.get(values.free)), values(late.get(values.free))
+    jacobian, rest = values.jacobian(late.free_values(values.free)), values(late.free_values(values.free))
     change = np.concatenate([screen.change(there, c) for c in now.context.columns])
 
     def left(*directions: np.ndarray) -> float:

@@ -69,7 +69,7 @@ def determined(state: Fit) -> Determined:
     for group in groups(state.context, state.hypothesis):
         residuals = Residuals(state.context, state.hypothesis, group)
         if residuals.free:
-            x = np.clip(state.hypothesis.get(residuals.free), *bounds(residuals.free))
+            x = np.clip(state.hypothesis.free_values(residuals.free), *bounds(residuals.free))
             slope, normal = residuals.normal(x)
             correlations += _tied(state.context, residuals.free, normal)
             at_bound += _at_bound(state.context, residuals.free, x, slope)

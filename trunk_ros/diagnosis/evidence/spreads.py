@@ -47,7 +47,7 @@ def spreads(state: Fit) -> Spreads:
     for group in groups(context, hypothesis):
         residuals = Residuals(context, hypothesis, group)
         if residuals.free:
-            x = np.clip(hypothesis.get(residuals.free), *bounds(residuals.free))
+            x = np.clip(hypothesis.free_values(residuals.free), *bounds(residuals.free))
             out |= _no_flatter(residuals, x, _deviations(residuals, x, _seen(residuals, x)))
     return out
 

@@ -57,7 +57,7 @@ class Pinned(Residuals):
         """
         super().__init__(there, earlier.hypothesis, earlier.columns)
         self.free, self.scale = earlier.free, earlier.scale
-        self.at = np.clip(self.hypothesis.get(self.free), *bounds(self.free))
+        self.at = np.clip(self.hypothesis.free_values(self.free), *bounds(self.free))
         values, directions = np.linalg.eigh(normal)
         self.root = np.sqrt(np.maximum(values, 0.0))[:, None] * directions.T
 
@@ -110,7 +110,7 @@ class Other:
         context, out = self.context.seen_with(self.hypothesis), []
         for group in groups(context, self.hypothesis):
             residuals = Residuals(context, self.hypothesis, group)
-            x = np.clip(self.hypothesis.get(residuals.free), *bounds(residuals.free))
+            x = np.clip(self.hypothesis.free_values(residuals.free), *bounds(residuals.free))
             out.append((residuals, residuals.normal(x)[1]))
         return out
 

@@ -130,7 +130,7 @@ def fit(
     Shared values move only where all joints that they act on are among the columns.
     """
     residuals = Residuals(context, hypothesis, columns)
-    x = hypothesis.get(residuals.free)
+    x = hypothesis.free_values(residuals.free)
     if len(x):
         x = minimise(residuals, np.clip(x, *bounds(residuals.free)), ROUNDS, goal, spared)
     cost = {c: float(part @ part) for c, part in zip(columns, residuals.parts(x), strict=True)}

@@ -20,7 +20,7 @@ def directions(
     free = residuals.free
     shared = [k for k, f in enumerate(free) if f.column is None and not _of_one(hypothesis, f)]
     own, besides = {}, {}
-    for column, (moved, slopes) in zip(columns, residuals.slopes(hypothesis.get(free)), strict=True):
+    for column, (moved, slopes) in zip(columns, residuals.slopes(hypothesis.free_values(free)), strict=True):
         alone = slopes[:, [i for i, k in enumerate(moved) if k not in shared]]
         size = np.linalg.norm(alone, axis=0)
         q = np.asarray(np.linalg.qr(alone[:, size > 0] / size[size > 0])[0])

@@ -86,7 +86,7 @@ def _followed(context: Context, hypothesis: Hypothesis, index: int, column: int,
     values that move it.
     """
     values = Residuals(context, hypothesis, context.columns)
-    x = hypothesis.get(values.free)
+    x = hypothesis.free_values(values.free)
     there, moving = x + values.steps(x), values.moving(column)
     base, count = context.residual(index, hypothesis, column)[rows], 1
     out = np.ones((len(base), 1 + len(moving)), precision(len(base)), "F")

@@ -112,7 +112,7 @@ def price(fit: Fit, term: Term) -> float:
     """
     context, kind = fit.context, effect(term.effect)
     name, source = naming(kind.stage), choice(len(context.joints) - 1)
-    known = dict.get(context.known, term.effect, Term(term.effect))
+    known = context.known.get(term.effect, Term(term.effect))
     more = _besides(term, known) if term.effect in context.known else term
     asked = context.judged(term)
     columns = [c for c in asked if c not in known.own]

@@ -44,7 +44,7 @@ def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterat
     columns, less = best.hypothesis[name].columns, best.hypothesis.without(name)
     alone = less.less([other for other in less if effect(other).regime == kind.regime])
     for bare in (less, alone) if len(alone) < len(less) else (less,):
-        there = dict.get(bare, kind.id)
+        there = bare.get(kind.id)
         new = [c for c in columns if c in best.context.columns and (there is None or c not in there.own)]
         for form in shown_forms(kind, best.context, new) if there is None else (there.form,):
             out = begun_on(best.context, bare, kind, form, new)
