@@ -121,7 +121,13 @@ class Peer:
             there = any(each.node_name == node for each in ears)
             return there and publisher.get_subscription_count() >= len(ears)
 
-        self.until(lambda: all(matched(each) for each in publishers))
+        try:
+            self.until(lambda: all(matched(each) for each in publishers))
+        except AssertionError as vain:
+            ears = {p.topic_name: self.node.get_subscriptions_info_by_topic(p.topic_name) for p in publishers}
+            told = {topic: [each.node_name for each in heard] for topic, heard in ears.items()}
+            count = [each.get_subscription_count() for each in publishers]
+            raise AssertionError(f"{node} hears not all: {told}, {count} matched") from vain
 
     def call(self, client: Any, request: Any) -> Any:
         """The answer of a service."""
