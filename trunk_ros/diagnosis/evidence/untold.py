@@ -18,11 +18,9 @@ def as_the_surest(state: Fit, std: Spreads) -> Fit:
     """
     for one in effects_of_several(state):
         for column in [c for c in one.columns if _is_untold(state, one, c, std)]:
-            alike = one.on(column)
-            if alike is None:
+            there = one.on(column, state.hypothesis)
+            if there is None:
                 continue
-            there = state.hypothesis.copy()
-            there[one.name].own[column] = alike[one.name].own[column]
             trial = refit_column(state, there, column)
             shown = unshown(state.context, trial.hypothesis) <= unshown(state.context, state.hypothesis)
             if shown and trial.cost[column] < state.cost[column] + FURTHER * chance(state.context, column):

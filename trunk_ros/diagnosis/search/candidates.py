@@ -85,6 +85,11 @@ def local_kinds(context: Context) -> list[type[Effect]]:
     return [k for k in usable(context) if not k.everywhere]
 
 
+def kinds_of_all(context: Context, hypothesis: Hypothesis) -> list[type[Effect]]:
+    """Effects that act on all joints, and are not there."""
+    return [k for k in usable(context) if k.everywhere and k.id not in hypothesis]
+
+
 def open_kinds(context: Context, hypothesis: Hypothesis, column: int) -> list[type[Effect]]:
     """Effects of its own that a column may have besides those that it has; beside a curve there is room for
     none.
@@ -108,8 +113,8 @@ def breaking_kinds(context: Context, hypothesis: Hypothesis, column: int) -> lis
     """Effects that act on all joints alike as a rule, but may begin on one: a wire that gives way."""
     return [
         k
-        for k in usable(context)
-        if k.everywhere and k.begins and k.id not in hypothesis and not k.own_parameters(k.forms[0])[0].shared
+        for k in kinds_of_all(context, hypothesis)
+        if k.begins and not k.own_parameters(k.forms[0])[0].shared
         if is_open(context, hypothesis, k, column) and not taken(k, hypothesis, column)
     ]
 

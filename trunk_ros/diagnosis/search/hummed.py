@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, SEVERAL
 from trunk_ros.diagnosis.machine import precision
-from trunk_ros.diagnosis.search.candidates import open_kinds, usable
+from trunk_ros.diagnosis.search.candidates import kinds_of_all, open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.screen import Kept, Screen
@@ -58,8 +58,7 @@ def _may_be_named(now: Fit, kept: Callable[[int], Kept], gained: float) -> bool:
         found = looks(now, hypothesis, column, kinds, PROMISING, kept=kept(column))
         return max((look.gain for look in found), default=0.0)
 
-    kinds = [kind for kind in usable(context) if kind.everywhere and kind.id not in hypothesis]
-    together = on_all_joints(Screen(context, hypothesis), kinds)
+    together = on_all_joints(Screen(context, hypothesis), kinds_of_all(context, hypothesis))
     most = [sum(map(alone, context.columns)), *(candidate.gain for candidate in together)]
     return max(most) > gained
 

@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
-from trunk_ros.diagnosis.search.candidates import extended, open_kinds, usable
+from trunk_ros.diagnosis.search.candidates import extended, kinds_of_all, open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, need, score
@@ -191,8 +191,7 @@ def _may_be_named(
 def _laws(now: Fit) -> list[Hypothesis]:
     """With each of the effects of all joints that by a linear look explain most, fitted."""
     context, screen = now.context, Screen(now.context, now.hypothesis)
-    kinds = [kind for kind in usable(context) if kind.everywhere and kind.id not in now.hypothesis]
-    best = on_all_joints(screen, kinds)[:REFITTED]
+    best = on_all_joints(screen, kinds_of_all(context, now.hypothesis))[:REFITTED]
     return [refit(context, extended(context, now.hypothesis, one)).hypothesis for one in best]
 
 

@@ -14,9 +14,9 @@ from trunk_ros.diagnosis.search.candidates import (
     Candidate,
     breaking_kinds,
     extended,
+    kinds_of_all,
     local_kinds,
     open_kinds,
-    usable,
 )
 from trunk_ros.diagnosis.search.credible import hidden, unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, of
@@ -187,7 +187,7 @@ def _merged(best: Fit, name: str, chosen: dict[int, Tried]) -> Fit:
 def everywhere(best: Fit, desk: Desk, leader: Fit) -> Iterator[Fit]:
     """Hypotheses with a further effect that acts on all joints alike, where they may beat a ``leader``."""
     context = best.context
-    kinds = [k for k in usable(context) if k.everywhere and k.id not in best.hypothesis]
+    kinds = kinds_of_all(context, best.hypothesis)
     if not kinds:
         return
     screen = Screen(context, best.hypothesis)
@@ -238,7 +238,7 @@ def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
     """Whether an effect on all joints explains what it should on most of those that it moves."""
     context, sides = trial.context, []
     less = trial.hypothesis.without(name)
-    for column in (c for c in trial.hypothesis[name].columns if c in context.columns):
+    for column in context.judged(trial.hypothesis[name]):
         moved = change(context, trial.hypothesis, less, column)
         size = float(moved @ moved)
         if size > need(context, column, best.rest(column)):

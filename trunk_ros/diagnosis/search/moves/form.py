@@ -132,13 +132,13 @@ def _begun(now: Fit, name: str, form: str) -> Hypothesis | None:
     other one has no place for that.
     """
     kind, old, out = effect(name), now.hypothesis[name], now.hypothesis.without(name)
-    judged = {c for c in old.columns if c in now.context.columns}
-    for column in sorted(judged):
+    judged = now.context.judged(old)
+    for column in judged:
         out = begun_on(now.context, out, kind, form, [column]) or out
-    if name not in out or (name in now.context.known and judged - out[name].own.keys()):
+    if name not in out or (name in now.context.known and set(judged) - out[name].own.keys()):
         return None
     used = {p.name for p in kind.used(form)}
-    for column in old.own.keys() - judged:
+    for column in old.own.keys() - set(judged):
         if old.own[column].keys() - used:
             return None
         out.have(column, replace(old, own={column: old.shared | old.own[column]}))

@@ -29,12 +29,14 @@ class Alike:
         changes = {c: change(self.state.context, self.state.hypothesis, less, c) for c in self.columns}
         return max(self.columns, key=lambda c: float(changes[c] @ changes[c]))
 
-    def on(self, column: int) -> Hypothesis | None:
-        """With the values of the surest joint on another one; None on itself, and in another unit."""
+    def on(self, column: int, now: Hypothesis) -> Hypothesis | None:
+        """With the values that the surest joint has ``now`` on another one; None on itself, and in another
+        unit.
+        """
         unit = self.state.context.stage.unit
         if self.surest == column or unit(self.surest) != unit(column):
             return None
-        out = self.state.hypothesis.copy()
+        out = now.copy()
         own, theirs = out[self.name].own[column], out[self.name].own[self.surest]
         out[self.name].own[column] = own | {n: theirs[n] for n in self.names if n in own and n in theirs}
         return out
@@ -59,7 +61,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def _begun(one: Alike, column: int) -> Iterator[Fit]:
-    there = one.on(column)
+    there = one.on(column, one.state.hypothesis)
     if there is not None:
         yield refit_column(one.state, there, column)
 

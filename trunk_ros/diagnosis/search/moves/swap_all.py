@@ -11,7 +11,7 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
-from trunk_ros.diagnosis.search.candidates import extended, open_kinds, replaced, taken, usable
+from trunk_ros.diagnosis.search.candidates import extended, kinds_of_all, open_kinds, replaced, taken
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, only
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
@@ -32,7 +32,7 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect of most joints, by each that acts on all; one of several joints, as others may have more of
     the same for another effect, by those that show in the same regime.
     """
-    kinds = _further(best)
+    kinds = kinds_of_all(best.context, best.hypothesis)
     for name, term in best.hypothesis.items():
         several = len(term.columns) >= SEVERAL
         some = [k for k in kinds if on_most(best, name) or (several and k.regime == effect(name).regime)]
@@ -120,7 +120,7 @@ def inherited(context: Context, bare: Hypothesis, old: Term, kind: type[Effect])
     """An effect with the values and moments that one of its like has, and the best starts of what it has
     besides; none where the motion of one of its joints cannot show that.
     """
-    if not all(kind.forms_shown(context.motion(c)) for c in old.columns if c in context.columns):
+    if not all(kind.forms_shown(context.motion(c)) for c in context.judged(old)):
         return []
     begun, shaken = [], old.form in effect(old.effect).shaking
     for form in (f for f in kind.forms if shaken or f not in kind.shaking):  # those take a move of their own
@@ -212,7 +212,7 @@ def _back(old: Term, now: Fit, column: int) -> Fit:
 def _with_less(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect by what it includes, where its further values may say nothing."""
     for name in best.hypothesis:
-        kinds = [k for k in _further(best) if k.id in effect(name).replaces]
+        kinds = [k for k in kinds_of_all(best.context, best.hypothesis) if k.id in effect(name).replaces]
         if kinds:
             yield Group(name, best.context.columns, partial(_swapped, best, desk, name, kinds))
 
@@ -222,7 +222,7 @@ def with_more(best: Fit, desk: Desk) -> Iterator[Fit]:
     options of its own, which the other one is looked for with.
     """
     for name in best.hypothesis:
-        kinds = [k for k in _further(best) if name in k.replaces]
+        kinds = [k for k in kinds_of_all(best.context, best.hypothesis) if name in k.replaces]
         for kind in kinds:
             yield from _inherited(best, desk, name, kind)
         for option in effect(name).options(best.hypothesis[name].form) if kinds else ():
@@ -230,11 +230,6 @@ def with_more(best: Fit, desk: Desk) -> Iterator[Fit]:
                 there = best.hypothesis.copy()
                 there[name].shared = option | there[name].shared
                 yield refit_to_win(best, there)
-
-
-def _further(best: Fit) -> list[type[Effect]]:
-    """What acts on all joints and is not there."""
-    return [k for k in usable(best.context) if k.everywhere and k.id not in best.hypothesis]
 
 
 SWAP_ALL = Move("swap_all", groups, descends=True)

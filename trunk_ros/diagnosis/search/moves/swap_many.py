@@ -34,18 +34,17 @@ def _on_several(best: Fit, name: str) -> bool:
 
 def on_most(best: Fit, name: str) -> bool:
     """Whether an effect acts on all joints, or is on most of them."""
-    columns = best.context.columns
-    there = set(best.hypothesis[name].columns) & set(columns)
-    return effect(name).everywhere or 2 * len(there) > len(columns)
+    there = best.context.judged(best.hypothesis[name])
+    return effect(name).everywhere or 2 * len(there) > len(best.context.columns)
 
 
 def _on_the_same(best: Fit, desk: Desk, name: str, kind: type[Effect]) -> Iterator[Fit]:
     """An effect in the place of another on all of its joints, and of all that these have of its regime."""
-    columns, less = best.hypothesis[name].columns, best.hypothesis.without(name)
+    columns, less = best.context.judged(best.hypothesis[name]), best.hypothesis.without(name)
     alone = less.less([other for other in less if effect(other).regime == kind.regime])
     for bare in (less, alone) if len(alone) < len(less) else (less,):
         there = bare.get(kind.id)
-        new = [c for c in columns if c in best.context.columns and (there is None or c not in there.own)]
+        new = [c for c in columns if there is None or c not in there.own]
         for form in shown_forms(kind, best.context, new) if there is None else (there.form,):
             out = begun_on(best.context, bare, kind, form, new)
             if out is not None:
