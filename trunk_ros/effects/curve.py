@@ -53,6 +53,8 @@ class Curve(Effect):
     """It is added to the angle, times its ``factor``."""
     hides: ClassVar[bool] = False
     """A small one shows nothing of a large one: a fit begins at the best constant."""
+    ahead: ClassVar[bool] = False
+    """It is added to what the core is handed, which lets less of it through."""
     of: ClassVar[str] = "the angle"
     """What the curve is added to."""
     also: ClassVar[tuple[str, ...]] = ()

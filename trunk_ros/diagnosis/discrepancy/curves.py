@@ -22,6 +22,7 @@ from trunk_ros.effects.wire.unknown import Unknown
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
 from trunk_ros.effects.wire.unknown_slips import UnknownSlips
+from trunk_ros.effects.wire.unknown_waves import UnknownWaves
 from trunk_ros.recording.signal.resample import SLOW
 
 BUMP = 1e-4  # rad of a dead band, for derivatives
@@ -29,6 +30,7 @@ SMOOTH = np.logspace(-3.0, 4.0, 15)  # weights of a curve's bends, of a knot's o
 ZONES = np.geomspace(1e-4, 0.1, 30)  # rad, tried as constants: a small zone shows nothing of a large one
 NEAR = np.linspace(0.88, 1.12, 25)  # of the best of them, likewise
 MOST_JUMPS = 16
+LINE = 0.1  # of a line's width, between periods that are tried: waves are seldom sines, nor of whole periods
 
 
 @dataclass(frozen=True)
@@ -82,15 +84,28 @@ def promised(context: Context, bare: Hypothesis, column: int) -> float:
     """Squared unit-noise residual above the noise that a curve added to the angle would leave of a column by
     a linear look: a fit leaves no more.
     """
-    rest = context.whitened(bare, column)
+    return _promised(context, bare, column, linear=True)
 
-    def left(place: Place) -> float:
-        design = design_of(context, column, place)
-        values, _ = smoothed(design, rest, place.curve.bend())
-        return float(np.sum((rest - design @ values) ** 2))
 
-    smooth = (place for some in _smooth(context, column) for place in some if place.curve.linear)
-    return max(min(map(left, smooth), default=np.inf) - context.count(column), 0.0)
+def promised_within(context: Context, bare: Hypothesis, column: int) -> float:
+    """The same of curves of what the core does, such as its dead band; a fit may leave more or less."""
+    return _promised(context, bare, column, linear=False)
+
+
+def _promised(context: Context, bare: Hypothesis, column: int, linear: bool) -> float:
+    some = (place for kinds in _smooth(context, column) for place in kinds if place.curve.linear == linear)
+    left = (_look(context, bare, column, place)[0] for place in some)
+    return max(min(left, default=np.inf) - context.count(column), 0.0)
+
+
+def _look(context: Context, bare: Hypothesis, column: int, place: Place) -> tuple[float, float]:
+    """What a curve would leave of a column by a linear look, and how many values it is worth."""
+    values = _begun(context, bare, column, place)
+    design = _design(context, bare, column, place, values)
+    rest = context.whitened(with_curve(bare, place, column, values) if values.any() else bare, column)
+    moved, bends = smoothed(design, rest + design @ values, place.curve.bend())
+    off = rest - design @ (moved - values)
+    return float(off @ off), bends
 
 
 def redrawn(context: Context, hypothesis: Hypothesis, column: int) -> Hypothesis:
@@ -149,25 +164,24 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
     stamp, rest = span.stamp[valid], context.residual(index, bare, column)[valid]
     frequency, share = spectrum(stamp, rest)
     if share > PART:
-        yield [Place(UnknownCycle.id, "time", 0.0, 1.0 / frequency)]
+        near = frequency + LINE * np.arange(-2.0, 3.0) / (stamp[-1] - stamp[0])
+        for kind in (UnknownCycle, UnknownWaves):
+            yield [Place(kind.id, "time", 0.0, 1.0 / f) for f in near if f > 0.0]
     worth = SIGNIFICANT * (1.0 + noise.remembers) / (1.0 - noise.remembers)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
     angles = span.measured(context.views[index].angles)[valid]
     # a single jump has a name, and many imitate anything
     if 1 < len(moments) <= MOST_JUMPS and not moved_by(stamp, rest, moments, angles, column):
-        for kind in (UnknownJumps, UnknownSlips):
-            yield [Place(kind.id, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
+        for jump in (UnknownJumps, UnknownSlips):
+            yield [Place(jump.id, "time", float(stamp[0]), float(stamp[-1]), tuple(moments.tolist()))]
 
 
 def _best(context: Context, bare: Hypothesis, column: int, some: list[Place]) -> Drawn:
     """The curve of one kind over what a linear look finds best, fitted."""
-    rest = context.whitened(bare, column)
 
     def left(place: Place) -> float:
-        design = _design(context, bare, column, place, np.zeros(KNOTS))
-        values, bends = smoothed(design, rest, place.curve.bend())
-        off = rest - design @ values
-        return float(off @ off) + bends * float(np.log(len(rest)))
+        left, bends = _look(context, bare, column, place)
+        return left + bends * float(np.log(context.count(column)))
 
     return _alternate(context, bare, column, min(some, key=left) if len(some) > 1 else some[0])
 
@@ -188,15 +202,24 @@ def _alternate(context: Context, bare: Hypothesis, column: int, place: Place) ->
 
 
 def _begun(context: Context, bare: Hypothesis, column: int, place: Place) -> Array:
-    """(knots,) where a curve begins: at nothing, or at the best constant."""
-    if not place.curve.hides:
-        return np.zeros(KNOTS)
+    """(knots,) where a curve begins: at nothing, or at the best constant; ahead of the core at what behind it
+    would explain most, where that is better than nothing.
+    """
+    nothing = np.zeros(KNOTS)
 
-    def left(zone: float) -> float:
-        trial = with_curve(bare, place, column, np.full(KNOTS, zone))
+    def left(values: Array) -> float:
+        trial = with_curve(bare, place, column, values)
         return float(np.sum(context.whitened(trial, column) ** 2))
 
-    return np.full(KNOTS, min(NEAR * min(ZONES, key=left), key=left))
+    if place.curve.hides:
+        best = min(np.multiply.outer(ZONES, np.ones(KNOTS)), key=left)
+        return min(np.multiply.outer(NEAR, best), key=left)
+    if place.curve.ahead:
+        behind, _ = smoothed(
+            design_of(context, column, place), context.whitened(bare, column), place.curve.bend()
+        )
+        return min(nothing, behind, key=left)
+    return nothing
 
 
 def _design(context: Context, now: Hypothesis, column: int, place: Place, values: Array) -> Array:

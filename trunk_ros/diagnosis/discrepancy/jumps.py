@@ -46,7 +46,7 @@ def moved_by(stamp: Array, rest: Array, moments: Array, angles: Array, column: i
     kinds = [at[some] for some in (up, ~up) if some.sum() > 1]
     if len(kinds) < 2:
         return False
-    chance = np.prod([_there(angles, kind) ** (len(kind) - 1) for kind in kinds], axis=0)
+    chance = np.prod([_within(_there(angles, kind), len(kind)) for kind in kinds], axis=0)
     return bool(chance.min() * len(chance) < CHANCE)
 
 
@@ -55,6 +55,13 @@ def _there(angles: Array, seen: Array) -> Array:
     place = seen.mean(axis=0)
     reach = np.maximum(np.abs(seen - place).max(axis=0), HARDLY * np.ptp(angles, axis=0))
     return np.asarray(np.mean(np.abs(angles - place) <= reach, axis=0))
+
+
+def _within(share: Array, many: int) -> Array:
+    """The chance that so ``many`` moments, each at any time, lie within a ``share`` of where a joint is (David
+    and Nagaraja 2003, Order Statistics, 2.3).
+    """
+    return np.asarray(many * share ** (many - 1) - (many - 1) * share**many)
 
 
 @compiled

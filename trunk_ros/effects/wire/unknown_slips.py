@@ -11,6 +11,7 @@ class UnknownSlips(UnknownJumps):
     id = "unknown_slips"
     place = 60
     linear = False
+    ahead = True
     signature = "The residual's mean jumps between levels, as far as the backlash lets it through."
     of = "what the wire hands on, by jumps,"
     confused_with: ClassVar[tuple[tuple[str, str], ...]] = (

@@ -11,12 +11,13 @@ from functools import partial
 
 import numpy as np
 
-from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised
+from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised, promised_within
 from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
 from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.credible import hidden
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move
+from trunk_ros.diagnosis.search.descent import LARGE, Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
+from trunk_ros.diagnosis.search.moves.add import trials
 from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_at_least
 from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.diagnosis.search.state import state_of
@@ -31,25 +32,28 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 
 def early_groups(best: Fit, desk: Desk) -> Iterator[Group]:
-    """Joints whose names are far from what a curve promises."""
-    for column in best.context.columns:
-        if best.beyond_noise(column) > 0.0 and _hopeless(best, column):
+    """Joints whose names are far from what a curve promises, once none is missing that explains much."""
+    for column in best.context.columns if desk.share < LARGE else ():
+        if best.beyond_noise(column) > 0.0 and _hopeless(best, desk, column):
             yield Group(column, [column], partial(_on_joints, best, desk, [column]))
 
 
-def _hopeless(best: Fit, column: int) -> bool:
+def _hopeless(best: Fit, desk: Desk, column: int) -> bool:
     """Whether the names that a joint may still have would have to explain more, each, than those that it has
-    do, to leave as little as a curve promises in their place.
+    do, or than the best one by itself, to leave as little as a curve promises in their place.
     """
     local = own_effects(best.hypothesis, column)
     if not local or column in best.hypothesis.curved:
         return False
     nominal = best.context.whitened(best.context.known, column)
-    explained = float(nominal @ nominal) - best.cost[column]
-    reached = best.rest(column) - (OWN - len(local)) * explained / len(local)
-    if reached <= 0.0:
-        return False
-    return promised(best.context, best.hypothesis.less(local, column), column) < reached
+    each = (float(nominal @ nominal) - best.cost[column]) / len(local)
+    further = (trial.cost for (_, alone), trial in trials(best, desk, [column])[0].items() if alone)
+    each = min(each, best.cost[column] - min(further, default=best.cost[column]))
+    reached = best.rest(column) - (OWN - len(local)) * each
+    bare = best.hypothesis.less(local, column)
+    return reached > 0.0 and any(
+        look(best.context, bare, column) < reached for look in (promised, promised_within)
+    )
 
 
 def _curves(best: Fit, desk: Desk) -> Iterator[Fit]:
@@ -166,4 +170,4 @@ def _everywhere(best: Fit, shared: list[str]) -> Iterator[Fit]:
 
 
 CURVE = Move("curve", groups, grows=True, resort=True)
-EARLY_CURVE = Move("early_curve", early_groups, grows=True, resort=True)
+EARLY_CURVE = Move("early_curve", early_groups, grows=True)
