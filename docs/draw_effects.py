@@ -42,7 +42,10 @@ LARGER: dict[str, dict[str, float]] = {  # where the usual size would hardly be 
     "unknown_slips": {f"moment_{k:02d}": 2.0 * k for k in range(1, KNOTS)},
     "unknown_jumps": {f"moment_{k:02d}": 2.0 * k for k in range(1, KNOTS)},
 }
-RANGES = {"unknown_cycle": (0.0, 0.7), "unknown_jumps": (0.0, SECONDS), "unknown_slips": (0.0, SECONDS)}  # s
+RANGES = {  # s
+    **dict.fromkeys(("unknown_cycle", "unknown_waves"), (0.0, 0.7)),
+    **dict.fromkeys(("unknown_drift", "unknown_jumps", "unknown_slips"), (0.0, SECONDS)),
+}
 WITH_HOLDS = ("viscoelastic_creep", "link_resonance")
 
 
@@ -71,8 +74,8 @@ BY_REGIME = {
 OVER: dict[str, Over] = {
     "transmission_ripple": GEARBOX, "cogging": GEARBOX, "friction_wear": TIME, "link_resonance": STANDING,
     "load_elasticity": LOAD, "wire_slack": LOAD, "wire_stiffening": LOAD, "load_dependent_friction": LOAD,
-    "load_droop": LOAD, "link_compliance": LOAD, "unknown_cycle": TIME, "unknown_jumps": TIME,
-    "unknown_slips": TIME,
+    "load_droop": LOAD, "link_compliance": LOAD, "unknown_cycle": TIME, "unknown_waves": TIME,
+    "unknown_jumps": TIME, "unknown_slips": TIME, "unknown_drift": TIME,
     "unknown_dead_zone": GEARBOX,
     **dict.fromkeys(
         ("joint_coupling", "coupling_curve", "coupling_drag"),

@@ -25,6 +25,7 @@ OFF = 0.05  # share of its size by which each parameter is wrong at the start
 KNOWN = {"low", "high", "friction"}
 TIED = {
     ("unknown_cycle", "value_23"),  # the end of a period is its beginning
+    ("unknown_waves", "value_23"),
     ("link_offset_error", "across_2"),  # along parallel axes the shifts of all joints are one
 }
 

@@ -58,8 +58,8 @@ def _there(angles: Array, seen: Array) -> Array:
 
 
 def _within(share: Array, many: int) -> Array:
-    """The chance that so ``many`` moments, each at any time, lie within a ``share`` of where a joint is (David
-    and Nagaraja 2003, Order Statistics, 2.3).
+    """The chance that so ``many`` moments, each at any time, lie within a ``share`` of where a joint is: the
+    range of as many (David and Nagaraja 2003, Order Statistics, 2.3).
     """
     return np.asarray(many * share ** (many - 1) - (many - 1) * share**many)
 

@@ -18,6 +18,7 @@ from trunk_ros.effects import registry
 from trunk_ros.effects.curve import SPEED_OF
 from trunk_ros.effects.now import View
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
+from trunk_ros.effects.wire.unknown_waves import UnknownWaves
 
 POINTS = 1500
 CELLS = 60
@@ -43,7 +44,7 @@ def view_of(finding: Finding, joint: str) -> View:
         next(filter(None, words), finding.curve.get("on"))
         or (finding.depends_on[0] if finding.depends_on else "")
     )
-    if finding.curve.get("of") == UnknownCycle.of:
+    if finding.curve.get("of") in (UnknownCycle.of, UnknownWaves.of):
         return View("time", window=PERIODS * float(np.ptp(finding.curve["joints"][joint]["x"])))
     if view.over == "position" or not finding.named:
         return View(first or view.over, along=finding.regime == "reversal")

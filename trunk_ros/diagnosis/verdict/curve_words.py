@@ -50,10 +50,10 @@ def regime_of(kind: type[Curve], variable: str) -> str:
 
 def statement(kind: type[Curve], term: Term, where: str) -> str:
     """One sentence."""
-    if kind is UnknownCycle:
+    if issubclass(kind, UnknownCycle):
         rates = {f"{1.0 / term.own[c][HIGH]:.3g} Hz" for c in term.columns}
         return (
-            f"{where}: the angle swings with {' and '.join(sorted(rates))}, whether the joint moves or not, "
+            f"{where}: {kind.swings.format(' and '.join(sorted(rates)))}, "
             "in a way that no name fits; a smooth curve over one period stands in for it."
         )
     if issubclass(kind, UnknownJumps):

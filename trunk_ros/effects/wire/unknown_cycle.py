@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -22,9 +22,12 @@ class UnknownCycle(Curve):
     linear = True
     signature = "The residual swings in time with one period, whether the joint moves or not."
     of = "the angle, again and again,"
+    swings: ClassVar[str] = "the angle swings with {}, whether the joint moves or not"
     # A live run does not begin at the phase of the recording: with another phase it would get worse.
     compensable = False
-    confused_with = (("link_resonance", "stand still: a resonance dies out, what shakes the arm goes on"),)
+    confused_with: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("link_resonance", "stand still: a resonance dies out, what shakes the arm goes on"),
+    )
 
     @classmethod
     def onto(cls, x: Array, low: Array, high: Array) -> Array:
