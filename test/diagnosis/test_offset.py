@@ -4,6 +4,7 @@ and said.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,21 @@ def test_what_physics_and_old_readings_do_is_no_clock_that_is_early_or_was_set(
     recording = recorded(effects, 40.0)
     assert _right(recording, model)[1] == []
     assert _right(_off(recording, "joint_states", 4e-3), model)[1] == []
+
+
+@pytest.mark.parametrize("times", [-1.0, 0.3, -2.5])
+def test_a_lag_is_no_lead_where_motors_turn_joints_the_other_way_or_by_another_gear(
+    model: Model, times: float
+) -> None:
+    late = recorded({"sensor_delay": {"delay": 0.02}}, 40.0)
+    turned = replace(late.series["gearbox_states"], position=late.series["gearbox_states"].position * times)
+    if turned.velocity is not None:
+        turned = replace(turned, velocity=turned.velocity * times)
+    recording = replace(late, series={**late.series, "gearbox_states": turned})
+    assert _right(recording, model)[1] == []
+    right, kinds = _right(_off(recording, "joint_states", -0.025), model)
+    assert kinds == ["early"]
+    assert right.observed[0].value == pytest.approx(5e-3, abs=3e-4)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.levels import ROWS
+from trunk_ros.diagnosis.levels import FAR_OFF, MOST, ROWS
 from trunk_ros.diagnosis.machine import pieces, precision
 from trunk_ros.guards import BLIND, ROUNDED, TINY
 from trunk_ros.recording.recording import JointSeries
@@ -71,8 +71,20 @@ class Motion:
 def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
     """At the joints' stamps, of series with the same joints."""
     phi, velocity = resample(gearbox, shown.stamp)
-    asked, resists = phi * arm.ratio, resistance(arm, gearbox, shown.stamp, phi, shown)
-    return Motion(shown.stamp, asked, velocity * arm.ratio, fill(shown.position), arm, resists)
+    resists, seen = resistance(arm, gearbox, shown.stamp, phi, shown), fill(shown.position)
+    ratio = arm.ratio * _gains(phi * arm.ratio, seen)
+    return Motion(shown.stamp, phi * ratio, velocity * ratio, seen, arm, resists)
+
+
+def _gains(asked: Array, shown: Array) -> Array:
+    """(joints,) rad that joints move per rad of (n, joints) where the gearbox should have them, where that is
+    far from 1: nobody knew the ratio, and a lag beside a turned sign would be a lead.
+    """
+    asked, shown = (each - each.mean(axis=0) for each in (asked, shown))
+    along, own, other = (np.sum(a * b, axis=0) for a, b in ((asked, shown), (asked, asked), (shown, shown)))
+    gain = along / np.maximum(own, TINY)
+    told = (np.abs(gain - 1.0) > FAR_OFF) & (along**2 > MOST * own * other)
+    return np.where(told, gain, 1.0)
 
 
 def some_motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
