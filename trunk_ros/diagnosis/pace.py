@@ -13,10 +13,12 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.sensing.pairs import told
+from trunk_ros.diagnosis.data.sensing.physics import gains
 from trunk_ros.diagnosis.data.sensing.skew import LARGEST, unseen_skew
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY, SCATTER, SURE
+from trunk_ros.effects.curve import abscissa
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
@@ -56,7 +58,8 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
         return context
     views = []
     for k, (view, (pace, _)) in enumerate(zip(context.views, paces, strict=True)):
-        late = [_late(context, k, c) @ (pace - view.span.pace) for c in range(len(context.joints))]
+        further = pace - view.span.pace
+        late = [_late(context, hypothesis, k, c) @ further for c in range(len(context.joints))]
         target = view.span.target + np.column_stack(late)
         views.append(replace(view, span=replace(view.span, target=target, pace=tuple(pace))))
     return replace(context, views=tuple(views), look=context.look + 1, shown_before={}, _cache={})
@@ -96,7 +99,7 @@ def _likeliest(context: Context, hypothesis: Hypothesis, index: int) -> tuple[Ar
     along, square = np.zeros(2), np.eye(2)
     for column in context.columns:
         rest, shapes = context.whitened(hypothesis, column), []
-        for late in (_late(context, index, column) * unsure).T:  # in standard deviations
+        for late in (_late(context, hypothesis, index, column) * unsure).T:  # in standard deviations
             each = [np.zeros(len(view.span.rows)) for view in context.views]
             each[index] = late
             shapes.append(context.whiten_change(each, column))
@@ -107,8 +110,11 @@ def _likeliest(context: Context, hypothesis: Hypothesis, index: int) -> tuple[Ar
     return unsure * (known @ along), unsure * np.sqrt(known.diagonal())
 
 
-def _late(context: Context, index: int, column: int) -> Array:
+def _late(context: Context, hypothesis: Hypothesis, index: int, column: int) -> Array:
     """(n, 2) rad that a joint's reading changes per s/s of pace and per s ahead."""
     view = context.views[index]
     since = view.span.stamp - view.span.stamp[0]
-    return np.asarray(np.column_stack([since, np.ones_like(since)]) * view.columns[column].speed[:, None])
+    asked = view.span.measured(abscissa("position", context.now(index, column), 0))
+    turned = gains(asked[:, None], context.predictions(hypothesis, column)[index][:, None])
+    speed = view.columns[column].speed * turned
+    return np.asarray(np.column_stack([since, np.ones_like(since)]) * speed[:, None])

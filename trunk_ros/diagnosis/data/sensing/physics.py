@@ -72,11 +72,11 @@ def motion_of(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion:
     """At the joints' stamps, of series with the same joints."""
     phi, velocity = resample(gearbox, shown.stamp)
     resists, seen = resistance(arm, gearbox, shown.stamp, phi, shown), fill(shown.position)
-    ratio = arm.ratio * _gains(phi * arm.ratio, seen)
+    ratio = arm.ratio * gains(phi * arm.ratio, seen)
     return Motion(shown.stamp, phi * ratio, velocity * ratio, seen, arm, resists)
 
 
-def _gains(asked: Array, shown: Array) -> Array:
+def gains(asked: Array, shown: Array) -> Array:
     """(joints,) rad that joints move per rad of (n, joints) where the gearbox should have them, where that is
     far from 1: nobody knew the ratio, and a lag beside a turned sign would be a lead.
     """
