@@ -16,6 +16,7 @@ from test.concealed.masses import run_masses
 from test.concealed.masses_arm import Arm, having, soft
 from test.concealed.nominal import COMPLIANCE, JOINTS, RATIO
 from test.concealed.sensing import Run, Sensing, record
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.repeated_readings import asked, holding, new_readings
@@ -464,6 +465,41 @@ def test_a_sensor_of_any_pace_below_its_topics_is_seen_to_repeat_itself(rate: fl
     read = np.floor(stamp * rate) / rate
     shown = 0.4 * np.sin(1.3 * read) + 0.1 * np.sin(2.3 * read)
     assert holding(stamp, shown) == pytest.approx(1.0 / rate, abs=0.006)
+
+
+def _posture_after_posture(stamp: Array) -> Array:
+    """(n,) rad: every 4 s the joint goes to another posture, smoothly, and rests there."""
+    posture = np.random.default_rng(2).uniform(-0.2, 0.2, int(stamp[-1] / 4.0) + 2)
+    number = (stamp / 4.0).astype(int)
+    done = np.clip(stamp / 4.0 - number, 0.0, 0.7) / 0.7
+    return np.asarray(posture[number] + np.diff(posture)[number] * done**2 * (3.0 - 2.0 * done))
+
+
+def _polled(stamp: Array, angle: Array, period: float, late: float) -> Array:
+    """(n,) rad: the angle as a sensor shows it that is read every ``period`` s, in counts of 0.01 degrees."""
+    read = np.maximum(np.floor((stamp - late) / period) * period + late, 0.0)
+    return np.asarray(np.round(np.interp(read, stamp, angle) / np.deg2rad(0.01)) * np.deg2rad(0.01))
+
+
+@pytest.mark.parametrize("period", [0.06, 0.1, 0.15])
+def test_a_coarse_sensor_with_a_clock_repeats_its_readings_near_rest_as_well(period: float) -> None:
+    """There the next count takes several periods, as it does with an encoder."""
+    stamp = np.arange(0.0, 120.0, 0.02)
+    shown = _polled(stamp, _posture_after_posture(stamp), period, 0.03)
+    assert holding(stamp, shown) == pytest.approx(period, abs=0.002)
+
+
+@pytest.mark.parametrize("period", [0.02, 0.1])
+@pytest.mark.parametrize("step", [1e-4, 1e-3, 4e-3])
+def test_stairs_of_an_encoder_are_no_clock_whatever_the_motion(period: float, step: float) -> None:
+    stamp = np.arange(0.0, 120.0, period / 5)
+    angle = _posture_after_posture(stamp)
+    assert holding(stamp, np.round(angle / step) * step) == 0.0
+    steady = np.abs(np.mod(step / period * stamp, 0.5) - 0.25)  # a count in each period
+    assert holding(stamp, np.round(steady / step) * step) == 0.0
+    sticks = np.round(angle / 0.02) * 0.02  # goes on in jumps, with noise
+    noise = np.random.default_rng(0).normal(0.0, step, len(stamp))
+    assert holding(stamp, np.round((sticks + noise) / step) * step) == 0.0
 
 
 @pytest.mark.parametrize("step", [3e-4, 1e-3, 1e-2], ids=lambda step: f"{step:g}_rad")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, OUTLIERS, PART, THREEFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, NEARLY, OUTLIERS, PART, THREEFOLD
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
 
@@ -15,19 +15,27 @@ from trunk_ros.recording.signal.encoder import EVEN
 def holding(stamp: Array, values: Array) -> float:
     """Usual time [s] for which a sensor holds each of its readings (n,); 0 where every sample is a new
     one.
+
+    The steps that are much larger than the smallest give the clock's period, and nearly all steps come after
+    whole periods. An encoder that goes so far from one sample to the next changes at every sample, and where
+    it is slow it waits for as long as the way to the next count takes.
     """
     new = np.flatnonzero(np.diff(values)) + 1
     if len(new) < FEWEST:
         return 0.0
-    apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])
-    usual = float(np.median(apart))
-    low, high = np.quantile(steps, (0.1, 0.9))
+    apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])[1:]
     tick = float(np.median(np.diff(stamp)))
-    least = float(np.quantile(apart, 0.1))  # what comes evenly is published at one of two ticks
-    clocked = least > min(usual / CLEARLY, usual - CLEARLY * tick) and high > THREEFOLD * low
-    small, large = (apart[some].mean() for some in (steps[1:] <= low, steps[1:] >= high))
-    # a clock waits no longer for a small step than for a large one
-    clocked = clocked and small < CLEARLY * large
+    low, high = np.quantile(steps, (0.1, 0.9))
+    if high <= THREEFOLD * low:
+        return 0.0
+    within = (1.0 + EVEN) * tick  # what comes evenly is published at one of two ticks
+    usual = float(np.median(apart[steps > THREEFOLD * low]))
+    near = np.abs(apart - usual) <= within
+    if np.mean(near) <= PART:
+        return 0.0
+    usual = float(np.mean(apart[near]))
+    whole = usual * np.maximum(np.rint(apart / usual), 1.0)
+    clocked = float(np.mean(np.abs(apart - whole) <= within)) >= NEARLY
     return usual if clocked and usual > CLEARLY * tick else 0.0
 
 
