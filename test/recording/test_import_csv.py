@@ -65,6 +65,40 @@ def test_rows_out_of_order_are_sorted_and_rows_without_time_left_out(tmp_path):
     )
 
 
+def timed(tmp_path: Path, times: np.ndarray) -> Path:
+    return table(tmp_path, "t,x\n" + "".join(f"{t!r},{k}\n" for k, t in enumerate(times.tolist())))
+
+
+def test_runs_one_after_the_other_whose_time_begins_anew_are_refused_with_their_rows(tmp_path):
+    first, second = np.arange(0.0, 4.0, 0.01), np.arange(0.5, 3.0, 0.01)
+    with pytest.raises(RecordingError) as caught:
+        read_csv(timed(tmp_path, np.concatenate([first, second, first])), mapping())
+    said = str(caught.value)
+    assert "time begins anew at row 401 (3.49 s back), row 651 (2.99 s back)" in said
+    assert "Cut the table there, one run per file" in said
+    assert "\n" not in said
+
+
+def test_rows_that_came_late_blocks_that_do_not_overlap_and_merged_streams_are_sorted(tmp_path):
+    stamps = np.arange(0.0, 10.0, 0.01)
+    late = np.concatenate([stamps[:300], stamps[310:600], stamps[300:310], stamps[600:]])
+    exchanged = np.concatenate([stamps[500:], stamps[:500]])
+    merged = np.concatenate([np.concatenate([b, b + 0.005]) for b in stamps.reshape(40, 25)])
+    for times in (late, exchanged, merged, stamps[::-1]):
+        recording = read_csv(timed(tmp_path, times), mapping())
+        assert len(recording.require("joint_states").stamp) == len(times)
+        assert any("out of order, sorted by stamp" in note for note in recording.notes)
+
+
+def test_time_may_fall_back_from_topic_to_topic(tmp_path):
+    """Each sensor's rows are in order: all of one, and then all of the other."""
+    rows = [f"{t!r},1,\n" for t in np.arange(0.0, 4.0, 0.01).tolist()]
+    rows += [f"{t!r},,2\n" for t in np.arange(0.005, 4.0, 0.01).tolist()]
+    two = mapping(gearbox_states=position("x"), joint_states=position("y"))
+    recording = read_csv(table(tmp_path, "t,x,y\n" + "".join(rows)), two)
+    assert len(recording.require("joint_states").stamp) == 400
+
+
 def test_a_time_that_begins_below_0_is_moved_and_one_in_the_wrong_unit_refused(tmp_path):
     recording = read_csv(table(tmp_path, "t,x\n-2,1\n-1,2\n"), mapping())
     assert recording.start_ns == 0
