@@ -99,6 +99,33 @@ def test_time_may_fall_back_from_topic_to_topic(tmp_path):
     assert len(recording.require("joint_states").stamp) == 400
 
 
+def test_dates_are_times_in_utc_or_of_their_zone(tmp_path):
+    rows = [
+        "2025-11-12T09:53:06.117Z,1",
+        "2025-11-12T10:53:06.217+01:00,2",
+        "2025-11-12 09:53:06.317,3",
+        ",4",
+    ]
+    text = "t,x\n" + "\n".join(rows) + "\n"
+    recording = read_csv(table(tmp_path, text), mapping(time={"column": "t", "unit": "iso8601"}))
+    assert recording.start_ns == pytest.approx(1762941186.117e9, abs=1000)
+    np.testing.assert_allclose(recording.require("joint_states").stamp, [0.0, 0.1, 0.2], atol=1e-6)
+    with pytest.raises(RecordingError, match=r"line 2: .* wants `unit: iso8601` in the mapping"):
+        read_csv(table(tmp_path, text), mapping())
+    with pytest.raises(RecordingError, match="line 2: '12' is no date and time in ISO 8601"):
+        read_csv(table(tmp_path, "t,x\n12,1\n"), mapping(time={"column": "t", "unit": "iso8601"}))
+
+
+def test_a_table_without_a_header_is_refused_and_columns_may_be_numbered(tmp_path):
+    with pytest.raises(RecordingError, match=r"line 1 holds numbers .*put a line with the names"):
+        read_csv(
+            table(tmp_path, "0,0.5\n1,0.6\n"), mapping(time={"column": "0"}, joint_states=position("0.5"))
+        )
+    numbered = mapping(time={"column": "0"}, joint_states=position("1"))
+    recording = read_csv(table(tmp_path, "0,1\n0,5\n1,6\n"), numbered)
+    assert recording.require("joint_states").position.ravel().tolist() == [5, 6]
+
+
 def test_a_time_that_begins_below_0_is_moved_and_one_in_the_wrong_unit_refused(tmp_path):
     recording = read_csv(table(tmp_path, "t,x\n-2,1\n-1,2\n"), mapping())
     assert recording.start_ns == 0

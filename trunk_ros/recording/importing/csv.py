@@ -31,7 +31,8 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
     if mapping.of_bag:
         raise RecordingError(f"{path}: is a table: give `time: {{column: …, unit: s}}` or `rate_hz`")
-    table, remarks = read_table(path, mapping.columns, mapping.delimiter, mapping.decimal)
+    dates = mapping.time_columns if mapping.dates else ()
+    table, remarks = read_table(path, mapping.columns, mapping.delimiter, mapping.decimal, dates)
     every_ns, rows, timing = _times(path, mapping, table)
     values = {
         key: {name: _values(each, table)[rows] for name, each in topic.items()}
