@@ -459,6 +459,39 @@ def test_repeats_are_left_out_of_all_joints_alike(model: Model) -> None:
     assert new_readings(replace(held, position=position))[1] == period
 
 
+def _polled_in_turn(run: Run, period: float) -> Recording:
+    """Each joint is read every ``period`` s, one after the other, with noise and counts of 1e-4 rad."""
+    recording = _recording(run)
+    shown = recording.series["joint_states"]
+    position, t = shown.position.copy(), np.arange(len(run.theta_clean)) * 0.01
+    for j, angle in enumerate(run.theta_clean.T):
+        late = period * j / len(JOINTS)
+        number = np.maximum(np.floor((shown.stamp - late) / period), 0.0).astype(int)
+        noise = np.random.default_rng(j).normal(0.0, 1e-4, number[-1] + 1)[number]
+        position[:, j] = np.round((np.interp(number * period + late, t, angle) + noise) / 1e-4) * 1e-4
+    changed = {**recording.series, "joint_states": replace(shown, position=position)}
+    return replace(recording, series=changed)
+
+
+@pytest.mark.parametrize("period", [0.0617, 0.1003])
+def test_joints_that_are_read_in_turn_are_brought_to_one_time(model: Model, period: float) -> None:
+    """A joint's reading that is no news had counted as new where another joint had one."""
+    run = _run(Arm(), phase=0, seconds=90.0)
+    recording = _polled_in_turn(run, period)
+    right, kinds = _right(recording, model)
+    shown = right.series["joint_states"]
+    assert kinds == ["repeats"]
+    assert "Joints are read in turn" in right.observed[0].statement
+    assert len(shown.stamp) == pytest.approx(90.0 / period, rel=0.1)
+    t = np.arange(len(run.theta_clean)) * 0.01
+    for column, angle in zip(shown.position.T, run.theta_clean.T, strict=True):
+        off = np.abs(column - np.interp(shown.stamp, t, angle))
+        assert np.nanmedian(off) < 3e-4
+        assert np.nanquantile(off, 0.95) < 2e-3  # what was interpolated on a fast way
+    result = Diagnoser([recording], model, None, lambda _: None, experiments=False).run()
+    assert result.findings == []
+
+
 @pytest.mark.parametrize("rate", [14.0, 37.0, 40.0, 61.0], ids=lambda rate: f"{rate:g}_hz")
 def test_a_sensor_of_any_pace_below_its_topics_is_seen_to_repeat_itself(rate: float) -> None:
     stamp = np.arange(0.0, 60.0, 0.01)

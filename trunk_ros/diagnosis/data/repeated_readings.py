@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, NEARLY, OUTLIERS, PART, THREEFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
+from trunk_ros.recording.child_process import at_stamps
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
 
@@ -62,19 +63,71 @@ def asked(stamp: Array, usual: float, tick: float) -> Array:
 def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     """The series without repeats, and how long [s] its sensor holds a reading; 0 where it does not.
 
-    All joints that move have to be held: they are read together. While nothing changes one sample is kept
-    every other reading, since standing still is a fact as well.
+    All joints that move have to be held. Where they are read together, they stay in one row; where they are
+    read in turn, the others are interpolated to the times of the joint with most readings. While nothing
+    changes one sample is kept every other reading, since standing still is a fact as well.
     """
+    stamp, moving = _moving(series)
+    times = [holding(stamp, column) for column in moving]
+    if not times or min(times) == 0.0:
+        return series, 0.0
+    usual, tick = float(np.median(times)), float(np.median(np.diff(stamp)))
+    if in_turn(series, usual):
+        return _at_one_time(series, usual, tick), usual
+    new = series.rows(_kept(series.stamp, series.position, 2.0 * usual))
+    return replace(new, stamp=asked(new.stamp, usual, tick)), usual
+
+
+def _moving(series: JointSeries) -> tuple[Array, list[Array]]:
+    """Stamps (n,) at which all that lives is known, and the readings (n,) of each joint that moves."""
     read = series.position[:, np.isfinite(series.position).any(axis=0)]  # a dead sensor tells nothing
     known = np.isfinite(read).all(axis=1)
     stamp, position = series.stamp[known], read[known]
-    moving = [j for j in range(position.shape[1]) if np.ptp(position[:, j]) > 0.0] if len(stamp) else []
-    times = [holding(stamp, position[:, j]) for j in moving]
-    if not times or min(times) == 0.0:
-        return series, 0.0
-    usual = float(np.median(times))
-    new = series.rows(_kept(series.stamp, series.position, 2.0 * usual))
-    return replace(new, stamp=asked(new.stamp, usual, float(np.median(np.diff(stamp))))), usual
+    return stamp, [column for column in position.T if np.ptp(column) > 0.0] if len(stamp) else []
+
+
+def in_turn(series: JointSeries, usual: float) -> bool:
+    """Whether some joint has its new readings, about every ``usual`` s, at other times than another one."""
+    stamp, moving = _moving(series)
+    new = sorted((stamp[1:][np.diff(column) != 0.0] for column in moving), key=len)
+    for others in new[:-1]:
+        after = np.clip(np.searchsorted(new[-1], others), 1, len(new[-1]) - 1)
+        apart = np.minimum(np.abs(others - new[-1][after - 1]), np.abs(others - new[-1][after]))
+        apart = apart[apart < usual / 2.0]  # the other one may have stood elsewhere
+        if len(apart) >= FEWEST and np.mean(apart < np.median(np.diff(stamp)) / 2.0) < HALF:
+            return True
+    return False
+
+
+def _at_one_time(series: JointSeries, usual: float, tick: float) -> JointSeries:
+    """The new readings of the joint that has most of them, and those of the others between theirs."""
+    parts = [_when_read(series.select((joint,)), usual, tick) for joint in series.joints]
+    stamp = max((part.stamp for part in parts), key=len)
+    position, velocity, effort = (
+        None
+        if getattr(series, name) is None
+        else _between([(p.stamp, getattr(p, name)) for p in parts], stamp)
+        for name in ("position", "velocity", "effort")
+    )
+    assert position is not None
+    return JointSeries(stamp, series.joints, position, velocity, effort)
+
+
+def _when_read(one: JointSeries, usual: float, tick: float) -> JointSeries:
+    """The new readings of a joint at the times at which they were read."""
+    stamp, new = one.stamp.copy(), _kept(one.stamp, one.position, np.inf)
+    if new.sum() > FEWEST:
+        stamp[new] = asked(stamp[new], usual, tick)
+    rows = np.flatnonzero(_kept(one.stamp, one.position, 2.0 * usual))
+    rows = rows[
+        np.append(stamp[rows[:-1]] < stamp[rows[1:]], True)
+    ]  # a rest goes on until the next one is read
+    return replace(one.rows(rows), stamp=stamp[rows])
+
+
+def _between(parts: list[tuple[Array, Array]], stamp: Array) -> Array:
+    """(n, joints) at common stamps (n,), of the stamps (k,) and readings (k, 1) of each joint."""
+    return np.column_stack([at_stamps(stamp, own, column[:, 0], held=False) for own, column in parts])
 
 
 def _kept(stamp: Array, position: Array, longest: float) -> np.ndarray:
