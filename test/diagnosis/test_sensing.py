@@ -492,6 +492,16 @@ def test_joints_that_are_read_in_turn_are_brought_to_one_time(model: Model, peri
     assert result.findings == []
 
 
+def test_a_joint_that_rests_on_a_count_hides_no_repeats_of_the_others(model: Model) -> None:
+    held = _spoiled(_run(Arm(), phase=0), "latched", 0.04).series["joint_states"]
+    position = held.position.copy()
+    position[:, 2] = 1e-3 * np.round(1.4 * position[:, 2] / np.ptp(position[:, 2]))
+    assert 2 <= len(np.unique(position[:, 2])) <= 3
+    new, period = new_readings(replace(held, position=position))
+    assert period == pytest.approx(0.04, abs=1e-6)
+    assert len(new.stamp) < len(held.stamp) / 3
+
+
 @pytest.mark.parametrize("rate", [14.0, 37.0, 40.0, 61.0], ids=lambda rate: f"{rate:g}_hz")
 def test_a_sensor_of_any_pace_below_its_topics_is_seen_to_repeat_itself(rate: float) -> None:
     stamp = np.arange(0.0, 60.0, 0.01)

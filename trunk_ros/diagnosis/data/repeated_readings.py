@@ -21,14 +21,12 @@ def holding(stamp: Array, values: Array) -> float:
     whole periods. An encoder that goes so far from one sample to the next changes at every sample, and where
     it is slow it waits for as long as the way to the next count takes.
     """
-    new = np.flatnonzero(np.diff(values)) + 1
-    if len(new) < FEWEST:
+    low = _small_step(values)
+    if low == 0.0:
         return 0.0
+    new = np.flatnonzero(np.diff(values)) + 1
     apart, steps = np.diff(stamp[new]), np.abs(np.diff(values)[new - 1])[1:]
     tick = float(np.median(np.diff(stamp)))
-    low, high = np.quantile(steps, (0.1, 0.9))
-    if high <= THREEFOLD * low:
-        return 0.0
     within = (1.0 + EVEN) * tick  # what comes evenly is published at one of two ticks
     usual = float(np.median(apart[steps > THREEFOLD * low]))
     near = np.abs(apart - usual) <= within
@@ -38,6 +36,17 @@ def holding(stamp: Array, values: Array) -> float:
     whole = usual * np.maximum(np.rint(apart / usual), 1.0)
     clocked = float(np.mean(np.abs(apart - whole) <= within)) >= NEARLY
     return usual if clocked and usual > CLEARLY * tick else 0.0
+
+
+def _small_step(values: Array) -> float:
+    """How far a joint goes from one of its readings (n,) to the next where that is little; 0 where all steps
+    are alike, which tells nothing of a clock.
+    """
+    steps = np.abs(np.diff(values[np.flatnonzero(np.diff(values, prepend=np.nan))]))[1:]
+    if len(steps) < FEWEST - 1:
+        return 0.0
+    low, high = np.quantile(steps, (0.1, 0.9))
+    return float(low) if high > THREEFOLD * low else 0.0
 
 
 def asked(stamp: Array, usual: float, tick: float) -> Array:
@@ -63,12 +72,13 @@ def asked(stamp: Array, usual: float, tick: float) -> Array:
 def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     """The series without repeats, and how long [s] its sensor holds a reading; 0 where it does not.
 
-    All joints that move have to be held. Where they are read together, they stay in one row; where they are
-    read in turn, the others are interpolated to the times of the joint with most readings. While nothing
-    changes one sample is kept every other reading, since standing still is a fact as well.
+    All joints that tell have to be held; one that goes from count to count at most tells nothing. Where they
+    are read together, they stay in one row; where they are read in turn, the others are interpolated to the
+    times of the joint with most readings. While nothing changes one sample is kept every other reading, since
+    standing still is a fact as well.
     """
-    stamp, moving = _moving(series)
-    times = [holding(stamp, column) for column in moving]
+    stamp, telling = _telling(series)
+    times = [holding(stamp, column) for column in telling]
     if not times or min(times) == 0.0:
         return series, 0.0
     usual, tick = float(np.median(times)), float(np.median(np.diff(stamp)))
@@ -78,18 +88,18 @@ def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     return replace(new, stamp=asked(new.stamp, usual, tick)), usual
 
 
-def _moving(series: JointSeries) -> tuple[Array, list[Array]]:
-    """Stamps (n,) at which all that lives is known, and the readings (n,) of each joint that moves."""
+def _telling(series: JointSeries) -> tuple[Array, list[Array]]:
+    """Stamps (n,) at which all that lives is known, and readings (n,) of each joint that tells of a clock."""
     read = series.position[:, np.isfinite(series.position).any(axis=0)]  # a dead sensor tells nothing
     known = np.isfinite(read).all(axis=1)
     stamp, position = series.stamp[known], read[known]
-    return stamp, [column for column in position.T if np.ptp(column) > 0.0] if len(stamp) else []
+    return stamp, [column for column in position.T if _small_step(column) > 0.0] if len(stamp) else []
 
 
 def in_turn(series: JointSeries, usual: float) -> bool:
     """Whether some joint has its new readings, about every ``usual`` s, at other times than another one."""
-    stamp, moving = _moving(series)
-    new = sorted((stamp[1:][np.diff(column) != 0.0] for column in moving), key=len)
+    stamp, telling = _telling(series)
+    new = sorted((stamp[1:][np.diff(column) != 0.0] for column in telling), key=len)
     for others in new[:-1]:
         after = np.clip(np.searchsorted(new[-1], others), 1, len(new[-1]) - 1)
         apart = np.minimum(np.abs(others - new[-1][after - 1]), np.abs(others - new[-1][after]))
