@@ -16,6 +16,7 @@ from test.concealed.masses import run_masses
 from test.concealed.masses_arm import Arm, having, soft
 from test.concealed.nominal import COMPLIANCE, JOINTS, RATIO
 from test.concealed.sensing import Run, Sensing, record
+from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.repeated_readings import asked, holding, new_readings
@@ -458,12 +459,90 @@ def test_repeats_are_left_out_of_all_joints_alike(model: Model) -> None:
     assert new_readings(replace(held, position=position))[1] == period
 
 
+def _polled_in_turn(run: Run, period: float) -> Recording:
+    """Each joint is read every ``period`` s, one after the other, with noise and counts of 1e-4 rad."""
+    recording = _recording(run)
+    shown = recording.series["joint_states"]
+    position, t = shown.position.copy(), np.arange(len(run.theta_clean)) * 0.01
+    for j, angle in enumerate(run.theta_clean.T):
+        late = period * j / len(JOINTS)
+        number = np.maximum(np.floor((shown.stamp - late) / period), 0.0).astype(int)
+        noise = np.random.default_rng(j).normal(0.0, 1e-4, number[-1] + 1)[number]
+        position[:, j] = np.round((np.interp(number * period + late, t, angle) + noise) / 1e-4) * 1e-4
+    changed = {**recording.series, "joint_states": replace(shown, position=position)}
+    return replace(recording, series=changed)
+
+
+@pytest.mark.parametrize("period", [0.0617, 0.1003])
+def test_joints_that_are_read_in_turn_are_brought_to_one_time(model: Model, period: float) -> None:
+    """A joint's reading that is no news had counted as new where another joint had one."""
+    run = _run(Arm(), phase=0, seconds=90.0)
+    recording = _polled_in_turn(run, period)
+    right, kinds = _right(recording, model)
+    shown = right.series["joint_states"]
+    assert kinds == ["repeats"]
+    assert "Joints are read in turn" in right.observed[0].statement
+    assert len(shown.stamp) == pytest.approx(90.0 / period, rel=0.1)
+    t = np.arange(len(run.theta_clean)) * 0.01
+    for column, angle in zip(shown.position.T, run.theta_clean.T, strict=True):
+        off = np.abs(column - np.interp(shown.stamp, t, angle))
+        assert np.nanmedian(off) < 3e-4
+        assert np.nanquantile(off, 0.95) < 2e-3  # what was interpolated on a fast way
+    result = Diagnoser([recording], model, None, lambda _: None, experiments=False).run()
+    assert result.findings == []
+
+
+def test_a_joint_that_rests_on_a_count_hides_no_repeats_of_the_others(model: Model) -> None:
+    held = _spoiled(_run(Arm(), phase=0), "latched", 0.04).series["joint_states"]
+    position = held.position.copy()
+    position[:, 2] = 1e-3 * np.round(1.4 * position[:, 2] / np.ptp(position[:, 2]))
+    assert 2 <= len(np.unique(position[:, 2])) <= 3
+    new, period = new_readings(replace(held, position=position))
+    assert period == pytest.approx(0.04, abs=1e-6)
+    assert len(new.stamp) < len(held.stamp) / 3
+
+
 @pytest.mark.parametrize("rate", [14.0, 37.0, 40.0, 61.0], ids=lambda rate: f"{rate:g}_hz")
 def test_a_sensor_of_any_pace_below_its_topics_is_seen_to_repeat_itself(rate: float) -> None:
     stamp = np.arange(0.0, 60.0, 0.01)
     read = np.floor(stamp * rate) / rate
     shown = 0.4 * np.sin(1.3 * read) + 0.1 * np.sin(2.3 * read)
     assert holding(stamp, shown) == pytest.approx(1.0 / rate, abs=0.006)
+
+
+def _posture_after_posture(stamp: Array) -> Array:
+    """(n,) rad: every 4 s the joint goes to another posture, smoothly, and rests there."""
+    posture = np.random.default_rng(2).uniform(-0.2, 0.2, int(stamp[-1] / 4.0) + 2)
+    number = (stamp / 4.0).astype(int)
+    done = np.clip(stamp / 4.0 - number, 0.0, 0.7) / 0.7
+    return np.asarray(posture[number] + np.diff(posture)[number] * done**2 * (3.0 - 2.0 * done))
+
+
+def _polled(stamp: Array, angle: Array, period: float, late: float) -> Array:
+    """(n,) rad: the angle as a sensor shows it that is read every ``period`` s, in counts of 0.01 degrees."""
+    read = np.maximum(np.floor((stamp - late) / period) * period + late, 0.0)
+    return np.asarray(np.round(np.interp(read, stamp, angle) / np.deg2rad(0.01)) * np.deg2rad(0.01))
+
+
+@pytest.mark.parametrize("period", [0.06, 0.1, 0.15])
+def test_a_coarse_sensor_with_a_clock_repeats_its_readings_near_rest_as_well(period: float) -> None:
+    """There the next count takes several periods, as it does with an encoder."""
+    stamp = np.arange(0.0, 120.0, 0.02)
+    shown = _polled(stamp, _posture_after_posture(stamp), period, 0.03)
+    assert holding(stamp, shown) == pytest.approx(period, abs=0.002)
+
+
+@pytest.mark.parametrize("period", [0.02, 0.1])
+@pytest.mark.parametrize("step", [1e-4, 1e-3, 4e-3])
+def test_stairs_of_an_encoder_are_no_clock_whatever_the_motion(period: float, step: float) -> None:
+    stamp = np.arange(0.0, 120.0, period / 5)
+    angle = _posture_after_posture(stamp)
+    assert holding(stamp, np.round(angle / step) * step) == 0.0
+    steady = np.abs(np.mod(step / period * stamp, 0.5) - 0.25)  # a count in each period
+    assert holding(stamp, np.round(steady / step) * step) == 0.0
+    sticks = np.round(angle / 0.02) * 0.02  # goes on in jumps, with noise
+    noise = np.random.default_rng(0).normal(0.0, step, len(stamp))
+    assert holding(stamp, np.round((sticks + noise) / step) * step) == 0.0
 
 
 @pytest.mark.parametrize("step", [3e-4, 1e-3, 1e-2], ids=lambda step: f"{step:g}_rad")

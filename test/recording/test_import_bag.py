@@ -68,6 +68,27 @@ def test_a_topic_per_joint_keeps_the_stamps_of_each(bag, tmp_path):
     np.testing.assert_allclose(motors.effort[second, 1], 0.2)
 
 
+def test_a_clock_that_begins_anew_is_refused_with_the_message_and_what_to_do(tmp_path):
+    """As when a simulation is reset while its topics are recorded."""
+    messages = [
+        (
+            "/joint_states",
+            START_NS + i * PERIOD,
+            joint_state(10**9 + (i % 150) * PERIOD, ["axis"], [0.01 * i]),
+        )
+        for i in range(300)
+    ]
+    bag = write_bag(tmp_path / "reset", messages)
+    said = r"time begins anew at message 151, recorded 1.5 s after the first \(1.49 s back\)"
+    with pytest.raises(RecordingError, match=said):
+        read_recording(bag)
+    column = {"position": {"columns": ["/joint_states.position[axis]"], "unit": "rad"}}
+    file = tmp_path / "one.yaml"
+    file.write_text(yaml.safe_dump({"joints": ["axis"], "joint_states": column}))
+    with pytest.raises(RecordingError, match=said):
+        read_bag(bag, file)
+
+
 def test_messages_without_a_header_take_the_time_of_recording_and_that_is_said(bag, tmp_path):
     recording = read_bag(bag, write_mapping(tmp_path))
     joints = recording.require("joint_states")

@@ -65,6 +65,67 @@ def test_rows_out_of_order_are_sorted_and_rows_without_time_left_out(tmp_path):
     )
 
 
+def timed(tmp_path: Path, times: np.ndarray) -> Path:
+    return table(tmp_path, "t,x\n" + "".join(f"{t!r},{k}\n" for k, t in enumerate(times.tolist())))
+
+
+def test_runs_one_after_the_other_whose_time_begins_anew_are_refused_with_their_rows(tmp_path):
+    first, second = np.arange(0.0, 4.0, 0.01), np.arange(0.5, 3.0, 0.01)
+    with pytest.raises(RecordingError) as caught:
+        read_csv(timed(tmp_path, np.concatenate([first, second, first])), mapping())
+    said = str(caught.value)
+    assert "time begins anew at row 401 (3.49 s back), row 651 (2.99 s back)" in said
+    assert "Cut the table there, one run per file" in said
+    assert "\n" not in said
+
+
+def test_rows_that_came_late_blocks_that_do_not_overlap_and_merged_streams_are_sorted(tmp_path):
+    stamps = np.arange(0.0, 10.0, 0.01)
+    late = np.concatenate([stamps[:300], stamps[310:600], stamps[300:310], stamps[600:]])
+    exchanged = np.concatenate([stamps[500:], stamps[:500]])
+    merged = np.concatenate([np.concatenate([b, b + 0.005]) for b in stamps.reshape(40, 25)])
+    for times in (late, exchanged, merged, stamps[::-1]):
+        recording = read_csv(timed(tmp_path, times), mapping())
+        assert len(recording.require("joint_states").stamp) == len(times)
+        assert any("out of order, sorted by stamp" in note for note in recording.notes)
+
+
+def test_time_may_fall_back_from_topic_to_topic(tmp_path):
+    """Each sensor's rows are in order: all of one, and then all of the other."""
+    rows = [f"{t!r},1,\n" for t in np.arange(0.0, 4.0, 0.01).tolist()]
+    rows += [f"{t!r},,2\n" for t in np.arange(0.005, 4.0, 0.01).tolist()]
+    two = mapping(gearbox_states=position("x"), joint_states=position("y"))
+    recording = read_csv(table(tmp_path, "t,x,y\n" + "".join(rows)), two)
+    assert len(recording.require("joint_states").stamp) == 400
+
+
+def test_dates_are_times_in_utc_or_of_their_zone(tmp_path):
+    rows = [
+        "2025-11-12T09:53:06.117Z,1",
+        "2025-11-12T10:53:06.217+01:00,2",
+        "2025-11-12 09:53:06.317,3",
+        ",4",
+    ]
+    text = "t,x\n" + "\n".join(rows) + "\n"
+    recording = read_csv(table(tmp_path, text), mapping(time={"column": "t", "unit": "iso8601"}))
+    assert recording.start_ns == pytest.approx(1762941186.117e9, abs=1000)
+    np.testing.assert_allclose(recording.require("joint_states").stamp, [0.0, 0.1, 0.2], atol=1e-6)
+    with pytest.raises(RecordingError, match=r"line 2: .* wants `unit: iso8601` in the mapping"):
+        read_csv(table(tmp_path, text), mapping())
+    with pytest.raises(RecordingError, match="line 2: '12' is no date and time in ISO 8601"):
+        read_csv(table(tmp_path, "t,x\n12,1\n"), mapping(time={"column": "t", "unit": "iso8601"}))
+
+
+def test_a_table_without_a_header_is_refused_and_columns_may_be_numbered(tmp_path):
+    with pytest.raises(RecordingError, match=r"line 1 holds numbers .*put a line with the names"):
+        read_csv(
+            table(tmp_path, "0,0.5\n1,0.6\n"), mapping(time={"column": "0"}, joint_states=position("0.5"))
+        )
+    numbered = mapping(time={"column": "0"}, joint_states=position("1"))
+    recording = read_csv(table(tmp_path, "0,1\n0,5\n1,6\n"), numbered)
+    assert recording.require("joint_states").position.ravel().tolist() == [5, 6]
+
+
 def test_a_time_that_begins_below_0_is_moved_and_one_in_the_wrong_unit_refused(tmp_path):
     recording = read_csv(table(tmp_path, "t,x\n-2,1\n-1,2\n"), mapping())
     assert recording.start_ns == 0

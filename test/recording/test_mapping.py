@@ -38,6 +38,7 @@ def test_a_mapping_names_its_columns_and_the_si_units_of_its_joints():
             {"joints": ["a"]},
             "gearbox_states.position: columns must be a list with one for each of the 1 joints",
         ),
+        ({"time": {"rate_hz": 50}}, "time: rate_hz is an entry of its own, beside joints"),
         ({"rate_hz": 40}, "give either `time"),
         ({"time": {"column": "t", "unit": "h"}}, "unit 'h' is none of s, ms, us, ns"),
         ({"time": {}}, "a column is a name or"),

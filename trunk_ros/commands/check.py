@@ -186,7 +186,8 @@ def of_mapping(mapping: Mapping) -> list[str]:
     if mapping.of_bag:
         time = "that of the bag's messages"
     elif mapping.time is not None:
-        time = f"column {', '.join(mapping.time[0].columns)}, {mapping.time[1]:g} s per unit"
+        unit = "date and time in ISO 8601" if mapping.dates else f"{mapping.time[1]:g} s per unit"
+        time = f"column {', '.join(mapping.time_columns)}, {unit}"
     else:
         time = f"{mapping.rate_hz:g} rows a second"
     rows = [

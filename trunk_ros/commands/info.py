@@ -196,7 +196,7 @@ def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]
 def table(path: Path) -> list[str]:
     """The columns of a table with what they hold, and the mapping to begin with."""
     from trunk_ros.errors import RecordingError
-    from trunk_ros.recording.importing.table import with_comma
+    from trunk_ros.recording.importing.table import are_numbers, with_comma
 
     try:
         with path.open(encoding="utf-8-sig") as stream:
@@ -208,7 +208,9 @@ def table(path: Path) -> list[str]:
         raise RecordingError(f"{path}: is empty: a table begins with the names of its columns")
     delimiter = max(",;\t", key=head.count)
     names = [name.strip().strip('"') for name in head.split(delimiter)]
-    first = rows[0].split(delimiter) if rows else []
+    if are_numbers(names):
+        raise RecordingError(f"{path}: line 1 holds numbers: a table begins with the names of its columns")
+    first = rows[0].split(delimiter) if rows else [""]
     commas = any(with_comma(value) for row in rows[:SOME_ROWS] for value in row.split(delimiter))
     shown = [(name, value.strip()) for name, value in zip(names, [*first, *[""] * len(names)], strict=False)]
     return [
@@ -216,7 +218,7 @@ def table(path: Path) -> list[str]:
         *columns([("column", "first value"), *shown]),
         "",
         "A mapping says which columns are which; put the right ones in and save it as MAP.yaml:",
-        f"  time: {{column: {names[0]}, unit: {_unit_in(names[0])}}}",
+        f"  time: {{column: {names[0]}, unit: {_unit_in(names[0], first[0])}}}",
         "  joints: [joint_1]",
         "  gearbox_states: {position: {columns: [MOTOR_SIDE_ANGLE], unit: rad}}",
         "  joint_states: {position: {columns: [JOINT_ANGLE], unit: rad}}",
@@ -226,9 +228,14 @@ def table(path: Path) -> list[str]:
     ]
 
 
-def _unit_in(name: str) -> str:
-    """The unit of time that a column's name ends with, such as "t_ms" and "time[ns]"; else s."""
-    from trunk_ros.recording.importing.units import TIME_UNITS
+def _unit_in(name: str, value: str) -> str:
+    """The unit of a column of times by its first value, which may be a date, or by what its name ends with,
+    such as "t_ms" and "time[ns]"; else s.
+    """
+    from trunk_ros.recording.importing.table import is_date
+    from trunk_ros.recording.importing.units import DATES, TIME_UNITS
 
+    if is_date(value.strip().strip('"')):
+        return DATES
     last = re.split(r"[^a-z]+", name.lower().rstrip(")] "))[-1]
     return last if last in TIME_UNITS else "s"

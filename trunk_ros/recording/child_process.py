@@ -44,7 +44,7 @@ def brought_together(series: JointSeries, held: bool) -> tuple[JointSeries, str]
         for into, given in zip(values, (part.position, part.velocity, part.effort), strict=True):
             for number, joint in enumerate(part.joints if given is not None else ()):
                 assert given is not None
-                into[:, columns[joint]] = _at(stamp, part.stamp, given[:, number], held)
+                into[:, columns[joint]] = at_stamps(stamp, part.stamp, given[:, number], held)
     others = ", ".join(joint for joint in series.joints if joint not in leading.joints)
     how = "held until their next sample" if held else "interpolated"
     said = f"joints were sampled at different times: {others} {how} to the stamps of {leading.joints[0]}"
@@ -52,7 +52,7 @@ def brought_together(series: JointSeries, held: bool) -> tuple[JointSeries, str]
     return JointSeries(stamp, series.joints, values[0], velocity, effort), said
 
 
-def _at(stamp: Floats, given_at: Floats, given: Floats, held: bool) -> Floats:
+def at_stamps(stamp: Floats, given_at: Floats, given: Floats, held: bool) -> Floats:
     """Values (n,) at other stamps (m,); NaN outside of the given ones, and within gaps."""
     known = np.isfinite(given)
     at, values = given_at[known], given[known]

@@ -14,6 +14,7 @@ from trunk_ros.recording.messages.assemble import (
     first_stamp,
     joint_series,
     positioned,
+    several_runs,
     table_bytes,
     within,
 )
@@ -166,6 +167,8 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     counts: dict[str, Counts] = {}
     for key, decoder in full.items():
         contents.allowance.check(table_bytes(decoder.pieces))
+        if anew := several_runs(decoder.pieces):
+            raise RecordingError(f"{path}: {TOPICS[key]}: {anew}")
         series[key], count, remark = joint_series(decoder.pieces, start_ns)
         decoder.pieces.clear()
         counts[key] = replace(

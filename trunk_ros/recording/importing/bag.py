@@ -9,7 +9,13 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.recording.bag.columns import Columns, read_columns
 from trunk_ros.recording.importing.mapping import Mapping, Quantity, load_mapping
 from trunk_ros.recording.importing.units import UNITS
-from trunk_ros.recording.messages.assemble import first_stamp, joint_series, positioned, sample_times
+from trunk_ros.recording.messages.assemble import (
+    first_stamp,
+    joint_series,
+    positioned,
+    sample_times,
+    several_runs,
+)
 from trunk_ros.recording.messages.decode import Piece
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
@@ -38,6 +44,8 @@ def read_bag(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     counts: dict[str, Counts] = {}
     remarks = [f"{topic}: {said}" for topic, each in read.items() if (said := _unstamped(each))]
     for key, (each, blank) in pieces.items():
+        if anew := several_runs(each):
+            raise RecordingError(f"{path}: {TOPICS[key]}: {anew}")
         series[key], counted, _ = joint_series(each, start_ns)
         disorder = sum(int((np.diff(piece.stamp_ns) < 0).sum()) for piece in each)
         # of each topic: they have no common order

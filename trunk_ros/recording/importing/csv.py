@@ -1,5 +1,6 @@
 """A table that others recorded, as a recording of an arm, by a mapping."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from trunk_ros.recording.importing.units import UNITS
 from trunk_ros.recording.messages.block import Whole
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
+from trunk_ros.recording.restarts import began_anew
 from trunk_ros.recording.topics import TOPICS
 
 _LATEST_NS = (2**31) * 10**9
@@ -22,19 +24,26 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     """The table at `path` as a recording in SI units. mapping: a file, a name in config/import, or loaded.
 
     A row without a value of a topic is no message of it; of the others with the same stamp the first counts.
-    RecordingError in one line.
+    Rows out of order are sorted; several runs in one table, whose time begins anew, are a RecordingError, in
+    one line as all are.
     """
     path = Path(path)
     mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
     if mapping.of_bag:
         raise RecordingError(f"{path}: is a table: give `time: {{column: …, unit: s}}` or `rate_hz`")
-    table, remarks = read_table(path, mapping.columns, mapping.delimiter, mapping.decimal)
+    dates = mapping.time_columns if mapping.dates else ()
+    table, remarks = read_table(path, mapping.columns, mapping.delimiter, mapping.decimal, dates)
     every_ns, rows, timing = _times(path, mapping, table)
     values = {
         key: {name: _values(each, table)[rows] for name, each in topic.items()}
         for key, topic in mapping.topics.items()
     }
     told = {key: _told(list(each.values())) for key, each in values.items()}
+    for each in told.values():
+        if anew := began_anew(every_ns[each], _named(rows[each])):
+            raise RecordingError(
+                f"{path}: {anew}. Cut the table there, one run per file (row 1 follows the header)"
+            )
     kept = {key: each[np.unique(every_ns[each], return_index=True)[1]] for key, each in told.items()}
     start_ns = min(int(every_ns[each[0]]) for each in kept.values())
     series = {
@@ -73,6 +82,10 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
     if disorder := int((np.diff(every) < 0).sum()):
         remarks.append(f"{disorder} rows out of order, sorted by stamp")
     return every, known, remarks
+
+
+def _named(rows: Whole) -> Callable[[int], str]:
+    return lambda k: f"row {rows[k] + 1}"
 
 
 def _told(values: list[Floats]) -> Whole:

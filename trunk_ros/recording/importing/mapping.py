@@ -8,7 +8,7 @@ from trunk_ros.errors import RecordingError, printable
 from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.importing import expression
 from trunk_ros.recording.importing.expression import Expression
-from trunk_ros.recording.importing.units import QUANTITIES, TIME_UNITS, UNITS
+from trunk_ros.recording.importing.units import DATES, QUANTITIES, TIME_UNITS, UNITS
 from trunk_ros.recording.plain_yaml import scalar
 from trunk_ros.recording.topics import JOINT_TOPICS
 from trunk_ros.share import config_names, config_path
@@ -27,7 +27,9 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Mapping:
-    """time: expression and s per unit, or None; rate_hz: where there is no time. topics: key -> quantity."""
+    """time: expression and s per unit, or None; rate_hz: where there is no time. topics: key -> quantity;
+    dates: the columns of time hold dates, which count in s since 1970.
+    """
 
     joints: tuple[str, ...]
     time: tuple[Expression, float] | None
@@ -35,6 +37,7 @@ class Mapping:
     topics: dict[str, dict[str, Quantity]]
     delimiter: str = ","
     decimal: str = "."
+    dates: bool = False
 
     @property
     def of_bag(self) -> bool:
@@ -44,7 +47,12 @@ class Mapping:
     @property
     def columns(self) -> tuple[str, ...]:
         """Every column that is needed."""
-        return tuple(dict.fromkeys((*_columns(self.topics), *(self.time[0].columns if self.time else ()))))
+        return tuple(dict.fromkeys((*_columns(self.topics), *self.time_columns)))
+
+    @property
+    def time_columns(self) -> tuple[str, ...]:
+        """Those that the time needs."""
+        return self.time[0].columns if self.time else ()
 
     def units(self) -> dict[str, str]:
         """SI unit of position of each joint, as its last topic has it: joint_states comes last."""
@@ -95,7 +103,8 @@ def parse_mapping(content: Any) -> Mapping:
     decimal = table.get("decimal", ".")
     if decimal not in (".", ",") or decimal == delimiter:
         raise ValueError('decimal: must be "." or ",", and not the delimiter')
-    return Mapping(joints, time, rate, topics, delimiter, decimal)
+    dates = time is not None and table["time"].get("unit") == DATES
+    return Mapping(joints, time, rate, topics, delimiter, decimal, dates)
 
 
 def _table(content: Any, where: str, keys: tuple[str, ...]) -> dict[str, Any]:
@@ -121,11 +130,13 @@ def _positive(value: Any) -> float:
 
 
 def _time(value: Any) -> tuple[Expression, float]:
+    if isinstance(value, dict) and "rate_hz" in value:
+        raise ValueError("time: rate_hz is an entry of its own, beside joints, and takes the place of time")
     table = _table(value, "time", ("column", "unit"))
     unit = table.get("unit", "s")
-    if scalar(unit) not in TIME_UNITS:
-        raise ValueError(f"time: unit {scalar(unit)[:20]!r} is none of {', '.join(TIME_UNITS)}")
-    return _column(table.get("column"), "time"), TIME_UNITS[str(unit)]
+    if scalar(unit) not in (*TIME_UNITS, DATES):
+        raise ValueError(f"time: unit {scalar(unit)[:20]!r} is none of {', '.join((*TIME_UNITS, DATES))}")
+    return _column(table.get("column"), "time"), TIME_UNITS.get(str(unit), 1.0)
 
 
 def _topic(key: str, value: Any, joints: int) -> dict[str, Quantity]:

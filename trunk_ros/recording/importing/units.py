@@ -21,3 +21,5 @@ QUANTITIES = {
     "effort": ("N*m", "N", "1"),
 }
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+DATES = "iso8601"
+"""The unit of times such as 2025-11-12T09:53:06.117Z."""

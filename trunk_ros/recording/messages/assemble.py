@@ -1,5 +1,6 @@
 """Sorts what was decoded of a topic into a series: rising stamps, joints by name, duplicates counted."""
 
+from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
@@ -10,6 +11,7 @@ from trunk_ros.recording.messages.block import DamageError, Whole
 from trunk_ros.recording.messages.decode import Piece
 from trunk_ros.recording.messages.layout import MOST_JOINTS
 from trunk_ros.recording.recording import Counts, Floats, JointSeries
+from trunk_ros.recording.restarts import began_anew
 
 Bools: TypeAlias = npt.NDArray[np.bool_]
 
@@ -37,6 +39,19 @@ def all_times(pieces: list[Piece]) -> Whole:
 def first_stamp(pieces: list[Piece]) -> int:
     """The earliest sample, ns since the epoch."""
     return int(all_times(pieces).min())
+
+
+def several_runs(pieces: list[Piece]) -> str:
+    """Where the stamps of a piece begin anew, as a simulation's clock does, in one line; "" where none do."""
+    for piece in pieces:
+        times, since = sample_times(piece.stamp_ns, piece.log_ns)[0], _since(piece.log_ns)
+        if anew := began_anew(times, since):
+            return f"{anew}. Cut the bag there, one run per bag"
+    return ""
+
+
+def _since(log_ns: Whole) -> Callable[[int], str]:
+    return lambda k: f"message {k + 1}, recorded {(log_ns[k] - log_ns[0]) / 1e9:.6g} s after the first"
 
 
 def positioned(pieces: list[Piece]) -> tuple[list[Piece], int]:

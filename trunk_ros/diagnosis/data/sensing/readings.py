@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.data.repeated_readings import in_turn, new_readings
 from trunk_ros.diagnosis.data.sensing.hum import Hum, hums
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
@@ -73,10 +73,11 @@ def read_when(recording: Recording, model: Model) -> Recording:
     if not held:
         return recording
     period = float(np.median(np.diff(new.stamp)))
+    turns = ". Joints are read in turn: others are interpolated to the times of one" * in_turn(shown, held)
     said = (
         f"{SHOWN} repeats each reading until the next one comes, every {1e3 * period:.1f} ms: repeats are "
         "left out, and each reading has the time of its first message, less what it waited for that. How "
-        "old a reading is when it comes shows as a delay of the sensor"
+        f"old a reading is when it comes shows as a delay of the sensor{turns}"
     )
     observed = told("repeats", (SHOWN, new.joints), period, None, "s", said)
     return seen(recording, observed, joint_states=new)
