@@ -44,6 +44,7 @@ from trunk_ros.effect_values import Values, lateness
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
+from trunk_ros.own_time import drawn_from
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TIP_TOPIC
 from trunk_ros.start import SETTLE
@@ -118,7 +119,8 @@ class Diagnoser:
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
-        self.result.model = self._with_limits(replace(self.model, effects=kept, duration=longest))
+        own = replace(self.model, effects=kept, duration=longest)
+        self.result.model = self._with_limits(drawn_from(own, *self.recordings))
         self.result.quality = quality_by_name(self.recordings, self.model, self.mixed, self.result.model)
         return self.result
 
