@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import SHORT, recorded
+from test.diagnosis.arms import SHORT, diagnose, of_the_wires, recorded
 from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, VALUES
 from trunk_ros.evaluate import of_model
 from trunk_ros.model import Model, load_model, save_model
-from trunk_ros.own_time import drawn_from, held_to, left_out
+from trunk_ros.own_time import drawn_from, held_to, left_out, over_own_time
 from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
 
@@ -84,3 +84,10 @@ def test_the_file_says_what_it_is_of(first, later, model, tmp_path: Path):
     assert read.recordings == (first.stamped,)
     assert held_to(read, first) is read
     assert held_to(read, later) is not read
+
+
+def test_a_diagnosis_says_what_its_curves_are_of():
+    seen = recorded(curves("time", "", ""), 20.0, nominal=SHORT, noise=2e-5)
+    found = diagnose([of_the_wires(seen)], SHORT)
+    assert over_own_time(found.model)
+    assert found.model.recordings == (seen.stamped,)
