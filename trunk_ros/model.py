@@ -35,6 +35,8 @@ class Model(Predictor):
         flat["recording.duration"] = float(self.duration)
         if self.setpoints != HELD:
             flat["recording.setpoints"] = self.setpoints
+        if self.recordings:
+            flat["recording.of"] = list(self.recordings)
         flat |= {
             f"recording.{name}": known.tolist() for name in FITTED_ON if len(known := getattr(self, name))
         }
@@ -71,7 +73,8 @@ class Model(Predictor):
         if setpoints not in (HELD, SAMPLED):
             raise ModelError(f"recording.setpoints = {shortened(setpoints)}: choose {HELD} or {SAMPLED}")
         duration = given.get("recording.duration", 0.0)
-        return Model(arm, effects, duration, **known, setpoints=setpoints)
+        of = tuple(filter(None, given.get("recording.of", [])))
+        return Model(arm, effects, duration, **known, setpoints=setpoints, recordings=of)
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""

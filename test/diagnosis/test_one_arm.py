@@ -8,8 +8,9 @@ import pytest
 from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.evidence.one_arm import contradiction
+from trunk_ros.diagnosis.evidence.one_arm import _lasting, contradiction
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
@@ -61,3 +62,12 @@ def test_two_arms_contradict_each_other(one: dict, other: dict) -> None:
 def test_other_motions_of_one_arm_do_not(effects: dict, size: float) -> None:
     both = context(made(effects, 0, "a"), made(effects, 3, "b", size))
     assert contradiction(both, lambda _: None) is None
+
+
+def test_what_has_no_name_is_not_carried_over_to_another_motion() -> None:
+    """A curve over one motion of a wheel that is out of round in a way of its own holds there."""
+    drawn = Hypothesis(
+        unknown=Term("unknown", own={0: {}}, words={0: {"on": "position"}}),
+        backlash=Term("backlash", own={1: {"half_width": 1e-3}}),
+    )
+    assert list(_lasting(drawn)) == ["backlash"]

@@ -133,6 +133,14 @@ def declared_arm() -> list[Declaration]:
             None,
             "recorded setpoints: held until the next, or sampled from what moves on between them",
         ),
+        Declaration(
+            "recording.of",
+            [""],
+            "",
+            None,
+            "recordings that curves over time without a name were drawn from: start and length in ns; such "
+            "curves are left out of others",
+        ),
         _per_joint(
             "recording.error", "rad", large, "what the model usually left of what its fit did not see, rms"
         ),

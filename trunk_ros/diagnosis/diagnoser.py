@@ -22,6 +22,7 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
@@ -43,6 +44,7 @@ from trunk_ros.effect_values import Values, lateness
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
+from trunk_ros.own_time import drawn_from
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TIP_TOPIC
 from trunk_ros.start import SETTLE
@@ -117,7 +119,8 @@ class Diagnoser:
         longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
-        self.result.model = self._with_limits(replace(self.model, effects=kept, duration=longest))
+        own = replace(self.model, effects=kept, duration=longest)
+        self.result.model = self._with_limits(drawn_from(own, *self.recordings))
         self.result.quality = quality_by_name(self.recordings, self.model, self.mixed, self.result.model)
         return self.result
 
@@ -236,9 +239,10 @@ class Diagnoser:
         effects, said = state.hypothesis.model_effects(len(stage.joints)), {f.effect for f in new}
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)
-        rests = left_over(context, state.hypothesis)
+        run = free_run(context, state.hypothesis)
+        rests = left_over(run, state.hypothesis)
         self.result.unexplained += rests
-        strong = {stage.joints[c] for c, p in powers(context, state.hypothesis).items() if p > 1.0}
+        strong = {stage.joints[c] for c, p in powers(run, state.hypothesis).items() if p > 1.0}
         told = {j for f in new if not f.named for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
@@ -261,12 +265,13 @@ class Diagnoser:
                 self.result.trajectories[file] = done.motion
 
     def _plot(self, context: Context, hypothesis: Hypothesis) -> None:
+        before, after = (free_run(context, one) for one in (context.known, hypothesis))
         for c in context.columns:
             span = context.views[0].span
             drawn = {
                 "measured": span.target[:, c],
-                "error_before": span.target[:, c] - context.predict(0, context.known, c),
-                "error_after": span.target[:, c] - context.predict(0, hypothesis, c),
+                "error_before": span.target[:, c] - before.predict(0, context.known, c),
+                "error_after": span.target[:, c] - after.predict(0, hypothesis, c),
                 "gearbox": span.measured(span.gearbox[:, c]),
                 "velocity": span.measured(span.velocity[:, c]),
             }

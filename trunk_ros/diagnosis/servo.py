@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from trunk_ros.chain import Chain, run_servo
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import Noise
-from trunk_ros.diagnosis.data.seen import joined
+from trunk_ros.diagnosis.data.seen import joined, now_of
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis, payload_of
-from trunk_ros.diagnosis.side_by_side import Seen, bind_together
+from trunk_ros.diagnosis.side_by_side import Seen, alike, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
+from trunk_ros.diagnosis.work import Work
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.servo.loop import STEP, fresh
+from trunk_ros.look import slope_of
 from trunk_ros.model import Model
+from trunk_ros.passes import Passes
 
 
 class ServoStage(Stage):
@@ -61,14 +66,58 @@ class ServoStage(Stage):
         return self._predict_alike(sight, index, [(hypothesis, column)])[0]
 
     def _predict_alike(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> Sequence[Array]:
-        span, columns = sight.views[index].span, [column for _, column in pairs]
-        payload, blocks = payload_of(pairs[0][0]), bind_together(pairs)
+        view = sight.views[index]
+        columns, payload = [column for _, column in pairs], payload_of(pairs[0][0])
         now = joined([sight.now(index, column, payload) for column in columns])
-        source = np.ascontiguousarray(span.source[:, columns])
-        start = fresh(now.gearbox[0], now.speed[0] / now.ratio)
-        anew = np.searchsorted(now.stamp, span.anew)
-        out, _ = run_servo(self.arm, blocks, now, source, now.stamp, start, anew)
+        out, blocks = self._run(view.span, now, pairs)
         for block in blocks:
             if block.acts_at > block.CORE:
                 out, _ = block.run(out, now, None)
-        return [span.measured(each) for each in out.T]
+        return [view.span.measured(each) for each in out.T]
+
+    def _run(self, span: Span, now: Now, pairs: Sequence[Seen]) -> tuple[Array, list[Effect]]:
+        """Gearbox angles (m, pairs) that hypotheses which are alike lead to, and their blocks."""
+        blocks = bind_together(pairs)
+        source = np.ascontiguousarray(span.source[:, [column for _, column in pairs]])
+        start = fresh(now.gearbox[0], now.speed[0] / now.ratio)
+        anew = np.searchsorted(now.stamp, span.anew)
+        return run_servo(self.arm, blocks, now, source, now.stamp, start, anew)[0], blocks
+
+    def free(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
+        if not any(hypothesis.on(column) for column in range(len(self.joints))):
+            return sight.views
+        seen = tuple(self._free(view, hypothesis, sight.work) for view in sight.views)
+        same = all(before is after for before, after in zip(sight.views, seen, strict=True))
+        return sight.views if same else seen
+
+    def _free(self, view: View, hypothesis: Hypothesis, work: Work) -> View:
+        """The view with gearboxes where a hypothesis takes them that goes by where they stand; the same where
+        it does not.
+        """
+        passes, led = Passes(None), self._led(view, hypothesis)
+        seen, measured = self._at(view, led), led
+        while not passes.agree(better := self._led(seen, hypothesis), led):
+            work.done += better.size
+            led, seen = better, self._at(view, better)
+        return view if np.array_equal(better, measured) else seen
+
+    def _led(self, view: View, hypothesis: Hypothesis) -> Array:
+        """(m, joints) gearbox angles, of all joints, by what there is to see in a view."""
+        payload, pairs = payload_of(hypothesis), [(hypothesis, c) for c in range(len(self.joints))]
+        out = np.empty_like(view.span.gearbox)
+        for same in alike(pairs, self.joint_by_joint):
+            now = joined([now_of(view, self.arm, column, payload) for column in same])
+            out[:, same] = self._run(view.span, now, [pairs[column] for column in same])[0]
+        return out
+
+    def _at(self, view: View, gearbox: Array) -> View:
+        """The view with gearboxes at other angles (m, joints), but where loops begin anew from their
+        readings.
+        """
+        span, gearbox = view.span, gearbox.copy()
+        velocity = slope_of(gearbox, view.dt, gearbox[0])
+        read = [0, *np.searchsorted(span.grid, span.anew)]
+        gearbox[read], velocity[read] = span.gearbox[read], span.velocity[read]
+        other = self._view(replace(span, gearbox=gearbox, velocity=velocity))
+        vars(other)["columns"] = view.columns  # how loud a sensor is goes by how fast it was
+        return other

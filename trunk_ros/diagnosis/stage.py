@@ -170,6 +170,12 @@ class Stage(ABC):
         """
         return sight.views
 
+    def free(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
+        """What effects see in a run that is not led by the target: what the hypothesis predicts of it, as far
+        as they look at the target at all.
+        """
+        return sight.views
+
     def noises(self, found: list[Noise]) -> list[Noise]:
         """Noise (joints,) as it is estimated, at least what is known of the sensors."""
         return [replace(n, std=max(n.std, self.own_steps(c))) for c, n in enumerate(found)]

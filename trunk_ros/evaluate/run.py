@@ -16,6 +16,7 @@ from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
 from trunk_ros.evaluate.source import of_model, of_simulator
 from trunk_ros.model import load_model
+from trunk_ros.own_time import left_out
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.transmission import by_joint
@@ -30,25 +31,25 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
     """
     models = [(name, load_model(name)) for name in arguments.model]
     rows: list[Row] = []
-    left_out: list[str] = []
+    aside: list[str] = []
     names = called(arguments.bag)
     with Console(stderr=True).status("reading") as status:
         shared = shared_out(arguments.bag, arguments.against)
         for bag, called_so, simulators in zip(arguments.bag, names, shared, strict=True):
             status.update(f"{bag}")
             recording = without_faults(read_recording(bag, namespace=arguments.namespace))
-            left_out += [f"{called_so}: {note}" for note in recording.notes]
+            aside += [f"{called_so}: {note}" for note in recording.notes]
             predictions = [of_model(recording, name, model) for name, model in models]
             read: list[Recording] = [read_recording(path) for path in simulators]
             for name, model in models:
                 notes = strangers(by_joint(recording, model.arm), model)
-                left_out += [f"{called_so}: {note} ({name})" for note in notes]
+                aside += [f"{called_so}: {note} ({name})" for note in [*notes, *left_out(recording, model)]]
             predictions += [
                 of_simulator(recording, str(path), one, read[0])
                 for path, one in zip(simulators, read, strict=True)
             ]
             rows += score(called_so, predictions, arguments.settle)
-    for line in left_out:
+    for line in aside:
         print(f"trunk_ros: {line}", file=sys.stderr)
     kept = [row for row in rows if row.stage in (arguments.stage or STAGES)]
     if not kept:

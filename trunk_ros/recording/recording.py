@@ -44,6 +44,11 @@ class Recording:
     asked: tuple[float, float] | None = None
 
     @property
+    def stamped(self) -> str:
+        """When it began and how long it is, in ns: what tells it from other recordings."""
+        return f"{self.start_ns}+{round(self.duration * 1e9)}"
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """The joints of `joint_states`, else of the first other topic that has joints."""
         for key in ("joint_states", "gearbox_states", "setpoints", "reference"):

@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.bank_weights import FOLDS
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
+from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
 
@@ -59,19 +60,22 @@ def _between(state: Fit) -> dict[int, tuple[float, float]]:
             [np.full(len(v.span.rows), not o) for v, o in zip(context.views, out, strict=True)]
         )
         fitted = _fitted_anew(others, state.hypothesis)
+        others = free_run(others, fitted)
         for c, runs in left.items():
             runs += compress(_cuts(context, _errors(others, fitted, c), c), out)
     return {c: _zero(runs) for c, runs in left.items()}
 
 
 def held_out(state: Fit) -> dict[int, Error]:
-    """Error of each column, each block of time judged by a fit to the other half of the blocks."""
+    """Error of each column, each block of time judged by a fit to the other half of the blocks that runs as
+    ``simulate`` runs a model.
+    """
     context = state.context
     after: dict[int, list[Block]] = {c: [] for c in context.columns}
     for fold in (0, 1):
         for c, errors in _unseen(state, fold):
             after[c] += chain.from_iterable(_cuts(context, errors, c, (fold,)))
-    nominal = context.seen_with(context.known)
+    nominal = free_run(context.seen_with(context.known), context.known)
     every = {c: _cuts(context, _errors(nominal, context.known, c), c) for c in context.columns}
     before = {c: list(chain.from_iterable(blocks)) for c, blocks in every.items()}
     noise = {c: context.noise[c].std for c in context.columns}
@@ -86,6 +90,7 @@ def _unseen(state: Fit, fold: int) -> Iterator[tuple[int, list[Array]]]:
     context = state.context
     half = context.only([fold_of(len(view.span.rows)) != fold for view in context.views])
     fitted = _fitted_anew(half, state.hypothesis)
+    half = free_run(half, fitted)
     for c in context.columns:
         yield c, _errors(half, fitted, c)
 

@@ -95,9 +95,12 @@ def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
 
 
 def _lasting(hypothesis: Hypothesis) -> Hypothesis:
-    """Without effects of time and load: each recording begins anew, and may have a payload of its own."""
+    """Without effects of time and load: each recording begins anew, and may have a payload of its own. Nor
+    with those that have no name: what no physics is known for need not be the same in another motion.
+    """
     for name, term in list(hypothesis.items()):
-        if effect(name).regime == "time" or effect(name).bears(term.form):
+        kind = effect(name)
+        if kind.regime == "time" or kind.bears(term.form) or not kind.named:
             hypothesis = hypothesis.without(name)
     return hypothesis
 

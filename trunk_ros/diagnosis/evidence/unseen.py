@@ -10,6 +10,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
+from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups
@@ -17,14 +18,14 @@ from trunk_ros.diagnosis.search.fit import Fit, fit, groups
 
 def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -> Array:
     """(BLOCKS,) squared unit-noise residuals on some columns of blocks of time, each judged by a fit to the
-    others.
+    others that runs as ``simulate`` runs a model.
     """
     total = np.zeros(BLOCKS)
     for fold in (0, 1):
         number = [number_of(len(view.span.rows)) for view in context.views]
         half = context.only([n % 2 != fold for n in number])
         fitted = _fitted(half, hypothesis, columns)
-        judged = context.only([n % 2 == fold for n in number])
+        judged = free_run(context.only([n % 2 == fold for n in number]), fitted)
         for c in columns:
             counted = zip(number, judged.views, strict=True)
             block = np.concatenate([n[view.columns[c].counted] for n, view in counted])

@@ -169,7 +169,10 @@ def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] |
     new = [key for key in asked if key not in known]
     left = each(state.context.work, lambda key: unseen(state.context, *asked[key]), new)
     known |= dict(zip(new, left, strict=True))
-    harm = {which: _harm(known[with_it], known[without]) for which, (with_it, without) in some.items()}
+    harm = {
+        which: _harm(known[with_it], known[without], effect(which[0]).named)
+        for which, (with_it, without) in some.items()
+    }
     worst = max(harm, key=harm.__getitem__, default=None)
     return worst if worst is not None and harm[worst] > 0.0 else None
 
@@ -188,7 +191,11 @@ def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
             yield from ((name, c) for c in ([None] if effect(name).everywhere and seen else seen))
 
 
-def _harm(with_it: Array, without: Array) -> float:
-    """By how much squared unit-noise residuals (BLOCKS,) are larger with an effect, for sure."""
+def _harm(with_it: Array, without: Array, named: bool) -> float:
+    """By how much squared unit-noise residuals (BLOCKS,) are larger with an effect: for sure, where it has a
+    name. For what has none nothing else speaks than that it helps.
+    """
     harm = with_it - without
+    if not named:
+        return float(harm.sum())
     return float(harm.sum() - np.sqrt(np.sum((harm - harm.mean()) ** 2)))

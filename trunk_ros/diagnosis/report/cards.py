@@ -20,7 +20,9 @@ from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.units import UNTOLD, is_open
 from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect, registry
+from trunk_ros.own_time import TIME
 
+OWN_TIME = " It holds for the diagnosed recording only: other runs are simulated without it."
 ALL = "arm"  # owner of shared values
 FEW = 8  # lines of a list
 
@@ -71,6 +73,8 @@ def statement(finding: Finding) -> str:
             head, values, _ = finding.statement.partition(f" ({owner} {name} ")
             if values:
                 return head + "."
+    if not finding.named and finding.curve.get("on") == TIME:
+        return finding.statement + OWN_TIME
     return finding.statement
 
 
