@@ -48,8 +48,8 @@ class ArmModel:
     setpoints: str = HELD
     """What recorded setpoints are: each held until the next, or samples of what the servo got (SAMPLED)."""
     recordings: tuple[str, ...] = ()
-    """Those that curves over time without a name were drawn from, as ``Recording.stamped``: such a curve says
-    nothing of another one. Empty where that is not known."""
+    """Those that curves over time without a name were drawn from, as ``Recording.stamped``. Empty where that
+    is not known."""
 
     @property
     def any_joints(self) -> bool:

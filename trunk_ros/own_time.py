@@ -1,15 +1,12 @@
 """Curves over time that have no name: their time begins with the recording that they were drawn from, and
-they say nothing of another one.
+nothing says that another one repeats it.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from trunk_ros.arm_model import AnyModel, ArmModel
-from trunk_ros.effect_values import Values
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import ON
 from trunk_ros.recording.recording import Recording
@@ -17,54 +14,26 @@ from trunk_ros.recording.recording import Recording
 TIME = "time"
 
 
-def over_own_time(model: ArmModel) -> dict[str, list[int]]:
-    """Columns of each effect without a name on which it is a curve over time."""
-    found = {
-        name: [column for column, word in enumerate(values.get(ON, ())) if word == TIME]
-        for name, values in model.effects.items()
-        if not effect(name).named
-    }
-    return {name: columns for name, columns in found.items() if columns}
-
-
 def drawn_from(model: AnyModel, *recordings: Recording) -> AnyModel:
     """The model that was fitted on recordings, which says so where it has such curves."""
-    own = (*model.recordings, *(one.stamped for one in recordings)) if over_own_time(model) else ()
+    own = (*model.recordings, *(one.stamped for one in recordings)) if _over_own_time(model) else ()
     return replace(model, recordings=tuple(dict.fromkeys(own)))
 
 
-def held_to(model: AnyModel, *recordings: Recording) -> AnyModel:
-    """The model for recordings: without curves over time that were drawn from others. One that does not say
-    what it was fitted on keeps them.
+def doubtful_curves(recording: Recording, model: ArmModel) -> list[str]:
+    """In one line which curves were drawn from other recordings than this one; none where the model does not
+    say from which.
     """
-    if not model.recordings or {one.stamped for one in recordings} <= {*model.recordings}:
-        return model
-    timed = over_own_time(model)
-    left = {name: _without(name, values, timed.get(name, [])) for name, values in model.effects.items()}
-    return replace(model, effects={name: values for name, values in left.items() if values}, recordings=())
-
-
-def left_out(recording: Recording, model: ArmModel) -> list[str]:
-    """In one line what ``held_to`` leaves out."""
-    timed = over_own_time(model)
-    if not timed or held_to(model, recording) is model:
+    if not model.recordings or recording.stamped in model.recordings:
         return []
-    joints = [model.arm.joints[column] for column in sorted({c for those in timed.values() for c in those})]
+    joints = [model.arm.joints[column] for column in sorted(_over_own_time(model))]
     return [
-        f"the curves over time of {', '.join(joints)} are left out: they have no name, and hold for the "
-        "recording that the model was fitted on"
-    ]
+        f"the curves over time of {', '.join(joints)} have no name, and were drawn from another recording: "
+        "whether this one repeats them is not known"
+    ] * bool(joints)
 
 
-def _without(name: str, values: Values, columns: list[int]) -> Values:
-    """An effect's values without some columns; empty where none is left."""
-    if not columns:
-        return values
-    words = [word if column not in columns else "" for column, word in enumerate(values[ON])]
-    if not any(words):
-        return {}
-    numbers = {p.name: np.array(values[p.name]) for p in effect(name).parameters if p.name in values}
-    for p in effect(name).parameters:
-        if p.name in numbers:
-            numbers[p.name][columns] = p.null
-    return {**values, **numbers, ON: words}
+def _over_own_time(model: ArmModel) -> set[int]:
+    """The columns that have such a curve."""
+    curves = [values.get(ON, ()) for name, values in model.effects.items() if not effect(name).named]
+    return {column for words in curves for column, word in enumerate(words) if word == TIME}

@@ -11,7 +11,6 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.sensor_faults import without_wild
-from trunk_ros.own_time import held_to
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
 from trunk_ros.recording.signal.gaps import bridged, missing
@@ -30,11 +29,9 @@ def simulate(
     since the model was fitted; 0: none, memory begins at its centre.
 
     Stamps are those of the recorded ``joint_states``, else of the source. A model with effects is run on
-    gearbox angles between the encoder's counts; without curves over time that were drawn from other
-    recordings. Raises RecordingError where the
+    gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
-    model = held_to(model, recording)
     recording = by_joint(without_wild(recording), model.arm)
     if source == "gearbox_states":
         recording, model = uncoupled(recording, model)

@@ -138,8 +138,7 @@ def declared_arm() -> list[Declaration]:
             [""],
             "",
             None,
-            "recordings that curves over time without a name were drawn from: start and length in ns; such "
-            "curves are left out of others",
+            "recordings that curves over time without a name were drawn from: start and length in ns",
         ),
         _per_joint(
             "recording.error", "rad", large, "what the model usually left of what its fit did not see, rms"

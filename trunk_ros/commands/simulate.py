@@ -36,7 +36,7 @@ def main(argv: list[str]) -> int:
     from trunk_ros.diagnosis.data.quality import strangers
     from trunk_ros.diagnosis.data.sensor_faults import without_wild
     from trunk_ros.model import load_model
-    from trunk_ros.own_time import left_out
+    from trunk_ros.own_time import doubtful_curves
     from trunk_ros.recording.output import prepare_output
     from trunk_ros.recording.read import read_recording
     from trunk_ros.recording.write import write_recording
@@ -48,7 +48,7 @@ def main(argv: list[str]) -> int:
     recording = without_wild(read_recording(asked.bag, namespace=asked.namespace))
     say(*(f"{asked.bag}: {note}" for note in recording.notes))
     say(*(f"{asked.bag}: {note}" for note in strangers(by_joint(recording, model.arm), model)))
-    say(*(f"{asked.bag}: {note}" for note in left_out(recording, model)))
+    say(*(f"{asked.bag}: {note}" for note in doubtful_curves(recording, model)))
     predicted = simulate(recording, model, asked.source, asked.settle)
     settled = str(asked.settle if "joint_states" in recording.series else 0.0)
     custom = {

@@ -19,7 +19,6 @@ from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model
-from trunk_ros.own_time import held_to
 from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.time_range import part_of
@@ -66,7 +65,6 @@ def diagnose(
     read = read if other is None else [sides_told(r, other) for r in read]
     nominal, read = described(model, read, urdf)
     give_back()
-    nominal = held_to(nominal, *read)
     read, mixed = put_right(read, nominal)
     give_back()
     if other is None:

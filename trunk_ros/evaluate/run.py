@@ -16,7 +16,7 @@ from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
 from trunk_ros.evaluate.source import of_model, of_simulator
 from trunk_ros.model import load_model
-from trunk_ros.own_time import left_out
+from trunk_ros.own_time import doubtful_curves
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.transmission import by_joint
@@ -43,7 +43,9 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
             read: list[Recording] = [read_recording(path) for path in simulators]
             for name, model in models:
                 notes = strangers(by_joint(recording, model.arm), model)
-                aside += [f"{called_so}: {note} ({name})" for note in [*notes, *left_out(recording, model)]]
+                aside += [
+                    f"{called_so}: {note} ({name})" for note in [*notes, *doubtful_curves(recording, model)]
+                ]
             predictions += [
                 of_simulator(recording, str(path), one, read[0])
                 for path, one in zip(simulators, read, strict=True)

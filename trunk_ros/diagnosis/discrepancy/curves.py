@@ -30,7 +30,6 @@ SMOOTH = np.logspace(-3.0, 4.0, 15)  # weights of a curve's bends, of a knot's o
 ZONES = np.geomspace(1e-4, 0.1, 30)  # rad, tried as constants: a small zone shows nothing of a large one
 NEAR = np.linspace(0.88, 1.12, 25)  # of the best of them, likewise
 MOST_JUMPS = 16
-LINE = 0.1  # of a line's width, between periods that are tried: waves are seldom sines, nor of whole periods
 
 
 @dataclass(frozen=True)
@@ -164,7 +163,7 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
     stamp, rest = span.stamp[valid], context.residual(index, bare, column)[valid]
     frequency, share = spectrum(stamp, rest)
     if share > PART:
-        near = frequency + LINE * np.arange(-2.0, 3.0) / (stamp[-1] - stamp[0])
+        near = frequency + PART * np.arange(-2.0, 3.0) / (stamp[-1] - stamp[0])
         for kind in (UnknownCycle, UnknownWaves):
             yield [Place(kind.id, "time", 0.0, 1.0 / f) for f in near if f > 0.0]
     worth = SIGNIFICANT * (1.0 + noise.remembers) / (1.0 - noise.remembers)

@@ -22,7 +22,7 @@ from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect, registry
 from trunk_ros.own_time import TIME
 
-OWN_TIME = " It holds for the diagnosed recording only: other runs are simulated without it."
+OWN_TIME = " It was seen in this recording: whether another one repeats it is not known."
 ALL = "arm"  # owner of shared values
 FEW = 8  # lines of a list
 
