@@ -83,6 +83,15 @@ def test_a_drift_with_travel_goes_by_the_way_to_and_fro() -> None:
     alike(got, THETA + 1e-3 * way, 1e-5)
 
 
+def test_a_heated_drift_lags_behind_the_speed_and_cools_in_pauses() -> None:
+    heat, step = np.zeros_like(THETA), 1.0 - np.exp(-np.diff(STAMP) / 2.0)
+    power = np.abs(np.diff(THETA, axis=0)) / np.diff(STAMP)[:, None] / 0.1
+    for k in range(1, len(STAMP)):
+        heat[k] = heat[k - 1] + step[k - 1] * (power[k - 1] - heat[k - 1])
+    got = wire("thermal_drift", amplitude=1e-3, time_constant=2.0, speed=0.1, form="heated")
+    alike(got, THETA + 1e-3 * heat, 2e-5)
+
+
 def test_a_coupling_adds_gain_times_the_sources_true_angle() -> None:
     got = wire("joint_coupling", gain=np.array([0.0, 0.1, 0.05]), source=["", "joint_1", "joint_2"])
     assert got[:, 1] == pytest.approx(THETA[:, 1] + 0.1 * got[:, 0], abs=1e-7)

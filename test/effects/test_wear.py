@@ -15,6 +15,7 @@ from trunk_ros.model import load_model, save_model
 from trunk_ros.simulate import simulate
 
 SPEED = 0.1  # rad/s
+EVERY = np.ones(5)
 
 
 def test_a_wide_loop_that_is_gone_through_once_shows_no_growth_of_its_dead_band() -> None:
@@ -35,6 +36,7 @@ def test_a_drift_is_said_to_go_with_what_it_goes_with() -> None:
     said = {form: drift.title(form) for form in drift.forms}
     assert {form for form, what in said.items() if "the distance" in what} == {"travel"}
     assert {form for form, what in said.items() if what.endswith("with time")} == {"exponential", "straight"}
+    assert {form for form, what in said.items() if "heats" in what} == {"heated"}
     assert effect("backlash").title("") == effect("backlash").title()
 
 
@@ -56,4 +58,19 @@ def test_what_goes_with_travel_is_named_kept_in_the_file_and_predicts_another_mo
     assert again.parameters() == result.model.parameters()
     other = recorded(hidden, seconds=60.0, seed=5, noise=0.0)
     shown = simulate(other, again).series["joint_states"].position
+    assert np.abs(shown - other.series["joint_states"].position)[600:, 1].max() < 1e-4
+
+
+@pytest.mark.timeout(240)
+def test_a_drift_that_the_motion_heats_is_named_and_predicts_another_motion() -> None:
+    hidden = {"thermal_drift": {"form": "heated", "amplitude": on(2, 2e-3), "time_constant": 12.0 * EVERY,
+                                "speed": SPEED * EVERY}}  # fmt: skip
+    result = diagnose([recorded(hidden, seconds=60.0, noise=5e-5)])
+    (found,) = result.findings
+    assert (found.effect, found.joints) == ("thermal_drift", ["joint_2"])
+    assert effect("thermal_drift").title("heated")[1:] in found.statement
+    fitted, speed = (found.parameters["joint_2"][key]["value"] for key in ("amplitude", "speed"))
+    assert fitted / speed == pytest.approx(2e-3 / SPEED, rel=0.05)
+    other = recorded(hidden, seconds=60.0, seed=5, noise=0.0)
+    shown = simulate(other, result.model).series["joint_states"].position
     assert np.abs(shown - other.series["joint_states"].position)[600:, 1].max() < 1e-4

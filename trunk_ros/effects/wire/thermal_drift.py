@@ -1,4 +1,4 @@
-"""The zero drifts slowly, with time or with the distance that the joint travels."""
+"""The zero drifts slowly: with time, with the distance that the joint travels, or as its motion heats it."""
 
 from typing import Any
 
@@ -6,13 +6,20 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Motion, Now
+from trunk_ros.effects.filters import lowpass
 from trunk_ros.effects.wire.travelled import SPEED, Travelled
+from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
+
+LASTS = ("exponential", "heated")
+"""Forms that come to an end."""
+BY = {"travel": "with the distance that the joint travels", "heated": "as the joint's motion heats it"}
 
 
 class ThermalDrift(Travelled):
     """u += amplitude (1 - exp(-t/time_constant)), or rate t, or rate s/speed with the path s gone so far,
-    which at a mean ``speed`` is the same as rate t.
+    which at a mean ``speed`` is the same as rate t; heated: amplitude lowpass(|s'|/speed), which at
+    that speed is the same as the first, and cools in pauses.
     """
 
     id = "thermal_drift"
@@ -21,10 +28,11 @@ class ThermalDrift(Travelled):
     source = (
         "Newton's law of cooling: an assembly nears its new temperature as "
         "exp(-t/time_constant); straight at first. With the path: an incremental encoder that loses "
-        "counts in one direction, a wire that creeps over its wheel one way."
+        "counts in one direction, a wire that creeps over its wheel one way. heated: the power of "
+        "steady friction goes with the speed."
     )
-    forms = ("exponential", "straight", "travel")
-    refined = ("travel",)
+    forms = ("exponential", "straight", "travel", "heated")
+    refined = ("travel", "heated")
     parameters = (
         Parameter("amplitude", "rad", (-0.2, 0.2), "drift after a long time", typical=1e-3),
         Parameter(
@@ -56,31 +64,44 @@ class ThermalDrift(Travelled):
 
     def _drift(self, now: Now, state: Any) -> tuple[Array, Any]:
         t = now.stamp[:, None]
-        if self.form == "exponential":
-            return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"])), None
         if self.form == "travel" and not now.held:
             gone = now.travelled(state)
             return np.asarray(self["rate"] * gone / self["speed"]), gone[-1]
+        if self.form == "heated" and not now.held:
+            heat, state = self._heat(now, state)
+            return self["amplitude"] * heat, state
+        if self.form in LASTS:
+            return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"])), None
         return np.asarray(self["rate"] * t), None
+
+    def _heat(self, now: Now, state: Any) -> tuple[Array, Any]:
+        """(n, columns): 1 in the end where a joint goes on at its ``speed``."""
+        before, memory = (None, np.zeros((2, len(self["speed"])))) if state is None else state
+        gone = now.travelled(before)
+        way = np.diff(gone, axis=0, prepend=np.zeros_like(gone[:1]) if before is None else before[None])
+        heat, memory = np.empty_like(gone), memory.copy()
+        power = way / np.maximum(now.dt, TINY)[:, None] / self["speed"]
+        lowpass(power, now.dt, self["time_constant"], memory, heat)
+        return heat, (gone[-1], memory)
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It is not over at once: or it is an offset."""
         share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
-        return bool(self.form != "exponential" or np.all(share > 0.03))
+        return bool(self.form not in LASTS or np.all(share > 0.03))
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
-        """Not by the distance where each stroke is like the last in a wide loop: there it grows with the
-        angle, as a loop that is no parallelogram does.
+        """Not by the distance or the motion where each stroke is like the last in a wide loop: there it grows
+        with the angle, as a loop that is no parallelogram does.
         """
-        return tuple(f for f in super().forms_shown(motion) if f != "travel" or not motion.wide_loop)
+        return tuple(f for f in super().forms_shown(motion) if f not in cls.refined or not motion.wide_loop)
 
     @classmethod
     def title(cls, form: str | None = None) -> str:
-        by = "the distance that the joint travels" if form == "travel" else "time"
-        return super().title() if form is None else f"The zero drifts slowly with {by}"
+        return super().title() if form is None else f"The zero drifts slowly {BY.get(form, 'with time')}"
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
         amplitude, time_constant, rate, speed = cls.parameters
-        return {"straight": (rate,), "travel": (rate, speed)}.get(form, (amplitude, time_constant))
+        own = {"straight": (rate,), "travel": (rate, speed), "heated": (amplitude, time_constant, speed)}
+        return own.get(form, (amplitude, time_constant))
