@@ -92,6 +92,16 @@ def test_a_heated_drift_lags_behind_the_speed_and_cools_in_pauses() -> None:
     alike(got, THETA + 1e-3 * heat, 2e-5)
 
 
+def test_creep_by_a_power_law_is_a_sum_of_creeps_whose_shares_go_with_a_power_of_their_time() -> None:
+    ages = np.geomspace(0.4, 300.0, 9)
+    share = ages**0.3 / np.sum(ages**0.3)
+    each = [
+        wire("viscoelastic_creep", gain=0.1 * s, time_constant=t) for s, t in zip(share, ages, strict=True)
+    ]
+    got = wire("viscoelastic_creep", gain=0.1, exponent=0.3, form="power_law")
+    alike(got, THETA + sum(one - THETA for one in each), 1e-12)
+
+
 def test_a_coupling_adds_gain_times_the_sources_true_angle() -> None:
     got = wire("joint_coupling", gain=np.array([0.0, 0.1, 0.05]), source=["", "joint_1", "joint_2"])
     assert got[:, 1] == pytest.approx(THETA[:, 1] + 0.1 * got[:, 0], abs=1e-7)

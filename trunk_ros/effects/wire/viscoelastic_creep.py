@@ -13,15 +13,18 @@ from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
 MODES = 6  # of a spectrum: two decades of it creep as smoothly as more would
+LONGEST = 300.0  # s
+AGES = np.geomspace(0.4, LONGEST, 9)  # s, of a power law, as closely: what is sooner is a lag
 
 
 class ViscoelasticCreep(OnBothSides):
     """theta = p - gain lowpass(p), one or two time constants, or (spectrum) six with equal shares, evenly
-    in the logarithm between two; load: theta = p + compliance lowpass(tau), of a wire that goes on giving way
-    under weight, before the friction, behind it, or in part on either side; upstream: the wire creeps before
-    the friction, under the friction as well, theta = play(u - lowpass(q gain theta + rubbing z)) with the
-    stretch z that bears the friction, where the play is q = rubbing/(rubbing + gain) of what it would be: the
-    spring by whose pull the wire creeps takes its part of the friction.
+    in the logarithm between two, or (power_law) nine from 0.4 s to longer than anybody records, whose shares
+    go with a power of the time constant; load: theta = p + compliance lowpass(tau), of a wire that goes on
+    giving way under weight, before the friction, behind it, or in part on either side; upstream: the wire
+    creeps before the friction, under the friction as well, theta = play(u - lowpass(q gain theta + rubbing
+    z)) with the stretch z that bears the friction, where the play is q = rubbing/(rubbing + gain) of what it
+    would be: the spring by whose pull the wire creeps takes its part of the friction.
     """
 
     id = "viscoelastic_creep"
@@ -32,17 +35,17 @@ class ViscoelasticCreep(OnBothSides):
     remembers = True
     source = (
         "Standard linear solid (Zener), one or two Maxwell branches: Palli et al. (2012), Mechatronics "
-        "22(6). spectrum: Neubert (1963), Aeronaut. Q. 14(2); Fung (1972), for tendons. upstream: the solid "
-        "in series with dry friction."
+        "22(6). spectrum: Neubert (1963), Aeronaut. Q. 14(2); Fung (1972), for tendons. power_law: Findley "
+        "(1944), ASTM Proc. 44, of plastics. upstream: the solid in series with dry friction."
     )
-    forms = ("one_mode", "two_modes", "spectrum", "upstream", "load")
-    refined = ("two_modes", "spectrum")
+    forms = ("one_mode", "two_modes", "spectrum", "power_law", "upstream", "load")
+    refined = ("two_modes", "spectrum", "power_law")
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
         Parameter(
             "time_constant",
             "s",
-            (0.15, 300.0),
+            (0.15, LONGEST),
             "time constant of the creep",
             typical=5.0,
             null=5.0,
@@ -56,7 +59,7 @@ class ViscoelasticCreep(OnBothSides):
         Parameter(
             "time_constant_2",
             "s",
-            (0.15, 300.0),
+            (0.15, LONGEST),
             "time constant of the second mode, or the other end of the spectrum",
             typical=1.0,
             null=1.0,
@@ -75,6 +78,15 @@ class ViscoelasticCreep(OnBothSides):
             typical=0.01,
         ),
         UPSTREAM,
+        Parameter(
+            "exponent",
+            "1",
+            (-0.3, 1.0),
+            "power of the time constant that the shares go with",
+            typical=0.2,
+            null=0.0,
+            shared=True,
+        ),
     )
     confused_with = (
         ("thermal_drift", "hold at zero and far from it: creep follows the deflection"),
@@ -139,6 +151,9 @@ class ViscoelasticCreep(OnBothSides):
         if self.form == "spectrum":
             constants = np.geomspace(self["time_constant"], self["time_constant_2"], MODES)
             return np.tile(self["gain"] / MODES, (MODES, 1)), constants
+        if self.form == "power_law":
+            shares = AGES[:, None] ** self["exponent"]
+            return self["gain"] * shares / shares.sum(axis=0), np.tile(AGES[:, None], len(self["gain"]))
         if self.form != "two_modes":
             return self["gain"][None], self["time_constant"][None]
         gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
@@ -147,7 +162,9 @@ class ViscoelasticCreep(OnBothSides):
     def credible(self, now: Now, beside: bool = False) -> bool:
         """Slower than a lag, and not so slow that it is no more than another ratio."""
         _, constants = self._modes()
-        return bool(np.all((constants > 0.4) & (constants < 2.0 * (now.stamp[-1] - now.stamp[0]))))
+        return self.form == "power_law" or bool(
+            np.all((constants > 0.4) & (constants < 2.0 * (now.stamp[-1] - now.stamp[0])))
+        )
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
@@ -156,9 +173,11 @@ class ViscoelasticCreep(OnBothSides):
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        gain, constant, share, constant_2, rubbing, compliance, upstream = cls.parameters
+        gain, constant, share, constant_2, rubbing, compliance, upstream, exponent = cls.parameters
         if form == "load":
             return compliance, constant, upstream
+        if form == "power_law":
+            return gain, exponent
         further = {"two_modes": (share, constant_2), "spectrum": (constant_2,), "upstream": (rubbing,)}
         return (gain, constant, *further.get(form, ()))
 
