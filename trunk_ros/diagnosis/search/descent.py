@@ -181,13 +181,13 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
 
 
 def _next(best: Fit, now: Sequence[Move], moves: Sequence[Move], desk: Desk) -> tuple[Move, Fit] | None:
-    """The next change. While large things are missing, the better one of what is new and of what the model
-    has in another way: other options, or for a time.
+    """The next change. While large things are missing, the better one of what is new and of what is there in
+    another way: other options, or for a time.
     """
     found = first_that_pays(best, now, desk)
-    if desk.share < COARSE[0] or not best.context.known:
+    if desk.share < COARSE[0]:
         return found
-    theirs = [of(move, *best.context.known) for move in moves if move.settles]
+    theirs = [of(move, *best.hypothesis) for move in moves if move.settles]
     other = first_that_pays(best, theirs, desk)
     return min(filter(None, (found, other)), key=lambda step: score(step[1]), default=None)
 

@@ -11,14 +11,14 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
-from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, TOGETHER
+from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, SOME, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.formed import FORMULAS, off_by
 from trunk_ros.diagnosis.stage import STANDING
 from trunk_ros.diagnosis.thrown import rests, room, throws
 from trunk_ros.effects import effect, registry
-from trunk_ros.effects.curve import OVER_TIME, Curve
+from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import ROUNDED
 
 SIGNIFICANT = 60.0
@@ -275,7 +275,7 @@ def _apart(times: list[tuple[float, float]]) -> float:
 
 def for_a_time(context: Context, column: int, left: float) -> float:
     """What is charged on a column for what does not always act, beside squared residuals so far ``left``."""
-    return (1 / OVER_TIME - 1) * max(left - 2.0 * context.count(column), 0.0)
+    return (1 / SOME - 1) * max(left - 2.0 * context.count(column), 0.0)
 
 
 def may_be_for_a_time(context: Context, left: dict[int, float], gain: float) -> bool:
