@@ -20,9 +20,24 @@ def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
     """Columns whose residual is above the noise, and what the model's own laws may be off by: power over the
     noise's, less one.
     """
-    power = {c: float(np.mean(context.whitened(hypothesis, c) ** 2)) - 1.0 for c in context.columns}
+    power = {c: _power(context, hypothesis, c) for c in context.columns}
     least = {c: max(context.rest(c), off_by(context, c) / context.count(c)) for c in power}
     return {c: p for c, p in power.items() if p > least[c] and _coherent(context, hypothesis, c)}
+
+
+def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    """Of the innovations; beside an effect that was found of the residual itself where that surely goes
+    further than its noise does: the slow part of what a law is off by is no innovation.
+    """
+    power = float(np.mean(context.whitened(hypothesis, column) ** 2)) - 1.0
+    noise, theirs = context.noise[column], {term.effect for term in context.known.on(column)}
+    if noise.remembers == 0.0 or all(term.effect in theirs for term in hypothesis.on(column)):
+        return power
+    seen = zip(context.evened(hypothesis, column), context.views, strict=True)
+    rest = np.concatenate([rest[view.columns[column].counted] for rest, view in seen])
+    further = float(np.mean(rest**2)) / noise.std**2 - 1.0
+    worth = len(rest) * (1.0 - noise.remembers) / (1.0 + noise.remembers)
+    return max(power, further) if further > SURE * np.sqrt(2.0 / max(worth, 1.0)) else power
 
 
 def _coherent(context: Context, hypothesis: Hypothesis, column: int) -> bool:

@@ -151,12 +151,13 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
 
 def _may_be_drawn(now: Fit, column: int, gained: float, alike: bool) -> bool:
     """Whether the best curve there is likelier than the noise, which has ``gained`` so much, or pays where
-    sensors are not ``alike``.
+    sensors are not ``alike`` and it is none over time that looks like such noise.
     """
     curve = curve_fit(now.context, now.hypothesis, column)
     if curve is None:
         return False
-    pays = score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
+    goes_on = untimed(curve.hypothesis, column) is curve.hypothesis
+    pays = goes_on and score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
     return (pays and not alike) or _gains(now, column, curve.hypothesis, CURVE) > gained
 
 
