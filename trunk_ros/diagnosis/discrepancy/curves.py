@@ -64,12 +64,15 @@ class Drawn:
     worth: float
 
 
-def curve_fit(context: Context, bare: Hypothesis, column: int) -> Fit | None:
+def curve_fit(context: Context, bare: Hypothesis, column: int, tied: bool = False) -> Fit | None:
     """The hypothesis with the curve, of whatever it is best a curve of and over what it is best drawn over,
-    that explains most of a column's rest.
+    that explains most of a column's rest; ``tied``: of those whose values are tied to those beside them.
     """
     bare = fit(context, bare, [column]).hypothesis
-    drawn = [_best(context, bare, column, some) for some in places(context, bare, column) if some]
+    able = [
+        some for some in places(context, bare, column) if some and (len(some[0].curve.bend()) or not tied)
+    ]
+    drawn = [_best(context, bare, column, some) for some in able]
     return min(drawn, key=lambda d: d.worth).fit if drawn else None
 
 
@@ -79,19 +82,11 @@ def curves_beside(context: Context, hypothesis: Hypothesis, column: int) -> list
     return [_alternate(context, hypothesis, column, place).fit.hypothesis for place in found]
 
 
-def promised(context: Context, bare: Hypothesis, column: int) -> float:
+def promised(context: Context, bare: Hypothesis, column: int, linear: bool = True) -> float:
     """Squared unit-noise residual above the noise that a curve added to the angle would leave of a column by
-    a linear look: a fit leaves no more.
+    a linear look: a fit leaves no more. Not ``linear``: that of curves of what the core does, such as its
+    dead band; a fit may leave more or less.
     """
-    return _promised(context, bare, column, linear=True)
-
-
-def promised_within(context: Context, bare: Hypothesis, column: int) -> float:
-    """The same of curves of what the core does, such as its dead band; a fit may leave more or less."""
-    return _promised(context, bare, column, linear=False)
-
-
-def _promised(context: Context, bare: Hypothesis, column: int, linear: bool) -> float:
     some = (place for kinds in _smooth(context, column) for place in kinds if place.curve.linear == linear)
     left = (_look(context, bare, column, place)[0] for place in some)
     return max(min(left, default=np.inf) - context.count(column), 0.0)

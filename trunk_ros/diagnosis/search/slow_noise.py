@@ -150,15 +150,14 @@ def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
 
 
 def _may_be_drawn(now: Fit, column: int, gained: float, alike: bool) -> bool:
-    """Whether the best curve there is likelier than the noise, which has ``gained`` so much, or pays where
-    sensors are not ``alike`` and it is none over time that looks like such noise.
+    """Whether the best curve there is likelier than the noise, which has ``gained`` so much, or one of tied
+    values pays where sensors are not ``alike``: levels go with whatever wanders.
     """
     curve = curve_fit(now.context, now.hypothesis, column)
-    if curve is None:
-        return False
-    goes_on = untimed(curve.hypothesis, column) is curve.hypothesis
-    pays = goes_on and score(Fit(curve.hypothesis, now.cost | curve.cost, now.context)) < score(now)
-    return (pays and not alike) or _gains(now, column, curve.hypothesis, CURVE) > gained
+    if curve is not None and _gains(now, column, curve.hypothesis, CURVE) > gained:
+        return True
+    tied = None if alike or curve is None else curve_fit(now.context, now.hypothesis, column, tied=True)
+    return tied is not None and score(Fit(tied.hypothesis, now.cost | tied.cost, now.context)) < score(now)
 
 
 def _is_found(now: Fit, column: int) -> bool:

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised, promised_within
+from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised
 from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
 from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.credible import hidden
@@ -52,7 +52,7 @@ def _hopeless(best: Fit, desk: Desk, column: int) -> bool:
     reached = best.rest(column) - (OWN - len(local)) * each
     bare = best.hypothesis.less(local, column)
     return reached > 0.0 and any(
-        look(best.context, bare, column) < reached for look in (promised, promised_within)
+        promised(best.context, bare, column, linear) < reached for linear in (True, False)
     )
 
 
