@@ -192,10 +192,10 @@ def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
 
 
 def _harm(with_it: Array, without: Array, named: bool) -> float:
-    """By how much squared unit-noise residuals (BLOCKS,) are larger with an effect: for sure, where it has a
-    name. For what has none nothing else speaks than that it helps.
+    """By how much squared unit-noise residuals (BLOCKS,) are larger with an effect, for sure. For what has no
+    name nothing else speaks than that it helps: it is enough that most blocks are worse, and all together.
     """
     harm = with_it - without
-    if not named:
+    if not named and np.median(harm) > 0.0:
         return float(harm.sum())
     return float(harm.sum() - np.sqrt(np.sum((harm - harm.mean()) ** 2)))

@@ -40,15 +40,17 @@ def early_groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def _hopeless(best: Fit, desk: Desk, column: int) -> bool:
     """Whether the names that a joint may still have would have to explain more, each, than those that it has
-    do, or than the best one by itself, to leave as little as a curve promises in their place.
+    do, or than the best one by itself, to leave as little as a curve promises in their place. A law of all
+    joints may give way to one with more to it, which is no further name.
     """
     local = own_effects(best.hypothesis, column)
     if not local or column in best.hypothesis.curved:
         return False
     nominal = best.context.whitened(best.context.known, column)
     each = (float(nominal @ nominal) - best.cost[column]) / len(local)
-    further = (trial.cost for (_, alone), trial in trials(best, desk, [column])[0].items() if alone)
-    each = min(each, best.cost[column] - min(further, default=best.cost[column]))
+    if not any(effect(name).everywhere for name in local):
+        further = (trial.cost for (_, alone), trial in trials(best, desk, [column])[0].items() if alone)
+        each = min(each, best.cost[column] - min(further, default=best.cost[column]))
     reached = best.rest(column) - (OWN - len(local)) * each
     bare = best.hypothesis.less(local, column)
     return reached > 0.0 and any(
