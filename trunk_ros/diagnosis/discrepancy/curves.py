@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -159,8 +159,10 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
     frequency, share = spectrum(stamp, rest)
     if share > PART:
         near = frequency + PART * np.arange(-2.0, 3.0) / (stamp[-1] - stamp[0])
-        for kind in (UnknownCycle, UnknownWaves):
-            yield [Place(kind.id, "time", 0.0, 1.0 / f) for f in near if f > 0.0]
+        periods = [Place(UnknownCycle.id, "time", 0.0, 1.0 / f) for f in near if f > 0.0]
+        yield periods
+        likeliest = min(periods, key=lambda place: _look(context, bare, column, place)[0])
+        yield [replace(likeliest, kind=UnknownWaves.id)]
     worth = SIGNIFICANT * (1.0 + noise.remembers) / (1.0 - noise.remembers)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
     angles = span.measured(context.views[index].angles)[valid]
