@@ -31,19 +31,19 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
     """
     models = [(name, load_model(name)) for name in arguments.model]
     rows: list[Row] = []
-    aside: list[str] = []
+    left_out: list[str] = []
     names = called(arguments.bag)
     with Console(stderr=True).status("reading") as status:
         shared = shared_out(arguments.bag, arguments.against)
         for bag, called_so, simulators in zip(arguments.bag, names, shared, strict=True):
             status.update(f"{bag}")
             recording = without_faults(read_recording(bag, namespace=arguments.namespace))
-            aside += [f"{called_so}: {note}" for note in recording.notes]
+            left_out += [f"{called_so}: {note}" for note in recording.notes]
             predictions = [of_model(recording, name, model) for name, model in models]
             read: list[Recording] = [read_recording(path) for path in simulators]
             for name, model in models:
                 notes = strangers(by_joint(recording, model.arm), model)
-                aside += [
+                left_out += [
                     f"{called_so}: {note} ({name})" for note in [*notes, *doubtful_curves(recording, model)]
                 ]
             predictions += [
@@ -51,7 +51,7 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
                 for path, one in zip(simulators, read, strict=True)
             ]
             rows += score(called_so, predictions, arguments.settle)
-    for line in aside:
+    for line in left_out:
         print(f"trunk_ros: {line}", file=sys.stderr)
     kept = [row for row in rows if row.stage in (arguments.stage or STAGES)]
     if not kept:
@@ -80,11 +80,11 @@ def compared_with(bags: Sequence[str], simulators: Sequence[str]) -> list[str]:
     return list(simulators[: len(bags)]) if len(simulators) > len(bags) else []
 
 
-def verdict(rows: Sequence[Row], most: float | None, aside: Collection[str] = ()) -> int:
+def verdict(rows: Sequence[Row], most: float | None, left_out: Collection[str] = ()) -> int:
     """3, and a line on stderr, where an rms error is more than ``most`` times the noise; of models and
-    simulators that are not named ``aside``.
+    simulators that are not named ``left_out``.
     """
-    rows = [row for row in rows if row.model not in aside]
+    rows = [row for row in rows if row.model not in left_out]
     above = [row for row in rows if most is not None and not row.in_noise <= most]
     if not above:
         return 0

@@ -88,15 +88,17 @@ def promised(context: Context, bare: Hypothesis, column: int, linear: bool = Tru
     dead band; a fit may leave more or less.
     """
     some = (place for kinds in _smooth(context, column) for place in kinds if place.curve.linear == linear)
-    left = (_look(context, bare, column, place)[0] for place in some)
+    rest = context.whitened(bare, column)
+    left = (_look(context, bare, column, place, rest)[0] for place in some)
     return max(min(left, default=np.inf) - context.count(column), 0.0)
 
 
-def _look(context: Context, bare: Hypothesis, column: int, place: Place) -> tuple[float, float]:
-    """What a curve would leave of a column by a linear look, and how many values it is worth."""
+def _look(context: Context, bare: Hypothesis, column: int, place: Place, rest: Array) -> tuple[float, float]:
+    """What a curve would leave of a column's ``rest`` by a linear look, and how many values it is worth."""
     values = _begun(context, bare, column, place)
     design = _design(context, bare, column, place, values)
-    rest = context.whitened(with_curve(bare, place, column, values) if values.any() else bare, column)
+    if values.any():
+        rest = context.whitened(with_curve(bare, place, column, values), column)
     moved, bends = smoothed(design, rest + design @ values, place.curve.bend())
     off = rest - design @ (moved - values)
     return float(off @ off), bends
@@ -161,7 +163,8 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
         near = frequency + PART * np.arange(-2.0, 3.0) / (stamp[-1] - stamp[0])
         periods = [Place(UnknownCycle.id, "time", 0.0, 1.0 / f) for f in near if f > 0.0]
         yield periods
-        likeliest = min(periods, key=lambda place: _look(context, bare, column, place)[0])
+        whole = context.whitened(bare, column)
+        likeliest = min(periods, key=lambda place: _look(context, bare, column, place, whole)[0])
         yield [replace(likeliest, kind=UnknownWaves.id)]
     worth = SIGNIFICANT * (1.0 + noise.remembers) / (1.0 - noise.remembers)
     moments = jumps(stamp, rest / noise.std, worth, MOST_JUMPS + 1)
@@ -174,9 +177,10 @@ def _in_time(context: Context, bare: Hypothesis, column: int) -> Iterator[list[P
 
 def _best(context: Context, bare: Hypothesis, column: int, some: list[Place]) -> Drawn:
     """The curve of one kind over what a linear look finds best, fitted."""
+    rest = context.whitened(bare, column)
 
     def left(place: Place) -> float:
-        left, bends = _look(context, bare, column, place)
+        left, bends = _look(context, bare, column, place, rest)
         return left + bends * float(np.log(context.count(column)))
 
     return _alternate(context, bare, column, min(some, key=left) if len(some) > 1 else some[0])

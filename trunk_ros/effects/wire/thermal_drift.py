@@ -76,13 +76,11 @@ class ThermalDrift(Travelled):
 
     def _heat(self, now: Now, state: Any) -> tuple[Array, Any]:
         """(n, columns): 1 in the end where a joint goes on at its ``speed``."""
-        before, memory = (None, np.zeros((2, len(self["speed"])))) if state is None else state
-        gone = now.travelled(before)
-        way = np.diff(gone, axis=0, prepend=np.zeros_like(gone[:1]) if before is None else before[None])
-        heat, memory = np.empty_like(gone), memory.copy()
-        power = way / np.maximum(now.dt, TINY)[:, None] / self["speed"]
+        memory = np.zeros((2, len(self["speed"]))) if state is None else state.copy()
+        way = np.diff(now.travelled(None), axis=0, prepend=0.0)
+        power, heat = way / np.maximum(now.dt, TINY)[:, None] / self["speed"], np.empty_like(way)
         lowpass(power, now.dt, self["time_constant"], memory, heat)
-        return heat, (gone[-1], memory)
+        return heat, memory
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It is not over at once: or it is an offset."""
