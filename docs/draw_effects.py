@@ -30,6 +30,7 @@ STILL = 2e-3  # rad/s
 UP, DOWN, STANDS = "#2166ac", "#c8453b", "#8c8c8c"
 LARGER: dict[str, dict[str, float]] = {  # where the usual size would hardly be seen
     "joint_coupling": {"gain": 0.02},
+    "posture_ratio": {"gain": 0.05},
     "presliding_hysteresis": {"width": 4e-3},
     "wire_slack": {"threshold": 0.03},
     "wire_stiffening": {"moment": 0.05},

@@ -95,9 +95,14 @@ def test_the_error_falls_to_the_noise_on_samples_that_the_fit_did_not_see(loose:
     assert joint["rmse_after"] == pytest.approx(joint["noise_floor"], rel=0.1)
 
 
-def test_the_model_found_predicts_another_run_of_the_same_arm() -> None:
-    effects = {"joint_coupling": {"gain": on(3, 0.01), "source": ["", "", "joint_2"]}}
+@pytest.mark.parametrize(("effect", "gain"), [("joint_coupling", 0.01), ("posture_ratio", 0.03)])
+def test_the_model_found_predicts_another_run_of_the_same_arm(effect: str, gain: float) -> None:
+    effects = {effect: {"gain": on(3, gain), "source": ["", "", "joint_2"]}}
     result = diagnose([of_the_wires(recorded(effects))])
+    (found,) = result.findings
+    values = {name: said["value"] for name, said in found.parameters["joint_3"].items()}
+    assert (found.effect, found.joints) == (effect, ["joint_3"])
+    assert values == {"gain": pytest.approx(gain, rel=0.05), "source": "joint_2"}
     other = recorded(effects, seed=7, noise=0.0)
     measured = other.series["joint_states"].position[300:]
     error = {

@@ -108,6 +108,12 @@ def test_a_coupling_adds_gain_times_the_sources_true_angle() -> None:
     assert got[:, 2] == pytest.approx(THETA[:, 2] + 0.05 * got[:, 1], abs=1e-7)
 
 
+def test_the_posture_of_another_joint_scales_what_the_motor_moves() -> None:
+    got = wire("posture_ratio", gain=np.array([0.0, 0.2, -0.1]), source=["", "joint_1", "joint_2"])
+    assert got[:, 1] == pytest.approx(THETA[:, 1] * (1.0 + 0.2 * got[:, 0]), abs=1e-7)
+    assert got[:, 2] == pytest.approx(THETA[:, 2] * (1.0 - 0.1 * got[:, 1]), abs=1e-7)
+
+
 def test_joints_may_drag_each_other() -> None:
     got = wire("joint_coupling", gain=np.array([0.0, 0.3, 0.25]), source=["", "joint_3", "joint_2"])
     assert got[:, 1] == pytest.approx(THETA[:, 1] + 0.3 * got[:, 2], abs=1e-7)

@@ -13,6 +13,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now, Regime
+from trunk_ros.effects.sources import check_source, others
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
@@ -137,19 +138,15 @@ class Bank(Effect):
     @classmethod
     def choices(cls, joints: tuple[str, ...], joint: str) -> list[str]:
         """What may be a source for a joint."""
-        others = [other for other in joints if other != joint]
-        return [joint, *(f"{joint}{sign}{o}" for o in others for sign in "+-")] if cls.own else others
+        far = others(joints, joint)
+        return [joint, *(f"{joint}{sign}{o}" for o in far for sign in "+-")] if cls.own else far
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
         for text, words in self.words.items():
             for column, word in enumerate(words):
-                choice = self.choices(joints, joints[column])
-                if word and word not in choice:
-                    raise ModelError(
-                        f"effects.{self.id}.{text} of {joints[column]} is {word!r}: "
-                        f"choose from {', '.join(choice) or 'nothing: there is no other joint'}"
-                    )
+                if word:
+                    check_source(self.id, text, joints[column], word, self.choices(joints, joints[column]))
 
     def moved(self, now: Now, state: Any, links: Any, x: Array) -> tuple[Array, Any]:
         """(n, columns) rad that some of the sources add to ``x`` (n, columns), and the memory of all."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.sources import check_source, others
 from trunk_ros.effects.wire.play import SharpPlay
-from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Parameter
 
 SOURCES = 3
@@ -86,11 +86,8 @@ class JointCoupling(Effect):
             for column, (value, source) in enumerate(
                 zip(self[gain], self.words.get(text, ("",) * len(joints)), strict=True)
             ):
-                if value != 0.0 and (source not in joints or source == joints[column]):
-                    others = ", ".join(joint for joint in joints if joint != joints[column])
-                    raise ModelError(
-                        f"effects.{self.id}.{text} of {joints[column]} is {source!r}: choose from {others}"
-                    )
+                if value != 0.0:
+                    check_source(self.id, text, joints[column], source, others(joints, joints[column]))
 
     def pairs(self) -> list[tuple[str, str]]:
         """Names of each gain and the source that belongs to it."""
