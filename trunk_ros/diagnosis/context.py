@@ -176,7 +176,7 @@ class Context:
         masses = self.arm.has_load and self.arm.load_from == "weight"
         one_way, once = (column in those and not self.doubts for those in (self.stage.one_way, self.once))
         bears = self.stage.has_load and self.stage.bears(column)
-        return Motion(column in self.wide, one_way, once, masses, bears)
+        return Motion(column in self.wide, one_way, once, masses, bears, column in self.stage.resting)
 
     def timed(self, column: int) -> bool:
         """Whether a column shows what varies with time: it comes back, through its loop more than once."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import STANDS, servo_span, wire_span
-from trunk_ros.diagnosis.data.motion_content import top_speed
+from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.motion_content import STANDS, top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable, what_it_has

@@ -13,7 +13,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import comes_back
+from trunk_ros.diagnosis.data.motion_content import STANDS, comes_back
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.repeated_readings import coarseness
 from trunk_ros.diagnosis.data.span import Span
@@ -97,9 +97,12 @@ class Stage(ABC):
         steps = np.concatenate([np.diff(span.stamp) for span in spans])
         self.step = float(np.median(steps)) if len(steps) else 0.0
         """Usual time between two samples of the target [s]."""
-        turning = [c for c in range(len(self.joints)) if any(comes_back(s.source[:, c]) for s in spans)]
-        self.one_way = frozenset(range(len(self.joints))) - set(turning)
-        """Columns that never come back: nothing can be told of reversals or of time."""
+        columns = range(len(self.joints))
+        moving = {c for c in columns if any(np.ptp(s.source[:, c]) >= STANDS for s in spans)}
+        self.resting = frozenset(columns) - moving
+        """Columns whose input stands."""
+        self.one_way = frozenset(c for c in moving if not any(comes_back(s.source[:, c]) for s in spans))
+        """Columns that go on and never come back: nothing can be told of reversals or of time."""
 
     def over(self, spans: Sequence[Span]) -> Stage:
         """The same stage and sensors over other spans of the same arm."""

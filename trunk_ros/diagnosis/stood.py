@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.data.align import STANDS
+from trunk_ros.diagnosis.data.motion_content import STANDS
 from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now

@@ -23,13 +23,12 @@ Stage = Literal["servo", "wire", "arm"]
 Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
 
 
+AT_REST = ("always", "time", "reversal")  # regimes shown by a joint that others move and not its motor
 UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that never comes back shows nothing
 
 
 class Effect(ABC):
-    """One phenomenon. Subclasses state it as data and override ``run`` or ``adjust``, and ``invert`` where
-    possible.
-    """
+    """One phenomenon. Subclasses state it as data and override ``run`` or ``adjust``, and ``invert``."""
 
     id: ClassVar[str] = ""
     stage: ClassVar[Stage]
@@ -174,6 +173,8 @@ class Effect(ABC):
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
         """The forms that a joint's motion can show, if any."""
+        if motion.stands and cls.regime not in AT_REST and "several" not in cls.needs:
+            return tuple(filter(cls.bears, cls.forms))
         untold = UNTOLD if motion.one_way else ("time",) if motion.once else ()
         return () if cls.regime in untold else cls.forms
 

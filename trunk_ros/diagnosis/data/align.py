@@ -9,10 +9,10 @@ import numpy as np
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import MOVED, comes_back, is_wide, passed, turned
+from trunk_ros.diagnosis.data.motion_content import MOVED, STANDS, comes_back, is_wide, passed, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.levels import ENOUGH, OUTLIERS, ROUGH
+from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, OUTLIERS, ROUGH, SLIGHT
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
@@ -35,7 +35,6 @@ from trunk_ros.transmission import at_joints
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
 SETTLING = 0.3  # s in which a servo forgets how it began
-STANDS = 3e-4  # rad: a joint that moves less stands
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
 
 
@@ -63,7 +62,9 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     past = np.minimum(least, np.maximum(BANDS * loop, STANDS))
     small = np.maximum(noises(measured) / 2, UNSEEN)
     small = np.maximum(small, np.where(np.isfinite(loop), ROUGH * loop, 0.0))  # wide ones are hardly moved
-    valid &= _counted(u, rows, start, least) & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
+    counted = _counted(u, rows, start, least)
+    counted |= ~counted.any(axis=0) & _moved_along(target, valid, start, noises(measured))
+    valid &= counted & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
     early = np.zeros_like(valid)
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         late = _beside_wide_loops(u[rows], velocity[rows], target, valid)
@@ -198,6 +199,17 @@ def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: A
     engaged = far > least
     standing = (far < STANDS) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
     return np.asarray((engaged | standing)[rows])
+
+
+def _moved_along(target: Array, valid: np.ndarray, start: tuple[np.ndarray, ...], noise: Array) -> np.ndarray:
+    """(joints,): where others or the load move a joint by more than its noise, whatever its own motor does,
+    and what it reads at first tells where it lies in its play.
+    """
+    out = np.array([len(seen) > 0 for seen in start])
+    for j in np.flatnonzero(out):
+        low, high = np.quantile(target[valid[:, j], j], [SLIGHT, 1.0 - SLIGHT])
+        out[j] = high - low > CERTAIN * noise[j]
+    return out
 
 
 def _forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array) -> np.ndarray:

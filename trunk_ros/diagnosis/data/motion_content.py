@@ -13,6 +13,7 @@ APART = 5  # samples whose noise has nothing in common, and between which a spee
 PLACES = 20  # cells of a range, with as many samples each
 VARIES = 0.2  # of the speed's power, beyond its means at each place and direction: from there on it tells
 STILL = 0.02  # of the fastest, or of the largest motion: what does less stands
+STANDS = 3e-4  # rad: a joint that moves less stands
 MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
 

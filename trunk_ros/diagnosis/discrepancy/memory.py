@@ -10,8 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import STANDS
-from trunk_ros.diagnosis.data.motion_content import comes_back, passes_again
+from trunk_ros.diagnosis.data.motion_content import STANDS, comes_back, passes_again
 from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.bank_weights import Cuts, Source, Sums, chosen_of, thinned
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term

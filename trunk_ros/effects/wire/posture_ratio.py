@@ -9,6 +9,7 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.sources import check_source, others
 from trunk_ros.parameter import Parameter
 
+STANDS = 0.03  # of the motion of the joint that moves most
 LEAST = 0.05  # of its ratio that a joint keeps: past that the first term of the expansion says nothing
 
 
@@ -45,6 +46,12 @@ class PostureRatio(Effect):
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return y / self._ratio(now), None
+
+    def credible(self, now: Now, beside: bool = False) -> bool:
+        """Both joints move: where one stands it is a coupling, or a ratio."""
+        moved = np.ptp(np.column_stack([now.wires, now.gearbox * now.ratio]), axis=0)
+        sources = [now.joints.index(s) for s in self.words.get("source", ()) if s]
+        return bool(np.all(moved[[*sources, -1]] > STANDS * moved.max()))
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
