@@ -39,7 +39,8 @@ def _with_bursts(context: Context) -> Context:
     views = []
     for index, view in enumerate(context.views):
         valid = [view.columns[c].valid for c in fine]
-        found = bursts([rest[index] for rest in rests], valid, view.span.stamp)
+        speeds = [column.speed for column in view.columns]
+        found = bursts([rest[index] for rest in rests], valid, view.span.stamp, speeds)
         views.append(replace(view, span=replace(view.span, bursts=found)) if found else view)
     if not any(view.span.bursts for view in views):
         return context

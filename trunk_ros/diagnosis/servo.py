@@ -60,7 +60,7 @@ class ServoStage(Stage):
         return STANDING
 
     def resolution(self, column: int) -> float:
-        return float(2 * np.pi / self.arm.counts_per_rev / np.sqrt(12.0))
+        return float(self.steps[column])
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         return self._predict_alike(sight, index, [(hypothesis, column)])[0]

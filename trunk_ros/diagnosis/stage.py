@@ -137,9 +137,10 @@ class Stage(ABC):
         return max(self.steps[column], self.coarse[column])
 
     def resolution(self, column: int) -> float:
-        """Standard deviation of the gearbox encoder's steps, told or seen, on the target's side [rad]."""
-        seen = [view.span.counts[column] for view in self.views if view.span.counts is not None]
-        step = max([2 * np.pi / self.arm.counts_per_rev, *seen])
+        """Standard deviation of the gearbox encoder's steps on the target's side [rad], as its readings have
+        them: an arm may be described with other ones, or with those of another arm.
+        """
+        step = max(view.span.counts[column] for view in self.views if view.span.counts is not None)
         return float(step / np.sqrt(12.0) * abs(self.arm.ratio[column]))
 
     @abstractmethod

@@ -8,6 +8,7 @@ CELLS = 8.0  # per shortest period
 MOST = 1000  # cells per value: in wider ranges a line cannot be told from its neighbours
 SAME = 1e-6  # of a step: a line at the edge of the range is outside, however that is rounded
 ENOUGH = 2**17  # samples: more of them tell no more of how a residual is bent
+SHOWN = 4  # samples per period, at least: so many show it
 FINER = 8  # steps of the search per period that the range cannot hold
 
 
@@ -18,6 +19,13 @@ def positive(values: dict[str, float], amplitude: str, phase: str) -> dict[str, 
     return {**values, phase: float(wrapped)} | (
         {amplitude: abs(values[amplitude])} if amplitude in values else {}
     )
+
+
+def finest(x: Array) -> float:
+    """The most periods per turn that samples of a moving shaft (n,) rad show, or per 2 pi m of a slide."""
+    moved = np.abs(np.diff(x))
+    moved = moved[moved > 0.0]
+    return float(2 * np.pi / (SHOWN * np.median(moved))) if len(moved) else 0.0
 
 
 def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tuple[float, ...]:

@@ -6,10 +6,11 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import mannwhitneyu
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import fourth_differences
-from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, HALF, MOST, NOTABLE
+from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, HALF, MOST, NOTABLE, SURE
 
 WINDOW = ENOUGH // 2  # samples, of which all joints together tell how loud they are
 
@@ -17,9 +18,12 @@ Burst = tuple[float, float, float]
 """From when until when [s], and how many times as loud as else."""
 
 
-def bursts(residuals: Sequence[Array], masks: Sequence[np.ndarray], stamp: Array) -> tuple[Burst, ...]:
+def bursts(
+    residuals: Sequence[Array], masks: Sequence[np.ndarray], stamp: Array, speeds: Sequence[Array] = ()
+) -> tuple[Burst, ...]:
     """The bursts in what is left of joints, (n,) each, where it counts (n,), at ``stamp`` (n,) s. What rings
-    or slides is no noise: that has another sign in nearly every sample.
+    or slides is no noise: that has another sign in nearly every sample. Nor is what always comes with the
+    motion, going by ``speeds`` (n,) rad/s: what is outside does not know of it.
     """
     count = (len(stamp) - 4) // WINDOW
     if count < FEWEST or not residuals:
@@ -34,7 +38,7 @@ def bursts(residuals: Sequence[Array], masks: Sequence[np.ndarray], stamp: Array
         usual, turning = np.nanmedian(times, axis=0), np.nanmedian(turns, axis=0)
     alike = np.sum(times > NOTABLE, axis=0) > MOST * np.sum(np.isfinite(times), axis=0)
     loud = alike & (usual > NOTABLE) & (turning > MOST)
-    if not loud.any() or np.mean(loud) > HALF:
+    if not loud.any() or np.mean(loud) > HALF or _comes_with(loud, speeds):
         return ()
     edges = np.flatnonzero(np.diff(np.concatenate([[False], loud, [False]]).astype(int))).reshape(-1, 2)
     return tuple(
@@ -45,6 +49,29 @@ def bursts(residuals: Sequence[Array], masks: Sequence[np.ndarray], stamp: Array
         )
         for first, last in edges
     )
+
+
+def _comes_with(loud: np.ndarray, speeds: Sequence[Array]) -> bool:
+    """Whether windows (count,) that are ``loud`` are those in which a joint is fast, or gains speed. Each row
+    of them counts once, as what moves a joint goes on. Source: Mann & Whitney (1947), Ann. Math. Statist.
+    18(1).
+    """
+    rows = 1 + int(np.count_nonzero(np.diff(loud.astype(int))))
+    some, others = (rows + 1) // 2, rows // 2
+    if not others:
+        return False
+    scatter = np.sqrt((some + others + 1) / (12.0 * some * others))
+    return any(
+        abs(mannwhitneyu(size[loud], size[~loud]).statistic / (loud.sum() * (~loud).sum()) - HALF)
+        > SURE * scatter
+        for speed in speeds
+        for size in (_sizes(speed, len(loud)), _sizes(np.gradient(speed), len(loud)))
+    )
+
+
+def _sizes(signal: Array, count: int) -> Array:
+    """(count,) the usual size of a signal (n,) in each window."""
+    return np.asarray(np.median(np.abs(signal[: count * WINDOW]).reshape(count, WINDOW), axis=1))
 
 
 def _windows(residual: Array, mask: np.ndarray, count: int) -> tuple[Array, Array]:

@@ -16,20 +16,25 @@ from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups
 
 
-def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int]) -> Array:
-    """(BLOCKS,) squared unit-noise residuals on some columns of blocks of time, each judged by a fit to the
-    others that runs as ``simulate`` runs a model.
+def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int], whole: bool = False) -> Array:
+    """(2, BLOCKS) squared residuals on some columns of blocks of time, each judged by a fit to the others, or
+    to other ``whole`` recordings, that runs as ``simulate`` runs a model: as unit noise, and as they are, in
+    units of the noise.
     """
-    total = np.zeros(BLOCKS)
+    total = np.zeros((2, BLOCKS))
+    number = [number_of(len(view.span.rows)) for view in context.views]
+    side = [np.full(len(n), k % 2) if whole else n % 2 for k, n in enumerate(number)]
     for fold in (0, 1):
-        number = [number_of(len(view.span.rows)) for view in context.views]
-        half = context.only([n % 2 != fold for n in number])
+        half = context.only([s != fold for s in side])
         fitted = _fitted(half, hypothesis, columns)
-        judged = free_run(context.only([n % 2 == fold for n in number]), fitted)
+        judged = free_run(context.only([s == fold for s in side]), fitted)
         for c in columns:
             counted = zip(number, judged.views, strict=True)
             block = np.concatenate([n[view.columns[c].counted] for n, view in counted])
-            total += np.bincount(block, judged.whitened(fitted, c) ** 2, BLOCKS)
+            seen = zip(judged.evened(fitted, c), judged.views, strict=True)
+            rest = np.concatenate([rest[view.columns[c].counted] for rest, view in seen])
+            total[0] += np.bincount(block, judged.whitened(fitted, c) ** 2, BLOCKS)
+            total[1] += np.bincount(block, (rest / context.noise[c].std) ** 2, BLOCKS)
     return total
 
 

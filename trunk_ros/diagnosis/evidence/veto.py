@@ -16,6 +16,7 @@ from trunk_ros.diagnosis.evidence.as_given import unrounded
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.evidence.unseen import unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, groups, refit
@@ -23,6 +24,7 @@ from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import BETTER, beats, by_values, score
 from trunk_ros.diagnosis.search.state import moments_of
 from trunk_ros.effects import effect
+from trunk_ros.guards import TINY
 
 
 def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
@@ -138,7 +140,8 @@ def _is_shown(context: Context, term: Term) -> bool:
 
 
 def harmless(state: Fit) -> Fit:
-    """Without the effects, joint by joint, that blocks which a fit has not seen are better off without.
+    """Without the effects, joint by joint, that blocks which a fit has not seen are better off without; those
+    without a name also where that is so of recordings that it has not seen.
 
     One at a time, the worst first, as far as the work goes that is granted for that. What the model has
     already stays.
@@ -157,21 +160,25 @@ def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] |
     """What does most harm. ``known``: what hypotheses leave of blocks that they have not seen, by all that
     this depends on; what did not change is not fitted anew.
     """
-    asked: dict[Hashable, tuple[Hypothesis, list[int]]] = {}
-    some: dict[tuple[str, int | None], tuple[Hashable, Hashable]] = {}
+    asked: dict[Hashable, tuple[Hypothesis, list[int], bool]] = {}
+    some: dict[tuple[str, int | None], list[tuple[Hashable, Hashable]]] = {}
     for name, column in _removable(state):
         columns = state.hypothesis[name].columns if column is None else [column]
         columns = [c for c in columns if c in state.context.columns]
         pair = state.hypothesis, state.hypothesis.without(name, column)
-        with_it, without = (_fitted_with(state.context, one, columns) for one in pair)
-        some[name, column] = with_it, without
-        asked |= {with_it: (pair[0], columns), without: (pair[1], columns)}
+        several = len(state.context.views) >= SEVERAL and not effect(name).named
+        for whole in (False, True) if several else (False,):
+            keys = [(whole, _fitted_with(state.context, one, columns)) for one in pair]
+            some.setdefault((name, column), []).append((keys[0], keys[1]))
+            asked |= {key: (one, columns, whole) for key, one in zip(keys, pair, strict=True)}
     new = [key for key in asked if key not in known]
     left = each(state.context.work, lambda key: unseen(state.context, *asked[key]), new)
     known |= dict(zip(new, left, strict=True))
     harm = {
-        which: _harm(known[with_it], known[without], effect(which[0]).named)
-        for which, (with_it, without) in some.items()
+        which: max(
+            _harm(known[with_it], known[without], effect(which[0]).named) for with_it, without in pairs
+        )
+        for which, pairs in some.items()
     }
     worst = max(harm, key=harm.__getitem__, default=None)
     return worst if worst is not None and harm[worst] > 0.0 else None
@@ -192,8 +199,18 @@ def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
 
 
 def _harm(with_it: Array, without: Array, named: bool) -> float:
-    """By how much squared unit-noise residuals (BLOCKS,) are larger with an effect, for sure. For what has no
-    name nothing else speaks than that it helps: it is enough that most blocks are worse, and all together.
+    """By how much squared residuals (2, BLOCKS) are larger with an effect, for sure: as unit noise or, in the
+    same measure, as they are, which is what ``simulate`` leaves. What noise remembers hides in the first what
+    is slow, and so does physics that was left out.
+    """
+    innovations, plain = (_surely(*pair, named) for pair in zip(with_it, without, strict=True))
+    of_both = without.sum(axis=1)
+    return max(innovations, plain * float(of_both[0] / max(of_both[1], TINY)))
+
+
+def _surely(with_it: Array, without: Array, named: bool) -> float:
+    """By how much squared residuals (BLOCKS,) are larger with an effect, for sure. For what has no name
+    nothing else speaks than that it helps: it is enough that most blocks are worse, and all together.
     """
     harm = with_it - without
     if not named and np.median(harm) > 0.0:

@@ -6,12 +6,13 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Motion, Now
-from trunk_ros.effects.periods import periods, positive
+from trunk_ros.effects.periods import finest, periods, positive
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 from trunk_ros.sine import sines
 
 LEAST = 1.05  # periods within the motion
+USUAL, MOST = 120.0, 1e6  # periods per turn that are looked for at any speed, and at any place
 
 
 class TransmissionRipple(Effect):
@@ -32,7 +33,7 @@ class TransmissionRipple(Effect):
         Parameter(
             "cycles_per_rev",
             "1",
-            (0.05, 120.0),
+            (0.05, MOST),
             "periods per turn of the gearbox shaft",
             typical=12.0,
             null=12.0,
@@ -57,7 +58,7 @@ class TransmissionRipple(Effect):
         Parameter(
             "cycles_per_rev_2",
             "1",
-            (0.05, 120.0),
+            (0.05, MOST),
             "periods of it per turn, where they are not twice the first ones",
             typical=31.0,
             null=31.0,
@@ -153,5 +154,6 @@ class TransmissionRipple(Effect):
 
     @classmethod
     def _lines(cls, phi: Array, rest: Array) -> tuple[float, ...]:
-        least, most = next(p for p in cls.parameters if p.name == "cycles_per_rev").bounds
-        return periods(phi, rest, max(least, LEAST * 2 * np.pi / max(float(np.ptp(phi)), 1e-3)), most)
+        least = next(p for p in cls.parameters if p.name == "cycles_per_rev").bounds[0]
+        least = max(least, LEAST * 2 * np.pi / max(float(np.ptp(phi)), 1e-3))
+        return periods(phi, rest, least, min(max(USUAL, finest(phi)), MOST))
