@@ -37,6 +37,20 @@ def test_steady_noise_what_rings_and_what_one_joint_has_are_none() -> None:
     assert bursts([noise(0, 8.0), noise(1), noise(2)], MASKS, STAMP) == ()
 
 
+def test_what_is_loud_whenever_a_joint_moves_is_none() -> None:
+    """What is outside does not know when that is."""
+    moves = (STAMP % 6.0) < 2.0
+    speed, other = np.where(moves, 0.3, 0.0), np.where((STAMP % 7.0) < 2.0, 0.3, 0.0)
+    loud = [noise(k) * np.where(moves, 8.0, 1.0) for k in range(3)]
+    assert bursts(loud, MASKS, STAMP, [other, speed]) == ()
+    assert len(bursts(loud, MASKS, STAMP, [other])) > 5
+
+
+def test_one_burst_that_falls_on_a_motion_is_one() -> None:
+    speed = np.where(DURING, 0.3, 0.0)
+    assert len(bursts([noise(k, 8.0) for k in range(3)], MASKS, STAMP, [speed])) == 1
+
+
 @pytest.mark.parametrize("gain", [0.0, 4e-4])
 def test_what_is_small_beside_a_burst_is_seen_and_a_burst_is_nothing(gain: float) -> None:
     """In the mean over all of it the noise would be five times as large as what is there."""

@@ -94,14 +94,18 @@ def test_errors_are_those_of_runs():
 def test_what_has_no_name_goes_where_most_of_what_it_has_not_seen_is_worse(monkeypatch):
     """What has a name goes where it does harm for sure: it may show in a few blocks only."""
     worse = np.array([40.0, -30.0, 35.0, -40.0, 30.0, 35.0, -35.0, 40.0, 25.0, -90.0])
-    monkeypatch.setattr(veto, "unseen", lambda _, hypothesis, columns: 100.0 + worse * len(hypothesis))
+    monkeypatch.setattr(
+        veto, "unseen", lambda _, hypothesis, *asked: np.tile(100.0 + worse * len(hypothesis), (2, 1))
+    )
     assert list(veto.harmless(costed(looked(hidden=True), droop())).hypothesis) == ["load_droop"]
     assert list(veto.harmless(costed(looked(hidden=True), curve(0.01))).hypothesis) == []
 
 
 def test_one_block_beyond_all_that_a_curve_has_seen_takes_it_from_no_model(monkeypatch):
     worse = np.array([-10.0] * 9 + [95.0])
-    monkeypatch.setattr(veto, "unseen", lambda _, hypothesis, columns: 100.0 + worse * len(hypothesis))
+    monkeypatch.setattr(
+        veto, "unseen", lambda _, hypothesis, *asked: np.tile(100.0 + worse * len(hypothesis), (2, 1))
+    )
     (kept,) = veto.harmless(costed(looked(hidden=True), curve(0.01))).hypothesis
     assert kept == next(iter(curve(0.01)))
 

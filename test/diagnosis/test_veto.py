@@ -36,8 +36,18 @@ SMALL = Term(
 def test_what_is_at_work_helps_on_blocks_that_were_not_seen() -> None:
     now = fitted("backlash", BACKLASH)
     assert harmless(now).hypothesis["backlash"].columns == [2]
-    with_it, without = (unseen(now.context, h, [2]).sum() for h in (now.hypothesis, Hypothesis()))
-    assert without > 2.0 * with_it
+    with_it, without = (unseen(now.context, h, [2]).sum(axis=1) for h in (now.hypothesis, Hypothesis()))
+    assert np.all(without > 2.0 * with_it)
+
+
+def test_what_helps_innovations_and_harms_the_run_itself_goes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of noise that remembers, innovations hide what is slow."""
+    now = fitted("backlash", BACKLASH)
+    better, worse = np.full(10, -20.0), np.full(10, 50.0)
+    for plain, kept in ((better, ["backlash"]), (worse, [])):
+        change = np.stack([better, plain])
+        monkeypatch.setattr(veto, "unseen", lambda _, h, *asked, c=change: 100.0 + c * len(h))
+        assert list(harmless(now).hypothesis) == kept
 
 
 def test_what_chance_suggests_goes_joint_by_joint() -> None:
@@ -160,9 +170,9 @@ def test_what_did_not_change_is_not_fitted_anew(monkeypatch: pytest.MonkeyPatch)
     """One ripple after the other goes; the dead band of another joint stays what it is."""
     asked: list[tuple[str, ...]] = []
 
-    def noted(context: Context, hypothesis: Hypothesis, columns: list[int]) -> np.ndarray:
+    def noted(context: Context, hypothesis: Hypothesis, columns: list[int], whole: bool) -> np.ndarray:
         asked.append((*map(str, columns), *(str(hypothesis.key(c)) for c in columns)))
-        return unseen(context, hypothesis, columns)
+        return unseen(context, hypothesis, columns, whole)
 
     now = fitted("backlash", BACKLASH, RIPPLE)
     monkeypatch.setattr(veto, "unseen", noted)

@@ -6,11 +6,11 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import mannwhitneyu
+from scipy.stats import mannwhitneyu, norm
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import fourth_differences
-from trunk_ros.diagnosis.levels import ENOUGH, FEWEST, HALF, MOST, NOTABLE, SURE
+from trunk_ros.diagnosis.levels import CHANCE, ENOUGH, FEWEST, HALF, MOST, NOTABLE
 
 WINDOW = ENOUGH // 2  # samples, of which all joints together tell how loud they are
 
@@ -60,10 +60,11 @@ def _comes_with(loud: np.ndarray, speeds: Sequence[Array]) -> bool:
     some, others = (rows + 1) // 2, rows // 2
     if not others:
         return False
+    least = norm.isf(CHANCE / (4 * max(len(speeds), 1)))
     scatter = np.sqrt((some + others + 1) / (12.0 * some * others))
     return any(
         abs(mannwhitneyu(size[loud], size[~loud]).statistic / (loud.sum() * (~loud).sum()) - HALF)
-        > SURE * scatter
+        > least * scatter
         for speed in speeds
         for size in (_sizes(speed, len(loud)), _sizes(np.gradient(speed), len(loud)))
     )
