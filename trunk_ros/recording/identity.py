@@ -16,7 +16,7 @@ MARK = "#"  # before the digest; files of earlier versions have none
 
 
 def digest(series: Mapping[str, JointSeries]) -> str:
-    """Eight hex digits of stamps and positions, whatever order the joints come in; "" where there are none."""
+    """Eight hex digits of stamps and positions, in whatever order joints come; "" where there are none."""
     shown = next((series[key] for key in ORDER if key in series and len(series[key].stamp)), None)
     if shown is None:
         return ""
