@@ -9,6 +9,7 @@ from dataclasses import replace
 from trunk_ros.arm_model import AnyModel, ArmModel
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import ON
+from trunk_ros.recording.identity import is_one_of
 from trunk_ros.recording.recording import Recording
 
 TIME = "time"
@@ -24,7 +25,7 @@ def doubtful_curves(recording: Recording, model: ArmModel) -> list[str]:
     """In one line which curves were drawn from other recordings than this one; none where the model does not
     say from which.
     """
-    if not model.recordings or recording.stamped in model.recordings:
+    if not model.recordings or is_one_of(recording.stamped, model.recordings):
         return []
     joints = [model.arm.joints[column] for column in sorted(_over_own_time(model))]
     return [

@@ -51,6 +51,18 @@ def test_limits_beyond_a_turn_are_asked_about(tmp_path: Path, capsys: pytest.Cap
     assert "beyond a turn" not in check(tmp_path, capsys, "joints: [a, b]")
 
 
+def test_recorded_effort_is_a_load_of_an_arm_without_masses(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = check(tmp_path, capsys, "joints: [a]\n      load: effort")
+    assert "load: from recorded effort; without any, unknown: effects of load are not tried" in said
+    masses = "joints: [a]\n      link_length: [0.1]\n      link_mass: [0.1]"
+    said = check(tmp_path, capsys, f"{masses}\n      load: effort")
+    assert "load: from recorded effort; without any, the computed weight" in said
+    assert "load: known, from weight" in check(tmp_path, capsys, masses)
+    assert "load: unknown" in check(tmp_path, capsys, "joints: [a]")
+
+
 SLIDE = """<robot name="g"><link name="base"/><link name="palm"/><link name="finger"/>
 <joint name="wrist" type="revolute"><parent link="base"/><child link="palm"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>

@@ -262,6 +262,22 @@ def test_where_no_motion_decides_the_whole_motion_is_told_beside_its_largest_sam
     assert told.endswith("(0.089 mrad at most, 0.89 times the noise), all of them do (0.54 times rms).")
 
 
+@pytest.mark.parametrize(
+    ("unit", "gap", "angle", "speed"),
+    [("1", "1.1", "+0.30", "+1.00 per s"), ("rad", "1.1 rad", "+0.30 rad", "+1.00 rad/s")],
+)
+def test_a_joint_without_a_unit_has_none_in_an_experiment(
+    unit: str, gap: str, angle: str, speed: str
+) -> None:
+    base = {"backlash": SimpleNamespace(form="")}
+    duel = SimpleNamespace(truth="backlash", other="viscous_lag", base=base)
+    seen = Difference(0, 3.0, 0.3, 1.0, 1.1, 1e-3, 0.3, TENFOLD)
+    there = SimpleNamespace(joints=["grip"], duration=20.0)
+    told = statement(duel, seen, True, there, {"grip": unit}, FILE)
+    assert f"grip at 3.0 s ({angle}, at {speed}): " in told
+    assert f"the joint reads {gap} higher than" in told
+
+
 @pytest.mark.parametrize("period", [0.01, 0.42], ids=["moving", "stop_and_measure"])
 def test_an_arm_without_limits_is_not_moved_beyond_what_it_did(period: float, tmp_path: Path) -> None:
     stamp, rng = np.arange(3000) * period, np.random.default_rng(0)

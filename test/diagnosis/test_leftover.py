@@ -11,7 +11,7 @@ from test.diagnosis.search.looks import fitted
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on
 from trunk_ros.diagnosis.levels import SLIGHT
-from trunk_ros.diagnosis.verdict.findings import left_over
+from trunk_ros.diagnosis.verdict.findings import _unexplained, left_over
 
 
 @pytest.mark.parametrize("count", [20 * PLACES, 600, 6000])
@@ -48,6 +48,15 @@ def test_noise_that_comes_in_bursts_does_not_go_on_and_a_small_wave_does() -> No
     assert often <= 2
     wave = rng.normal(size=6000) + np.sin(np.arange(6000) / 50.0)
     assert goes_on(wave[1:] * wave[:-1], 0.0, 0.05)
+
+
+def test_what_is_left_of_a_large_misfit_is_not_said_as_none_of_it() -> None:
+    rest = _unexplained("wire", ["position"], [("elbow", 3e-4, 14.0)])
+    assert rest.share == 3e-4
+    assert rest.statement.startswith(
+        "elbow (wire): less than 0.1% of the residual's power, 14 times the noise, stays unexplained"
+    )
+    assert "0.1% of the" in _unexplained("wire", [], [("elbow", 1e-3, 14.0)]).statement
 
 
 def test_what_is_left_is_said_with_its_stage_and_size() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.one_arm import _lasting, contradiction
@@ -62,6 +62,35 @@ def test_two_arms_contradict_each_other(one: dict, other: dict) -> None:
 def test_other_motions_of_one_arm_do_not(effects: dict, size: float) -> None:
     both = context(made(effects, 0, "a"), made(effects, 3, "b", size))
     assert contradiction(both, lambda _: None) is None
+
+
+def bent(centre: float, seed: int, name: str, zero: float = 0.0) -> Recording:
+    """Small motions about an angle of an arm whose joint 2 goes by a parabola, with a zero [rad]."""
+    made = recorded({}, 20.0, seed, name=name, size=0.1)
+    ratio = TRUNK.arm.ratio
+    for key, position in ((key, made.series[key].position) for key in ("setpoints", "gearbox_states")):
+        made = reshaped(made, key, position=position + centre / ratio)
+    theta = made.series["joint_states"].position + centre
+    theta[:, 1] += 0.5 * theta[:, 1] ** 2 + zero
+    return reshaped(made, "joint_states", position=theta)
+
+
+def test_what_one_run_says_beyond_where_it_went_is_no_evidence() -> None:
+    apart = context(bent(-0.25, 0, "a"), bent(0.25, 1, "b"))
+    assert contradiction(apart, lambda _: None) is None
+    overlapping = context(bent(0.25, 0, "a"), bent(0.26, 1, "b", zero=-0.04))
+    found = contradiction(overlapping, lambda _: None)
+    assert found is not None
+    assert found.joint == "joint_2"
+
+
+def test_what_goes_by_no_angle_is_compared_wherever_the_other_went() -> None:
+    worn = made(BACKLASH, 0, "a", 0.3)
+    clean = made({}, 1, "b", 0.3)
+    for key in ("setpoints", "gearbox_states"):
+        clean = reshaped(clean, key, position=clean.series[key].position + 0.6 / TRUNK.arm.ratio)
+    clean = reshaped(clean, "joint_states", position=clean.series["joint_states"].position + 0.6)
+    assert contradiction(context(worn, clean), lambda _: None) is not None
 
 
 def test_what_has_no_name_is_not_carried_over_to_another_motion() -> None:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from trunk_ros.commands import console
 from trunk_ros.nodes import bringup
 from trunk_ros.nodes.graph.losses import Tally, in_words
 
@@ -102,6 +103,17 @@ def test_a_run_is_summed_up_with_what_each_topic_lacks():
         "  /a: of 5 messages 2 lost on the way, 1 not written; longest gap 1 s",
     ]
     assert in_words("run", {"/b": tally([1]).summary()}) == ["run: 1 messages on 1 topics, none lost"]
+
+
+def test_a_quiet_run_is_not_summed_up(monkeypatch, capsys):
+    bag = SimpleNamespace(messages={"/joint_states": 7}, custom={})
+    monkeypatch.setattr(bringup, "read_metadata", lambda path: bag)
+    monkeypatch.setattr(console._Asked, "level", console.Level.QUIET)
+    bringup.summarise(SimpleNamespace(output="run"))
+    bringup.note("asked to end: closing the recording")
+    assert capsys.readouterr() == ("", "")
+    bringup.say("ended early: no answer")
+    assert "ended early" in capsys.readouterr().err
 
 
 def test_counts_of_a_run_stand_in_one_column_whatever_the_names_of_the_topics(monkeypatch, capsys):

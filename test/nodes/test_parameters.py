@@ -4,6 +4,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -248,3 +249,19 @@ def test_ros2_param_itself_dumps_and_loads(name, domain, tmp_path):
         assert "failed" not in loaded.stdout + loaded.stderr
         again = yaml.safe_load(ros2_param("dump", domain, f"/{name}", "--timeout", 30).stdout)
         assert again[f"/{name}"]["ros__parameters"]["timeout"] == 7.0
+
+
+def test_the_page_sets_a_parameter_without_ros2(domain, peer, tmp_path):
+    from rcl_interfaces.srv import GetParameters
+
+    page = (Path(__file__).parents[2] / "docs" / "nodes.md").read_text(encoding="utf-8")
+    script = tmp_path / "setter.py"
+    script.write_text(page.partition("```python\n")[2].partition("```")[0])
+    service = peer.node.create_client(GetParameters, "wire_elasticity/get_parameters")
+    with running("wire_elasticity", domain=domain):
+        done = subprocess.run(
+            [sys.executable, str(script)], env=environment(domain), capture_output=True, text=True
+        )
+        assert "successful=True" in done.stdout, done.stderr
+        asked = GetParameters.Request(names=["effects.backlash.half_width"])
+        assert list(peer.call(service, asked).values[0].double_array_value) == [0.002] * len(JOINTS)

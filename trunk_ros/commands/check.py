@@ -102,11 +102,10 @@ def of_model(model: Model, given: dict[str, Any]) -> list[str]:
         limits = f"{low:+.3f} … {high:+.3f} {unit}" if max(-low, high) < ANY_ANGLE else "none"
         name = "any joint" if model.any_joints else joint
         rows.append((name, f"{arm.ratio[j]:.6g}", sized(float(arm.dead_band[j]), unit), limits))
-    load = f"known, from {arm.load_from}" if arm.has_load else "unknown: effects of load are not tried"
     effects = [f"effect {name}: {_said(values)}" for name, values in model.in_order()]
     return [
         *columns(rows),
-        f"load: {load}",
+        f"load: {_load(arm)}",
         f"tip: {_tip(arm)}",
         f"servo: {_servo(arm, given)}",
         *(effects or ["effects: none"]),
@@ -127,6 +126,14 @@ def _wide(arm: Arm) -> list[str]:
         if 2.0 * np.pi < limit < ANY_ANGLE and arm.units.get(joint, "rad") == "rad"
     ]
     return [f"limits of {', '.join(wide)} are beyond a turn: are these rad, not degrees?"] if wide else []
+
+
+def _load(arm: Arm) -> str:
+    """Where it comes from: recorded effort stands for masses that nobody knows."""
+    unknown = "unknown: effects of load are not tried"
+    if arm.load_from == "effort":
+        return f"from recorded effort; without any, {'the computed weight' if arm.has_load else unknown}"
+    return f"known, from {arm.load_from}" if arm.has_load else unknown
 
 
 def _tip(arm: Arm) -> str:

@@ -8,6 +8,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from trunk_ros.commands.console import Level, asked
+from trunk_ros.commands.console import say as tell
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.graph.losses import left_out
 from trunk_ros.nodes.run.arguments import PARTS
@@ -28,7 +30,7 @@ def main(argv: list[str]) -> int:
     from trunk_ros.nodes.stop import Stop
 
     if plan.trajectory is not None and plan.trajectory.duration > plan.seconds:
-        say(f"the trajectory takes {plan.trajectory.duration:.4g} s, the run ends after {plan.seconds:g} s")
+        note(f"the trajectory takes {plan.trajectory.duration:.4g} s, the run ends after {plan.seconds:g} s")
     stop = Stop()
     start_ros(plan.ros_arguments)
     try:
@@ -43,8 +45,14 @@ def main(argv: list[str]) -> int:
 
 
 def say(text: str) -> None:
-    """One line for the user."""
+    """One line for the user: why it ended early."""
     print(f"bringup: {text}", file=sys.stderr, flush=True)
+
+
+def note(text: str) -> None:
+    """One line on how the run goes, unless the command was asked to be quiet."""
+    if asked() > Level.QUIET:
+        say(text)
 
 
 def make_pacer(plan: Plan) -> Any:
@@ -56,7 +64,7 @@ def make_pacer(plan: Plan) -> Any:
     foreign = tuple(topic for part, topic in PUBLISHED.items() if part not in plan.parts)
     description = "" if "wire_elasticity" in plan.parts else urdf(plan.arm)
     pace = Pace(plan.seconds, plan.rate, plan.simulated, plan.trajectory, foreign, description)
-    pacer = Pacer(pace, Ledger([]), say)
+    pacer = Pacer(pace, Ledger([]), note)
     names = {part: pacer.own(part) for part in plan.parts}
     pacer.ledger.nodes += names.values()
     if "recorder" in names:
@@ -127,7 +135,7 @@ def run_apart(plan: Plan, stop: Any) -> tuple[str, int]:
             processes.start("recorder", plan.parameters("recorder"))
         pump(executor, pacer, stop, processes.ended, lambda: pacer.phase == "done")
         if stop.asked:
-            say("asked to end: closing the recording")
+            note("asked to end: closing the recording")
         processes.stop(CHAIN)
         processes.stop(["recorder"])
     finally:
@@ -177,12 +185,12 @@ def summarise(plan: Plan) -> None:
         say(f"no whole recording at {plan.output}: {error}")
         return
     losses = json.loads(bag.custom.get("trunk_ros.loss", "{}"))
-    print(f"{plan.output}: {sum(bag.messages.values())} messages")
+    tell(f"{plan.output}: {sum(bag.messages.values())} messages")
     wide = max(map(len, bag.messages), default=0)
     for topic, count in sorted(bag.messages.items()):
         lost = losses.get(topic, {})
         missing = int(lost.get("lost", 0) + lost.get("dropped", 0))
-        print(f"  {topic:{wide}} {count:8d}" + (f"   lost {missing} of {count + missing}" if missing else ""))
+        tell(f"  {topic:{wide}} {count:8d}" + (f"   lost {missing} of {count + missing}" if missing else ""))
         if others := left_out(lost):
-            print(f"  {topic:{wide}} {others}")
-    print(f"lost: {sum(int(each['lost'] + each['dropped']) for each in losses.values())}")
+            tell(f"  {topic:{wide}} {others}")
+    tell(f"lost: {sum(int(each['lost'] + each['dropped']) for each in losses.values())}")

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.arrays import Arrays, from_arrays, from_pandas, from_xarray
 from trunk_ros.recording.check import checked
+from trunk_ros.recording.identity import digest, identity
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.series import Counts as Counts
 from trunk_ros.recording.series import Floats as Floats
@@ -42,11 +43,17 @@ class Recording:
     description: str = ""
     observed: tuple[Observed, ...] = ()
     asked: tuple[float, float] | None = None
+    content: str = ""
+    """A digest of the samples as they were read; it stays that of the whole whatever is left out later."""
+
+    def __post_init__(self) -> None:
+        if not self.content:
+            object.__setattr__(self, "content", digest(self.series))
 
     @property
     def stamped(self) -> str:
-        """When it began and how long it is, in ns: what tells it from other recordings."""
-        return f"{self.start_ns}+{round(self.duration * 1e9)}"
+        """When it began and how long it is, in ns, and the digest: what tells it from other recordings."""
+        return identity(self.start_ns, self.duration, self.content)
 
     @property
     def joints(self) -> tuple[str, ...]:

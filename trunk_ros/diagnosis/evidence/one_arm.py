@@ -1,4 +1,6 @@
-"""Whether several recordings are of one arm: what one of them shows must hold in the others, too."""
+"""Whether several recordings are of one arm: what one of them shows must hold in the others, too, where their
+motions overlap.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import CLEARLY, NOTABLE
+from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, NOTABLE
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
@@ -20,6 +22,7 @@ from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.effects import effect
 
 TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effect holds: less tells nothing
+ANYWHERE = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what goes by no angle
 
 
 @dataclass(frozen=True)
@@ -64,28 +67,48 @@ def contradiction(context: Context, say: Callable[[str], None]) -> Contradiction
     say("the recording with most to explain")
     found = _lasting(search(base, Desk(lambda text: say(f"one recording: {text}"))).hypothesis)
     for part in parts:
-        if part is not base and (column := _contradicts(base, part, found)) is not None:
-            return _told(base, part, found, column)
+        if part is not base and (place := _contradicts(base, part, found)) is not None:
+            return _told(base, *place, found)
     return None
 
 
-def _contradicts(base: Context, other: Context, found: Hypothesis) -> int | None:
-    """The column on which an explanation of one recording is furthest from holding in another."""
-    worst: dict[int, float] = {}
-    refitted: dict[int, float] | None = None
+def _contradicts(base: Context, other: Context, found: Hypothesis) -> tuple[Context, int] | None:
+    """The column on which an explanation of one recording is furthest from holding in another, and what is
+    compared of that.
+    """
+    worst: dict[int, tuple[float, Context]] = {}
+    there: Hypothesis | None = None
     for c in (c for c in base.columns if found.on(c) and other.count(c)):
         nominal, left = _power(base, base.known, c), _power(base, found, c)
         if nominal < TELLS or TELLS * left > nominal:
             continue  # it was not explained where it was found
-        before, after = _power(other, other.known, c), _power(other, found, c)
+        both = _overlap(base, other, found, c)
+        if both.count(c) < min(FEWEST, other.count(c)):
+            continue  # it says nothing of where the other went
+        before, after = _power(both, other.known, c), _power(both, found, c)
         if after < TELLS or TELLS * after < before:
             continue  # it holds
-        if refitted is None:
-            there = refit(other, found).hypothesis
-            refitted = {k: _power(other, there, k) for k in base.columns if other.count(k)}
-        if after > before or TELLS * refitted[c] < after:
-            worst[c] = after
-    return max(worst, key=lambda c: worst[c]) if worst else None
+        there = there or refit(other, found).hypothesis
+        if after > before or TELLS * _power(both, there, c) < after:
+            worst[c] = after, both
+    column = max(worst, key=lambda c: worst[c][0], default=None)
+    return None if column is None else (worst[column][1], column)
+
+
+def _overlap(base: Context, other: Context, found: Hypothesis, column: int) -> Context:
+    """What the other shows of a joint within the angles that it, and those whose angles act on it, went
+    through: beyond them an explanation that goes by angles is an extrapolation.
+    """
+    terms = found.on(column)
+    if all(effect(term.effect).regime in ANYWHERE for term in terms):
+        return other
+    words = [word for term in terms for word in term.words.get(column, {}).values()]
+    acting = {column, *(base.joints.index(word) for word in words if word in base.joints)}
+    went, goes = (part.views[0].span.measured(part.views[0].angles) for part in (base, other))
+    counts = base.views[0].span.valid[:, column]
+    low, high = went[counts].min(axis=0), went[counts].max(axis=0)
+    inside = (goes >= low) & (goes <= high)
+    return other.only([inside[:, sorted(acting)].all(axis=1)])
 
 
 def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
@@ -105,7 +128,7 @@ def _lasting(hypothesis: Hypothesis) -> Hypothesis:
     return hypothesis
 
 
-def _told(base: Context, other: Context, found: Hypothesis, column: int) -> Contradiction:
+def _told(base: Context, other: Context, column: int, found: Hypothesis) -> Contradiction:
     first, second = (part.views[0].span for part in (base, other))
     nominal, left = _rms(other, other.known, column), _rms(other, found, column)
     names = tuple(term.effect for term in found.on(column))

@@ -23,6 +23,7 @@ from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.long import WORK
+from trunk_ros.diagnosis.verdict.units import per_second, placed, sized
 from trunk_ros.diagnosis.words import significant
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.trajectory import Trajectory
@@ -185,7 +186,7 @@ def statement(
     joint = there.joints[seen.column]
     unit = units.get(joint, "rad")
     truth, other = _words(duel.truth, duel.base[duel.truth].form), _words(duel.other)
-    gap = f"{1e3 * abs(seen.gap):.2g} m{unit}"
+    gap = sized(abs(seen.gap), unit, 2)
     times = f"{significant(abs(seen.gap) / seen.noise, 2)} times the noise"
     if not seen.decides:
         part = seen.ratio / CLEARLY
@@ -195,8 +196,8 @@ def statement(
             f"the best one, they differ by {gap} in one sample of {joint} ({times}), but over all samples by "
             f"{significant(seen.rms, 2)} times the noise (rms): {short}."
         )
-    moves = f"at {seen.speed:+.2f} {unit}/s" if round(seen.speed, 2) else "at rest"
-    where = f"{joint} at {seen.time:.1f} s ({seen.angle:+.2f} {unit}, {moves})"
+    moves = f"at {seen.speed:+.2f} {per_second(unit)}" if round(seen.speed, 2) else "at rest"
+    where = f"{joint} at {seen.time:.1f} s ({placed(seen.angle, unit)}, {moves})"
     whole, play = f"{significant(seen.rms, 2)} times", f"Play {file} ({ceil(there.duration)} s)"
     if abs(seen.gap) < seen.noise:
         return (

@@ -37,6 +37,7 @@ VARIES_WITH: dict[str, list[str]] = {
     "time": ["time"],
 }
 ARM = "arm"
+PRINTED = 0.001  # of a power: less would be said as 0.0%
 NO_CURVE = "No effect and no curve explains it."
 
 
@@ -192,7 +193,8 @@ def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, flo
     on = f" and depends on {' and '.join(varies)}" if varies else ""
     known = [size for size in sizes if size == size]
     times = f" {significant(max(known), 2)} times the noise," if known else ""
-    size = f"{max(shares):.1%} of the residual's power,{times}"
+    part = f"{max(shares):.1%}" if max(shares) >= PRINTED else f"less than {PRINTED:.1%}"
+    size = f"{part} of the residual's power,{times}"
     statement = f"{', '.join(joints)} ({stage}): {size} stays unexplained{on}."
     return Unexplained(stage, joints, regime, max(shares), varies, statement)
 

@@ -19,10 +19,20 @@ def unit_of(unit: str, joint: str) -> str:
 
 
 def sized(value: float, unit: str, digits: int = 3) -> str:
-    """A value with its unit, in thousandths where it is small."""
+    """A value with its unit, in thousandths where it is small; without an exponent where it can be."""
     usual = 1.0, "" if unit == "1" else unit
     factor, name = SMALL.get(unit, usual) if abs(value) < 1.0 else usual
-    return f"{value * factor:.{digits}g} {name}".rstrip()
+    return f"{float(f'{value * factor:.{digits}g}'):g} {name}".rstrip()
+
+
+def placed(value: float, unit: str) -> str:
+    """A position with its sign and unit; a mere number has none."""
+    return f"{value:+.2f} {'' if unit == '1' else unit}".rstrip()
+
+
+def per_second(unit: str) -> str:
+    """The unit of a speed."""
+    return "per s" if unit == "1" else f"{unit}/s"
 
 
 def as_read(value: Mapping[str, Any]) -> str:
