@@ -8,9 +8,10 @@ import pytest
 from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.evidence.one_arm import _lasting, contradiction
+from trunk_ros.diagnosis.evidence.one_arm import _agree, _lasting, contradiction
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
@@ -62,6 +63,15 @@ def test_two_arms_contradict_each_other(one: dict, other: dict) -> None:
 def test_other_motions_of_one_arm_do_not(effects: dict, size: float) -> None:
     both = context(made(effects, 0, "a"), made(effects, 3, "b", size))
     assert contradiction(both, lambda _: None) is None
+
+
+@pytest.mark.parametrize(("other", "agree"), [(0.01, True), (0.03, False)])
+def test_what_one_set_of_values_explains_is_of_one_arm(other: float, agree: bool) -> None:
+    """Whatever the values that one of them alone was bent to."""
+    runs = [made({"ratio_error": {"relative": on(2, x)}}, k, "ab"[k]) for k, x in enumerate((0.01, other))]
+    found = Hypothesis(ratio_error=Term("ratio_error", own={1: {"relative": 0.02}}))
+    fitted = refit(context(runs[0]), found).hypothesis
+    assert _agree(context(*runs), context(runs[0]), context(runs[1]), 1, fitted) == agree
 
 
 def bent(centre: float, seed: int, name: str, zero: float = 0.0) -> Recording:

@@ -68,8 +68,23 @@ def contradiction(context: Context, say: Callable[[str], None]) -> Contradiction
     found = _lasting(search(base, Desk(lambda text: say(f"one recording: {text}"))).hypothesis)
     for part in parts:
         if part is not base and (place := _contradicts(base, part, found)) is not None:
-            return _told(base, *place, found)
+            both = context.over([base.views[0].span, part.views[0].span])
+            if not _agree(replace(both, work=granted()), base, part, place[1], found):
+                return _told(base, *place, found)
     return None
+
+
+def _agree(both: Context, base: Context, other: Context, column: int, found: Hypothesis) -> bool:
+    """Whether one set of values explains a joint in two recordings nearly as well as values of each: then
+    what was found in one alone was bent to it.
+    """
+    common = refit(both, found).hypothesis
+    pairs = ((base, found), (other, refit(other, found).hypothesis))
+    return all(
+        power(part, common, column) < TELLS * max(power(part, own, column), 1.0)
+        for part, own in pairs
+        for power in (_power, _plain)
+    )
 
 
 def _contradicts(base: Context, other: Context, found: Hypothesis) -> tuple[Context, int] | None:
@@ -115,6 +130,12 @@ def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
     """Mean square of the residuals as unit noise."""
     white = context.seen_with(hypothesis).whitened(hypothesis, column)
     return float(np.mean(white**2)) if len(white) else 0.0
+
+
+def _plain(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    """Mean square of the residuals as they are, in units of the noise."""
+    rms = _rms(context.seen_with(hypothesis), hypothesis, column)
+    return float((rms / context.noise[column].std) ** 2)
 
 
 def _lasting(hypothesis: Hypothesis) -> Hypothesis:
