@@ -36,6 +36,8 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "hard_stop": ("wire", "posture", {"upper": "rad", "lower": "rad"}, set()),
     "sensor_delay": ("wire", "high_speed", {"delay": "s"}, {"delay"}),
     "zero_offset": ("wire", "always", {"offset": "rad"}, set()),
+    "posture_ratio": ("wire", "posture", {"gain": "1/rad"}, set()),
+    "servo_offset": ("servo", "always", {"offset": "rad"}, set()),
     "servo_delay": ("servo", "high_speed", {"delay": "s"}, {"delay"}),
     "servo_bandwidth": ("servo", "high_speed", {"relative": "1"}, {"relative"}),
     "velocity_saturation": ("servo", "high_speed", {"v_max": "rad/s"}, {"v_max"}),
