@@ -22,10 +22,15 @@ def positive(values: dict[str, float], amplitude: str, phase: str) -> dict[str, 
 
 
 def finest(x: Array) -> float:
-    """The most periods per turn that samples of a moving shaft (n,) rad show, or per 2 pi m of a slide."""
-    moved = np.abs(np.diff(x))
-    moved = moved[moved > 0.0]
-    return float(2 * np.pi / (SHOWN * np.median(moved))) if len(moved) else 0.0
+    """The most periods per turn that samples of a shaft (n,) rad show on half of its way, or per 2 pi m of a
+    slide; no more than that there are samples.
+    """
+    moved = np.sort(np.abs(np.diff(x)))
+    way = np.cumsum(moved)
+    if not len(way) or way[-1] == 0.0:
+        return 0.0
+    usual = max(moved[np.searchsorted(way, way[-1] / 2.0)], float(np.ptp(x)) / len(x))
+    return float(2 * np.pi / (SHOWN * usual))
 
 
 def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tuple[float, ...]:
