@@ -1,6 +1,8 @@
 """watch over DDS: a change is said, recorded with the minutes around it, and diagnosed."""
 
 import signal
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -56,6 +58,32 @@ def test_topics_without_a_publisher_are_said_once(domain, peer):
     assert len(lines) <= 2  # before the publisher was met
 
 
+def test_findings_are_logged_in_one_line():
+    from trunk_ros.nodes.watch import Watch
+
+    logged, published = [], []
+    value = {"value": 0.0040025, "std": 4.7e-06, "unit": "rad"}
+    found = {
+        "stage": "wire", "joints": ["shoulder"], "effect": "backlash", "regime": "reversal",
+        "confidence": 0.9,
+        "parameters": {"shoulder": {"half_width": value}}, "statement": "shoulder: ...",
+    }  # fmt: skip
+    other = {**found, "joints": ["elbow"], "effect": "unknown", "parameters": {}}
+    node = SimpleNamespace(
+        log=lambda level, text: logged.append(text), now=lambda: 0, say=lambda *words: published.append(words)
+    )
+    change = SimpleNamespace(stage="wire", joint="shoulder")
+    look = SimpleNamespace(bag="bag", output=Path("seen"), result=lambda: ([found, other], ""))
+    Watch.tell_findings(node, look, change)
+    assert len(published) == 2
+    assert logged == [
+        "backlash (90%): shoulder half_width 0.0040025 ± 4.7e-06 rad; unknown (90%): elbow; seen/report.html"
+    ]
+    look.result = lambda: ([], "verdict: no mismatch")
+    Watch.tell_findings(node, look, change)
+    assert logged[1:] == ["wire, shoulder: no finding (verdict: no mismatch)"]
+
+
 def test_a_wider_dead_band_is_said_recorded_and_diagnosed(domain, peer, tmp_path):
     from rosgraph_msgs.msg import Clock
 
@@ -85,7 +113,8 @@ def test_a_wider_dead_band_is_said_recorded_and_diagnosed(domain, peer, tmp_path
         first = changes[0].status[0]
         values = {item.key: item.value for item in first.values}
         assert first.name == "wire/joint_2"
-        assert values["kind"] == "change"
+        assert (values["kind"], values["regime"], values["or"]) == ("change", "reversal", "")
+        assert float(values["size"]) == pytest.approx(-1e-3, rel=0.1)
         assert 0 <= float(values["since"]) - begun / 1e9 - 40 < 10
 
         def kinds():

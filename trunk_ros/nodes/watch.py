@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.diagnosis.verdict.units import as_read
 from trunk_ros.errors import TrunkError
 from trunk_ros.fleet.watch.monitor import LOOK, Change, Monitor
 from trunk_ros.fleet.watch.second_look import SecondLook
@@ -55,7 +56,7 @@ class Watch(TrunkNode):
         warm = np.zeros((2, len(self.model.arm.joints)))
         for stage in (self.monitor.wire.stage, self.monitor.servo.stage):
             stage.chain.run(warm, np.arange(2.0) / 100)  # compiles, so that no sample waits
-        self.origin = self.newest = self.looked = -1
+        self.origin = self.newest = self.looked = self.heard = -1
         self.changes = 0
         self.episode: Episode | None = None
         self.last = LastMinutes(self.value("before") + self.value("after"))
@@ -84,6 +85,7 @@ class Watch(TrunkNode):
 
     def use(self, model: Model) -> None:
         """Another model: what is usual is learnt anew."""
+        self.say_what_is_due()
         super().use(model)
         self.begin(model)
 
@@ -108,6 +110,7 @@ class Watch(TrunkNode):
             message = read(data)
             stamp = nanoseconds(message.header.stamp)
             self.streams.heard(stream, stamp)
+            self.heard = self.now()
             values = matcher.gather(message.name, message.position)
             if matcher.unknown or matcher.missing:
                 for oddity in matcher.oddities():
@@ -148,6 +151,8 @@ class Watch(TrunkNode):
 
     def tick(self, now: int) -> None:
         """Go on with what is being looked into."""
+        if now - self.heard > self.value("timeout") * SECOND:
+            self.say_what_is_due()
         episode = self.episode
         if episode is None:
             return
@@ -157,6 +162,11 @@ class Watch(TrunkNode):
         elif not episode.look.running:
             self.episode = None
             self.tell_findings(episode.look, episode.change)
+
+    def say_what_is_due(self) -> None:
+        """Say what has left its usual range where no more samples come that could tell what it looks like."""
+        for change in self.monitor.settle():
+            self.on_change(change, self.newest)
 
     def begin_diagnosis(self, episode: Episode) -> None:
         """Write the bag of before and after, and start the process that diagnoses what is after."""
@@ -179,6 +189,7 @@ class Watch(TrunkNode):
         if not findings:
             words = f"{change.stage}, {change.joint}: no finding ({why})"
             self.say(self.now(), OK, f"{change.stage}/{change.joint}", words, place | {"kind": "finding"})
+            self.log(WARN, words)
         for found in findings:
             values = {
                 "kind": "finding", "stage": found["stage"], "joints": ", ".join(found["joints"]),
@@ -187,6 +198,8 @@ class Watch(TrunkNode):
             }  # fmt: skip
             name = f"{found['stage']}/{'+'.join(found['joints']) or 'arm'}"
             self.say(self.now(), WARN, name, found["statement"], values | place)
+        if findings:
+            self.log(WARN, f"{in_a_line(findings)}; {place['report']}")
 
     def say(self, now: int, level: int, name: str, words: str, values: dict[str, str]) -> None:
         """One message on ``trunk/changes``."""
@@ -210,11 +223,23 @@ class Watch(TrunkNode):
             episode.look.stop()
 
 
+def in_a_line(findings: list[dict[str, Any]]) -> str:
+    """Each effect with its joints' values."""
+    said = []
+    for found in findings:
+        held = found["parameters"].items()
+        values = [f"{owner} {name} {as_read(v)}" for owner, named in held for name, v in named.items()]
+        where = ", ".join(values) or ", ".join(found["joints"])
+        said.append(f"{found['effect']} ({found['confidence']:.0%}): {where}")
+    return "; ".join(said)
+
+
 def told(change: Change, origin: int) -> dict[str, str]:
     """A change as the values of a message."""
     return {
         "kind": "change", "stage": change.stage, "joint": change.joint, "regime": change.regime,
-        "size": f"{change.size:.6g}", "unit": change.unit, "noise": f"{change.noise:.6g}",
+        "or": ", ".join(change.rivals), "size": f"{change.size:.6g}", "unit": change.unit,
+        "noise": f"{change.noise:.6g}",
         "since": f"{origin / SECOND + change.since:.3f}", "log evidence": f"{change.evidence:.1f}",
     }  # fmt: skip
 

@@ -8,7 +8,10 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import noise_of
+from trunk_ros.diagnosis.verdict.units import sized
+from trunk_ros.diagnosis.words import significant
 from trunk_ros.fleet.watch.detector import Detector
+from trunk_ros.fleet.watch.looks import GLITCH, Alarm, Usual, in_words, names
 from trunk_ros.fleet.watch.regimes import REGIMES, SCATTER, Motion
 from trunk_ros.fleet.watch.streams import Piece, Stage
 from trunk_ros.model import Model
@@ -18,15 +21,15 @@ LOOK = 0.5  # s between two looks
 BLOCK = 50.0  # weight that makes one number of a test
 NOISE = 1000  # samples that tell the noise
 TOLERATED = 1.0  # noise that a mean may change by and be usual still
-GLITCH = 8.0  # noise that one sample counts for at most: a sensor's glitch is no change
-EXPLAINS = 0.4  # of the power that the residual grew by
 COUNT = 2 * np.pi / 2**17 / np.sqrt(12.0)  # rad: noise is no less than an encoder's
 
 
 @dataclass(frozen=True)
 class Change:
-    """What has left its usual range. ``size`` in ``unit`` (rad, or 1 for scatter: times the noise's power);
-    ``since`` and ``seen`` [s of the samples' stamps]; ``evidence``: logarithm of the e-value.
+    """What has left its usual range. ``size``: of the deviation where it looks like ``regime``, in ``unit``
+    (that of the joint, or 1 for scatter: times the noise's power); ``rivals``: regimes that the motion does
+    not tell from it; ``since`` and ``seen`` [s of the samples' stamps]; ``evidence``: logarithm of the
+    e-value.
     """
 
     stage: str
@@ -38,18 +41,21 @@ class Change:
     since: float
     seen: float
     evidence: float
+    rivals: tuple[str, ...] = ()
+    position: str = "rad"
+    """Unit of the joint's position."""
 
     @property
     def statement(self) -> str:
         """In words."""
-        if self.regime == "scatter":
-            return (
-                f"{self.stage}, {self.joint}: the residual scatters {self.size:+.1f} times its noise's power"
-            )
-        times = abs(self.size) / self.noise
+        size, sign = self.size, "+" if self.size > 0.0 else ""
+        if self.regime == "scatter":  # of which nothing but the power is known
+            size, sign = np.sqrt(abs(size)) * self.noise, "" if size > 0.0 else "less by "
+        said = sized(size, self.position) + (" rms" if self.regime == "scatter" else "")
         return (
-            f"{self.stage}, {self.joint}: the residual has left its usual range ({self.regime}): "
-            f"{self.size * 1e3:+.3g} mrad, {times:.1f} times the noise"
+            f"{self.stage}, {self.joint}: the residual has left its usual range "
+            f"({in_words(self.regime, self.rivals)}): {sign}{said}, "
+            f"{significant(abs(size) / self.noise, 2)} times the noise"
         )
 
 
@@ -58,11 +64,15 @@ class Watched:
 
     def __init__(self, model: Model, name: str, alpha: float):
         joints = len(model.arm.joints)
-        self.name, self.joints = name, model.arm.joints
+        self.name, self.joints, self.units = name, model.arm.joints, model.arm.units
         self.stage = Stage(model, name)
         self.motion = Motion(np.zeros(joints))
         self.detector = Detector(joints * len(REGIMES), alpha, TOLERATED, 1.0 / np.sqrt(BLOCK))
         self.noise = np.full(joints, np.nan)
+        self.usual = Usual(joints)
+        self.alarms: dict[int, Alarm] = {}
+        """By joint: what has left its usual range, and is said once its regime shows."""
+        self._said: list[Change] = []
         self._first: list[Piece] = []
         self._sum, self._weight = np.zeros((joints, len(REGIMES))), np.zeros((joints, len(REGIMES)))
         self._begun = np.full((joints, len(REGIMES)), np.nan)
@@ -74,18 +84,24 @@ class Watched:
 
     def restart(self) -> None:
         """Time jumped: the memory of the motion is lost, what is usual is not."""
+        self._said += self.settle()
         self.stage.restart()
         self._sum[:] = self._weight[:] = 0.0
 
     def look(self) -> list[Change]:
         """What the samples since the last look show."""
+        said, self._said = self._said, []
         piece = self.stage.piece(LOOK)
         if piece is None:
-            return []
+            return said
         if np.isnan(self.noise).any():
             self._learn_noise(piece)
-            return []
-        return self._tested(piece)
+            return said
+        return said + self._tested(piece)
+
+    def settle(self) -> list[Change]:
+        """What has left its usual range, with what is known of it by now: no more samples come."""
+        return [self._change(j) for j in list(self.alarms)]
 
     def _learn_noise(self, piece: Piece) -> None:
         """The noise of each joint from the residual itself, once there is enough of it."""
@@ -100,7 +116,8 @@ class Watched:
         self._first.clear()
 
     def _tested(self, piece: Piece) -> list[Change]:
-        z = np.clip(piece.residual / self.noise, -GLITCH, GLITCH)
+        off = piece.residual / self.noise
+        z = np.clip(off, -GLITCH, GLITCH)
         weights = self.motion.weights(piece.angle, piece.speed) * piece.valid[:, :, None]
         fresh = self._weight == 0.0
         self._begun[fresh] = piece.stamp[0]
@@ -110,36 +127,37 @@ class Watched:
         self._weight[:, SCATTER] += piece.valid.sum(axis=0)
         full = self._weight >= BLOCK
         number = self._sum / np.maximum(self._weight, 1e-12)
+        unknown = ~self.detector.learnt.reshape(full.shape)[:, :SCATTER] & weights.any(axis=0)
+        self.usual.learn(off, weights, np.flatnonzero(unknown.any(axis=1)))
         passed = self.detector.update(number.ravel(), full.ravel(), self._begun.ravel())
-        found = self._changes(passed.reshape(full.shape), number, float(piece.stamp[-1]))
         self._sum[full] = self._weight[full] = 0.0
-        return found
+        now = float(piece.stamp[-1])
+        self._begin(passed.reshape(full.shape), now)
+        for j, alarm in self.alarms.items():
+            alarm.add(off[:, j], weights[:, j], piece.valid[:, j])
+        return [self._change(j) for j, alarm in list(self.alarms.items()) if alarm.over(now)]
 
-    def _named(self, j: int, off: Array, surest: int) -> int:
-        """The regime that a joint's change is told by: the surest, but scatter only where no other explains
-        what it grew by.
-        """
-        power = (off**2 * self._weight[j])[:SCATTER]
-        most = int(np.argmax(power))
-        grown = off[SCATTER] * self._weight[j, SCATTER]
-        return most if surest == SCATTER and power[most] > EXPLAINS * grown else surest
-
-    def _changes(self, passed: np.ndarray, number: Array, seen: float) -> list[Change]:
-        """One change per joint; the joint then learns anew."""
+    def _begin(self, passed: np.ndarray, seen: float) -> None:
+        """Joints whose tests pass; each then learns anew what is usual."""
         evidence = self.detector.mixed().reshape(passed.shape)
-        off = number - self.detector.mean.reshape(passed.shape)
-        out = []
         for j in np.flatnonzero(passed.any(axis=1)).tolist():
             surest = int(np.argmax(np.where(passed[j], evidence[j], -np.inf)))
-            k = self._named(j, off[j], surest)
-            scale, unit = (1.0, "1") if k == SCATTER else (float(self.noise[j]), "rad")
             since = self.detector.begun(j * len(REGIMES) + surest)
-            place = (self.name, self.joints[j], REGIMES[k], scale * float(off[j, k]), float(self.noise[j]))
-            out.append(Change(*place, unit, since, seen, float(evidence[j, surest])))
+            scatter = float(self.detector.mean.reshape(passed.shape)[j, SCATTER])
+            self.alarms[j] = Alarm(since, seen, float(evidence[j, surest]), self.usual.of(j), scatter)
+            self.usual.forget(j)
             again = np.zeros(passed.shape, dtype=bool)
             again[j] = True
             self.detector.forget(again.ravel())
-        return out
+
+    def _change(self, j: int) -> Change:
+        """What an alarm has come to."""
+        alarm, joint, noise = self.alarms.pop(j), self.joints[j], float(self.noise[j])
+        look, position = alarm.look(), self.units.get(joint, "rad")
+        scale, unit = (1.0, "1") if look.regime == SCATTER else (noise, position)
+        place = (self.name, joint, REGIMES[look.regime], scale * look.size, noise, unit)
+        told = (alarm.since, alarm.seen, alarm.evidence, names(look.rivals), position)
+        return Change(*place, *told)
 
 
 class Monitor:
@@ -170,6 +188,10 @@ class Monitor:
     def look(self) -> list[Change]:
         """What has left its usual range since the last look."""
         return [*self.wire.look(), *self.servo.look()]
+
+    def settle(self) -> list[Change]:
+        """What has left its usual range and is not yet said: no more samples come."""
+        return [*self.wire.settle(), *self.servo.settle()]
 
     def restart(self) -> None:
         """Time jumped."""
