@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import LITTLE, MOST, SLIGHT, SURE
+from trunk_ros.diagnosis.levels import LITTLE, MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
@@ -37,7 +37,6 @@ VARIES_WITH: dict[str, list[str]] = {
     "time": ["time"],
 }
 ARM = "arm"
-PRINTED = 0.001  # of a power: less would be said as 0.0%
 NO_CURVE = "No effect and no curve explains it."
 
 
@@ -193,7 +192,7 @@ def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, flo
     on = f" and depends on {' and '.join(varies)}" if varies else ""
     known = [size for size in sizes if size == size]
     times = f" {significant(max(known), 2)} times the noise," if known else ""
-    part = f"{max(shares):.1%}" if max(shares) >= PRINTED else f"less than {PRINTED:.1%}"
+    part = f"{max(shares):.1%}" if max(shares) >= ROUGH else f"less than {ROUGH:.1%}"
     size = f"{part} of the residual's power,{times}"
     statement = f"{', '.join(joints)} ({stage}): {size} stays unexplained{on}."
     return Unexplained(stage, joints, regime, max(shares), varies, statement)
