@@ -48,5 +48,17 @@ def test_a_curve_of_another_joint_has_its_name_and_nothing_else_stands_in_for_it
     assert named.confidence == pytest.approx(0.95)
 
 
+def test_a_curve_ahead_of_the_friction_is_told_from_one_behind_it() -> None:
+    """Where the joint's own dead band is wide, what the guides of others do to its wire goes through it."""
+    knots = np.array([0.05, 0.02, 0.0, -0.01, -0.01, 0.0, 0.02, 0.05])
+    values = {f"weight_1_{k}": on(4, float(v)) for k, v in enumerate(knots, start=1)}
+    values |= {"low_1": on(4, -0.6), "high_1": on(4, 0.6), "source": ["", "", "", "joint_3", ""]}
+    for form in ("behind", "guides"):
+        made = recorded({"coupling_curve": values | {"form": form}}, 40.0, size=1.6)
+        result = diagnose(of_the_wires(made))
+        assert {f.effect for f in result.findings} == {"coupling_curve"}
+        assert result.model.effects["coupling_curve"]["form"] == form
+
+
 def test_a_straight_coupling_is_not_bent() -> None:
     assert set(_found(_along(lambda q: 0.02 * q, {}))) == {"joint_coupling"}

@@ -12,15 +12,18 @@ from trunk_ros.effects.bank import WEIGHTS, Bank, parameters_of, words_of
 
 BEYOND = 0.25  # of its range that a curve goes on straight beyond its ends
 NARROW = 1e-9  # rad
+AHEAD = 30  # with joints that follow others along a line
 
 
 class CouplingCurve(Bank):
     """theta += curve(s), a natural cubic spline through 8 values, straight beyond its ends for a quarter of
-    its range; s = r phi of another joint, up to four of them.
+    its range; s = r phi of another joint, up to four of them. guides: u += curve(s), before the friction of
+    the joint's own wire, as where it passes the guides of others.
     """
 
     id = "coupling_curve"
     stage, place = "wire", 245
+    forms = ("behind", "guides")
     signature = "The residual follows another joint's angle along a bent line, the same in both directions."
     source = (
         "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones, and the "
@@ -31,6 +34,10 @@ class CouplingCurve(Bank):
     texts = words_of(sources)
     needs = ("several",)
     confused_with = (("joint_coupling", "move the source over a wider range: a curve leaves the line"),)
+
+    @property
+    def acts_at(self) -> int:
+        return AHEAD if self.form == "guides" else self.place
 
     @classmethod
     def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, Array]:

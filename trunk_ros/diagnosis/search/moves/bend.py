@@ -62,7 +62,12 @@ def _bent(best: Fit, name: str, column: int, kind: type[Bank]) -> list[Hypothesi
                 else without_source(best.hypothesis, name, column, k)
             )
             found.append(_along_a_curve(best, bare, column, kind, word))
-    return [there for there in found if there is not None]
+    return [shaped for there in found if there is not None for shaped in _forms(there, best.hypothesis, kind)]
+
+
+def _forms(there: Hypothesis, now: Hypothesis, kind: type[Bank]) -> list[Hypothesis]:
+    """A curve before the joint's friction and behind it; as on other joints, where they have one."""
+    return [there] if kind.id in now else [there.reformed(kind.id, form) for form in kind.forms]
 
 
 def _along_a_curve(
