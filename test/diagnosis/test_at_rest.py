@@ -51,7 +51,7 @@ def test_noise_of_a_joint_whose_motor_stands_is_no_motion() -> None:
 
 
 def test_a_joint_at_rest_shows_what_does_not_go_by_its_own_motion() -> None:
-    rests = Motion(stands=True)
+    rests = Motion(rests=True)
     shown = {name: kind.forms_shown(rests) for name, kind in registry().items() if kind.stage == "wire"}
     assert all(shown[name] for name in ("joint_coupling", "load_elasticity", "thermal_drift", "zero_offset"))
     assert not any(shown[name] for name in ("ratio_error", "transmission_ripple", "viscous_lag", "hard_stop"))

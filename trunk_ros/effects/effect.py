@@ -173,7 +173,7 @@ class Effect(ABC):
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
         """The forms that a joint's motion can show, if any."""
-        if motion.stands and cls.regime not in AT_REST and "several" not in cls.needs:
+        if motion.rests and cls.regime not in AT_REST and "several" not in cls.needs:
             return tuple(filter(cls.bears, cls.forms))
         untold = UNTOLD if motion.one_way else ("time",) if motion.once else ()
         return () if cls.regime in untold else cls.forms

@@ -124,7 +124,7 @@ class Motion:
     """Those of the links are known, and their inertia is in no load yet."""
     bears: bool = True
     """It bears a load, which is known."""
-    stands: bool = False
+    rests: bool = False
     """Its motor does: others, the load or time may move it."""
 
 
