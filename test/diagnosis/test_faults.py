@@ -176,7 +176,7 @@ def test_a_gap_in_the_motors_readings_hides_no_dead_sensor() -> None:
     readings = moved + NOISE * chance.normal(size=len(stamp))
     readings[1200:1900] = 0.4 + NOISE * chance.normal(size=700)
     moved[4000:4400] = np.nan
-    assert np.flatnonzero(dead(readings, readings - moved)).tolist() == list(range(1200, 1900))
+    assert np.flatnonzero(dead(readings, readings - moved, NOISE)).tolist() == list(range(1200, 1900))
 
 
 def test_a_stop_that_is_met_once_by_a_joint_that_mostly_rests_is_no_dead_sensor() -> None:
@@ -186,7 +186,7 @@ def test_a_stop_that_is_met_once_by_a_joint_that_mostly_rests_is_no_dead_sensor(
     to = [0.0, 0.0, 0.2, 0.2, -0.1, -0.1, 0.6, 0.6, 0.1, 0.1, -0.2, -0.2, 0.25, 0.25]
     moved = np.interp(stamp, at, to)
     readings = np.minimum(moved, 0.3) + NOISE * np.random.default_rng(5).normal(size=len(stamp))
-    assert not dead(readings, readings - moved).any()
+    assert not dead(readings, readings - moved, NOISE).any()
 
 
 def test_what_stops_a_joint_on_its_way_is_no_dead_sensor() -> None:
@@ -207,3 +207,34 @@ def test_what_stops_a_joint_on_its_way_is_no_dead_sensor() -> None:
     loose[turn:half, 2] = loose[turn, 2] + NOISE * np.random.default_rng(7).normal(size=half - turn)
     seen = without_faults(reshaped(good, "joint_states", position=loose))
     assert not any("sticks" in note for note in seen.notes)
+
+
+def test_a_brake_that_opens_late_is_no_dead_sensor() -> None:
+    """It slips before it opens, so that the joint moves, and the joint rings as it catches up."""
+    stamp, chance = np.arange(9000) / 100, np.random.default_rng(3)
+    at = np.arange(0.0, 91.0, 6.0)
+    to = np.where(np.arange(len(at)) % 4 < 2, 0.4, -0.4)
+    way = np.clip((stamp - at[(stamp // 6).astype(int)]) / 2.5, 0.0, 1.0)
+    before, after = to[(stamp // 6).astype(int)], to[(stamp // 6).astype(int) + 1]
+    moved = before + (after - before) * way**2 * (3.0 - 2.0 * way)
+    off = moved - before
+    held = (np.abs(off) > 0.0) & (way < 0.14)
+    readings = np.where(held, moved - np.clip(off, -14e-3, 14e-3), moved)
+    opens = np.flatnonzero(held[:-1] & ~held[1:])
+    for first in opens:
+        readings[first + 1 : first + 7] += np.sign(off[first]) * np.array([4, 4, -4, -1, 0.5, 0.2]) * 1e-3
+    readings += NOISE * chance.normal(size=len(stamp)) - 5e-4 * np.sign(after - before)
+    assert len(opens) > 3
+    assert not dead(readings, readings - moved, NOISE).any()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_bursts_of_noise_on_a_joint_that_rests_are_no_dead_sensor(seed: int) -> None:
+    stamp, chance = np.arange(6000) / 20, np.random.default_rng(seed)
+    speed = 0.2 * np.cos(0.5 * stamp) * (np.sin(0.05 * stamp) > 0.3)
+    moved = np.cumsum(speed) / 20
+    readings = moved + NOISE * chance.normal(size=len(stamp)) - 6e-4 * np.sign(np.cos(0.5 * stamp))
+    for first in chance.integers(0, 5980, 15):
+        size = chance.integers(3, 10)
+        readings[first : first + size] += 2e-2 * chance.normal(size=size)
+    assert not dead(readings, readings - moved, NOISE).any()

@@ -49,13 +49,14 @@ def without_faults(recording: Recording) -> Recording:
         for joint, readings in zip(series.joints, position.T, strict=True)
     ]
     beside = [None if m is None else r - m for m, r in zip(moved, position.T, strict=True)]
-    noisy = noises(series) > [count(readings) for readings in position.T]  # at rest no two would be equal
+    noise = noises(series)
+    noisy = noise > [count(readings) for readings in position.T]  # at rest no two would be equal
     noisy &= not _rest_alike(position, moved)
     told = [left if one else None for left, one in zip(beside, noisy, strict=True)]
     sticking = all_that_sticks(position, series.stamp, told)
     for j, joint in enumerate(series.joints):
         stuck = sticking[:, j]
-        stuck |= dead(np.where(stuck, np.nan, position[:, j]), told[j])
+        stuck |= dead(np.where(stuck, np.nan, position[:, j]), told[j], noise[j])
         off = strays(position[:, j], moved[j])
         position[stuck | off, j] = np.nan
         if stuck.any():
@@ -149,9 +150,10 @@ def sticks(readings: Array, stamp: Array, left: Array | None = None) -> np.ndarr
     return out
 
 
-def dead(readings: Array, left: Array | None) -> np.ndarray:
-    """(n,) where a sensor shows one angle but for its noise, while what is ``left`` (n,) beside the motor
-    goes far beyond what is usual, and leaps back when the sensor goes on.
+def dead(readings: Array, left: Array | None, noise: float) -> np.ndarray:
+    """(n,) where a sensor shows one angle but for its ``noise``, while what is ``left`` (n,) beside the motor
+    goes far beyond what is usual, and leaps back when the sensor goes on. What scatters by more than it does
+    elsewhere is a joint that moves, or a burst of noise.
 
     A joint that is held fast and breaks loose leaps as well, but on its way out: here the motor moves on and
     comes back meanwhile, or the sensor had leapt to what it shows. One that leaves a stop goes as fast as its
@@ -169,6 +171,8 @@ def dead(readings: Array, left: Array | None) -> np.ndarray:
     ends &= np.abs(after[1:]) < usual
     far = np.maximum.accumulate(np.where(np.abs(left) > usual, np.arange(len(left)), -1))
     for last in AROUND + np.flatnonzero(ends[AROUND:] & (far[AROUND:-1] >= 0)):
+        if float(np.std(shown[last + 1 - FEWEST : last + 1])) > CLEARLY * noise:
+            continue
         first = _shown_since(shown[: last + 1])
         if last - first <= AROUND or np.ptp((shown - left)[first : last + 1]) < usual:
             continue
