@@ -113,3 +113,14 @@ def test_between_counts_the_shaft_goes_as_the_servo_does_if_that_passes_all_read
     truth = predicted(gearbox)
     assert (np.std(there - truth) < 0.05 * np.std(without - truth)) == led
     assert np.std(there - truth) < 1.1 * np.std(without - truth)
+
+
+def test_turns_of_a_gearbox_that_wraps_are_counted_on(whole, model):
+    """Its sensor's range may end anywhere."""
+    gearbox = whole.series["gearbox_states"]
+    position = gearbox.position.copy()
+    position[position[:, 1] > 0.1, 1] -= 2 * np.pi
+    series = {**whole.series, "gearbox_states": dataclasses.replace(gearbox, position=position)}
+    wrapped = simulate(dataclasses.replace(whole, series=series), model).series["joint_states"]
+    right = simulate(whole, model).series["joint_states"]
+    np.testing.assert_allclose(wrapped.position, right.position, atol=1e-9)

@@ -10,6 +10,7 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.data.sensing import turns_counted_on
 from trunk_ros.diagnosis.data.sensor_faults import without_wild
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
@@ -28,11 +29,12 @@ def simulate(
     of the first ``settle`` s are read, to tell how the wires lay as it began and whether zeros have moved
     since the model was fitted; 0: none, memory begins at its centre.
 
-    Stamps are those of the recorded ``joint_states``, else of the source. A model with effects is run on
+    Stamps are those of the recorded ``joint_states``, else of the source; turns of angles that wrap are
+    counted on. A model with effects is run on
     gearbox angles between the encoder's counts. Raises RecordingError where the
     source is missing.
     """
-    recording = by_joint(without_wild(recording), model.arm)
+    recording = turns_counted_on(by_joint(without_wild(recording), model.arm))
     if source == "gearbox_states":
         recording, model = uncoupled(recording, model)
     given = recording.require(source)

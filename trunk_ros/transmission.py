@@ -25,6 +25,15 @@ def by_joint(recording: Recording, arm: Arm) -> Recording:
     return replace(recording, series=series)
 
 
+def by_motor(recording: Recording, named: Recording, arm: Arm) -> Recording:
+    """What ``by_joint`` made of the recording ``named``, with each motor under its own name again."""
+    series = dict(recording.series)
+    for key in OF_MOTORS:
+        if arm.motors and key in series and set(arm.motors) <= set(named.series[key].joints):
+            series[key] = replace(series[key], joints=arm.motors)
+    return replace(recording, series=series)
+
+
 def uncoupled(recording: Recording, model: AnyModel) -> tuple[Recording, AnyModel]:
     """Both as if each joint had a motor of its own, which turns as far as all motors together turn the joint.
 

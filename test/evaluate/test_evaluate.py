@@ -12,11 +12,14 @@ import pytest
 
 from test.diagnosis.arms import NOISE, on, recorded, reshaped
 from trunk_ros.__main__ import main
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.put_right import as_diagnosed
 from trunk_ros.evaluate import of_model, of_simulator, score
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.write import write_recording
 from trunk_ros.simulate import simulate
+from trunk_ros.transmission import OF_MOTORS
 
 TRUTH = {"backlash": {"half_width": on(2, 3e-3)}, "zero_offset": {"offset": on(4, 1e-3)}}
 COLUMNS = ["recording", "model", "stage", "joint", "unit", "rms_before", "rms_after", "worst_before",
@@ -71,6 +74,86 @@ def test_readings_of_a_sensor_that_sticks_do_not_count(
     assert "run: joint_4: its sensor sticks, first at 25.01 s; 199 readings left out" in said
     after = {row["joint"]: row["rms_after"] for row in json.loads(out)["rows"] if row["stage"] == "wire"}
     assert after["joint_4"] == pytest.approx(NOISE, rel=0.05)
+
+
+def spoiled_rows(
+    folder: Path, spoiled: Recording, capsys: pytest.CaptureFixture[str], *words: str | Path
+) -> tuple[dict[str, float], str]:
+    """The errors after of the wires of a recording in ``folder``, and what was said."""
+    write_recording(folder / "run", spoiled)
+    assert main(["evaluate", str(folder / "run"), *map(str, words), "--json"]) == 0
+    out, said = capsys.readouterr()
+    return {r["joint"]: r["rms_after"] for r in json.loads(out)["rows"] if r["stage"] == "wire"}, said
+
+
+def with_stamps(recording: Recording, stamp: Array) -> Recording:
+    """The recording with other stamps of its joint readings."""
+    shown = replace(recording.series["joint_states"], stamp=stamp)
+    return replace(recording, series={**recording.series, "joint_states": shown})
+
+
+def test_an_encoder_that_wraps_is_counted_on_and_said(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also where a simulator, that it is compared with, does not wrap, or does."""
+    arm = recorded(TRUTH, 40.0)
+    wraps = []
+    for source in (arm, simulate(arm, Model(load_model("trunk").arm, TRUTH))):
+        position = source.series["joint_states"].position.copy()
+        position[position[:, 1] > 0.1, 1] -= 2 * np.pi
+        wraps.append(reshaped(source, "joint_states", position=position))
+    write_recording(tmp_path / "sim_wraps", wraps[1])
+    after, said = spoiled_rows(
+        tmp_path, wraps[0], capsys, "-m", folder / "model.yaml", "--against", tmp_path / "sim_wraps"
+    )
+    assert after["joint_2"] == pytest.approx(NOISE, rel=0.05)
+    assert said.count("run: joint_states of joint_2 jumps by a whole turn") == 1
+    assert main(["evaluate", str(tmp_path / "run"), "--against", str(folder / "right"), "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert max(r["rms_after"] for r in rows if r["stage"] == "wire") < 1.1 * NOISE
+
+
+def test_a_clock_that_is_slow_is_put_right_and_said_and_a_delay_is_not(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As in ``diagnose``: a constant lag that the model does not have may be physics."""
+    arm = recorded(TRUTH, 40.0)
+    stamp = arm.series["joint_states"].stamp
+    after, said = spoiled_rows(
+        tmp_path, with_stamps(arm, 1.0005 * stamp), capsys, "-m", folder / "model.yaml"
+    )
+    assert "run: the clock of joint_states runs 500" in said
+    assert all(rms == pytest.approx(NOISE, rel=0.1) for rms in after.values())
+    (tmp_path / "late").mkdir()
+    late, said = spoiled_rows(
+        tmp_path / "late", with_stamps(arm, stamp + 0.01), capsys, "-m", folder / "model.yaml"
+    )
+    assert min(late.values()) > 3 * NOISE
+    assert said == ""
+
+
+def test_what_is_mixed_up_stays_an_error(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    position = recorded(TRUTH, 40.0).series["joint_states"].position.copy()
+    position[:, 2] *= -1.0
+    spoiled = reshaped(recorded(TRUTH, 40.0), "joint_states", position=position)
+    after, said = spoiled_rows(tmp_path, spoiled, capsys, "-m", folder / "model.yaml")
+    assert after["joint_3"] > 0.1
+    assert "run: joint_3: mixed up, and taken as recorded" in said
+
+
+def test_motors_keep_their_names() -> None:
+    arm = replace(load_model("trunk").arm, motors=tuple("abcde"))
+    made = recorded(TRUTH, 40.0)
+    series = {
+        key: replace(each, joints=arm.motors) if key in OF_MOTORS else each
+        for key, each in made.series.items()
+    }
+    right = as_diagnosed(replace(made, series=series), Model(arm, TRUTH))
+    assert right.series["gearbox_states"].joints == arm.motors
+    rows = score("run", [of_model(right, "model", Model(arm, TRUTH))])
+    assert {row.joint for row in rows if row.stage == "servo"} == set(arm.motors)
 
 
 def test_simulators_are_scored_against_the_first_of_them(

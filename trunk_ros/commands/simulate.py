@@ -33,7 +33,9 @@ def parser() -> Parser:
 def main(argv: list[str]) -> int:
     """The command."""
     asked = parser().parse_args(argv)
+    from trunk_ros.diagnosis.data.put_right import said_of
     from trunk_ros.diagnosis.data.quality import strangers
+    from trunk_ros.diagnosis.data.sensing import turns_counted_on
     from trunk_ros.diagnosis.data.sensor_faults import without_wild
     from trunk_ros.model import load_model
     from trunk_ros.own_time import doubtful_curves
@@ -45,8 +47,8 @@ def main(argv: list[str]) -> int:
 
     prepare_output(asked.output, asked.overwrite)
     model = load_model(asked.model)
-    recording = without_wild(read_recording(asked.bag, namespace=asked.namespace))
-    say(*(f"{asked.bag}: {note}" for note in recording.notes))
+    recording = turns_counted_on(without_wild(read_recording(asked.bag, namespace=asked.namespace)))
+    say(*(f"{asked.bag}: {note}" for note in said_of(recording)))
     say(*(f"{asked.bag}: {note}" for note in strangers(by_joint(recording, model.arm), model)))
     say(*(f"{asked.bag}: {note}" for note in doubtful_curves(recording, model)))
     predicted = simulate(recording, model, asked.source, asked.settle)

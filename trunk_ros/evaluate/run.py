@@ -5,17 +5,20 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
+from trunk_ros.diagnosis.against import nominal_for
+from trunk_ros.diagnosis.data.put_right import as_diagnosed, said_of
 from trunk_ros.diagnosis.data.quality import strangers
-from trunk_ros.diagnosis.data.sensor_faults import without_faults
+from trunk_ros.diagnosis.data.sensing import readings_put_right
 from trunk_ros.diagnosis.words import significant
 from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
-from trunk_ros.evaluate.source import of_model, of_simulator
-from trunk_ros.model import load_model
+from trunk_ros.evaluate.source import Prediction, of_model, of_simulator
+from trunk_ros.model import Model, load_model
 from trunk_ros.own_time import doubtful_curves
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
@@ -26,37 +29,57 @@ STAGES = ("servo", "wire", "arm")
 
 
 def evaluated(arguments: argparse.Namespace) -> list[Row]:
-    """All rows, recording by recording, without readings that a sensor never made. Raises TrunkError in one
-    line.
+    """All rows, recording by recording, of the readings that ``diagnose`` compares with the same model.
+    Raises TrunkError in one line.
     """
     models = [(name, load_model(name)) for name in arguments.model]
     rows: list[Row] = []
-    left_out: list[str] = []
+    said: list[str] = []
     names = called(arguments.bag)
     with Console(stderr=True).status("reading") as status:
         shared = shared_out(arguments.bag, arguments.against)
         for bag, called_so, simulators in zip(arguments.bag, names, shared, strict=True):
             status.update(f"{bag}")
-            recording = without_faults(read_recording(bag, namespace=arguments.namespace))
-            left_out += [f"{called_so}: {note}" for note in recording.notes]
-            predictions = [of_model(recording, name, model) for name, model in models]
-            read: list[Recording] = [read_recording(path) for path in simulators]
-            for name, model in models:
-                notes = strangers(by_joint(recording, model.arm), model)
-                left_out += [
-                    f"{called_so}: {note} ({name})" for note in [*notes, *doubtful_curves(recording, model)]
-                ]
-            predictions += [
-                of_simulator(recording, str(path), one, read[0])
-                for path, one in zip(simulators, read, strict=True)
-            ]
+            recording = read_recording(bag, namespace=arguments.namespace)
+            predictions, notes = _of_models(recording, models)
+            if simulators:
+                others, more = _of_simulators(recording, simulators, models)
+                predictions, notes = predictions + others, notes + more
+            said += [f"{called_so}: {note}" for note in dict.fromkeys(notes)]
             rows += score(called_so, predictions, arguments.settle)
-    for line in left_out:
+    for line in said:
         print(f"trunk_ros: {line}", file=sys.stderr)
     kept = [row for row in rows if row.stage in (arguments.stage or STAGES)]
     if not kept:
         raise ArgumentError("evaluate: none of the recordings has a signal of these stages to compare")
     return kept
+
+
+def _of_models(
+    recording: Recording, models: Sequence[tuple[str, Model]]
+) -> tuple[list[Prediction], list[str]]:
+    """Predictions of models, each for the readings as its own arm puts them right, and what to say."""
+    predictions, notes, read = [], [], dict[str, Recording]()
+    for name, model in models:
+        arm = replace(model, effects={}, recordings=()).hash()
+        read[arm] = right = read.get(arm) or as_diagnosed(recording, model)
+        doubts = [*strangers(by_joint(recording, model.arm), model), *doubtful_curves(recording, model)]
+        notes += [*said_of(right), *(f"{doubt} ({name})" for doubt in doubts)]
+        predictions.append(of_model(right, name, model))
+    return predictions, notes
+
+
+def _of_simulators(
+    recording: Recording, paths: Sequence[str], models: Sequence[tuple[str, Model]]
+) -> tuple[list[Prediction], list[str]]:
+    """Those of simulators, whose turns are counted on as well; by the first model's arm, else that which
+    ``diagnose --against`` takes.
+    """
+    model = models[0][1] if models else nominal_for(recording.joints)
+    right = as_diagnosed(recording, model)
+    read = [readings_put_right(read_recording(path), model) for path in paths]
+    predictions = [of_simulator(right, path, one, read[0]) for path, one in zip(paths, read, strict=True)]
+    return predictions, said_of(right)
 
 
 def called(bags: Sequence[str]) -> list[str]:

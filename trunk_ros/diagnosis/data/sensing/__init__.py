@@ -3,6 +3,6 @@ certain, and said.
 """
 
 from trunk_ros.diagnosis.data.sensing.clocks import clocks_put_right
-from trunk_ros.diagnosis.data.sensing.readings import readings_put_right
+from trunk_ros.diagnosis.data.sensing.readings import readings_put_right, turns_counted_on
 
-__all__ = ["clocks_put_right", "readings_put_right"]
+__all__ = ["clocks_put_right", "readings_put_right", "turns_counted_on"]

@@ -22,10 +22,15 @@ SHOWN = TOPICS["joint_states"]
 
 def readings_put_right(recording: Recording, model: Model) -> Recording:
     """Without jumps of whole turns, within a topic and between two; before anything else is looked at."""
+    return _of_one_turn(turns_counted_on(recording), model)
+
+
+def turns_counted_on(recording: Recording) -> Recording:
+    """Without jumps of whole turns within a topic."""
     for key in ANGLES:
         if key in recording.series:
             recording = _unwrapped(recording, key)
-    return _of_one_turn(recording, model)
+    return recording
 
 
 def _unwrapped(recording: Recording, key: str) -> Recording:
