@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import imitated
@@ -16,7 +18,9 @@ from trunk_ros.recording.recording import JointSeries, Recording
 def pair(
     recording: Recording, model: Model, first: str, second: str
 ) -> tuple[JointSeries, JointSeries] | None:
-    """Two topics with the joints that both and the model have; None where there is no such pair."""
+    """Two topics with the joints that both and the model have, and of which readings are left; None where
+    there is no such pair.
+    """
     if not {first, second} <= set(recording.series):
         return None
     a, b = recording.series[first], recording.series[second]
@@ -24,7 +28,10 @@ def pair(
         joints = common_joints(recording, model, a, b)
     except RecordingError:  # is said where it matters
         return None
-    return a.select(joints), b.select(joints)
+    read = tuple(
+        joint for joint in joints if all(np.isfinite(s.select((joint,)).position).any() for s in (a, b))
+    )
+    return (a.select(read), b.select(read)) if read else None
 
 
 def seen(recording: Recording, observed: Observed, **series: JointSeries) -> Recording:
