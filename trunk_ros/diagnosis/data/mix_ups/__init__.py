@@ -1,6 +1,6 @@
 """Mix-ups that no physics explains: degrees for radians, encoder counts, swapped joints, motors for joints,
-turned signs, clocks that are seconds apart. They are reported, never repaired: what is mixed up is not
-diagnosed.
+turned signs, clocks that are seconds apart, joints that a hand guides. They are reported, never repaired:
+what is mixed up is not diagnosed.
 """
 
 from trunk_ros.diagnosis.data.mix_ups.doubtful import doubtful

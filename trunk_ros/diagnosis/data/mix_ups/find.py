@@ -9,6 +9,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
+from trunk_ros.diagnosis.data.mix_ups.guided import guided
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
 from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees, exchanged
@@ -35,13 +36,16 @@ def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
 
 def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
     """The recording without what is mixed up for certain: setpoints that do not fit the motors are left out;
-    joint readings that do not become NaN, and the tip is left out with them.
+    joint readings that do not become NaN, and the tip is left out with them, and the setpoints where a hand
+    guides joints: their motors follow the hand.
     """
     series, tip = dict(recording.series), recording.tip
     for one in (one for one in found if one.certain):
         if one.stage == "servo":
             series.pop("setpoints", None)
             continue
+        if one.kind == "guided":
+            series.pop("setpoints", None)
         shown, tip = series["joint_states"], None
         position = shown.position.copy()
         position[:, [shown.joints.index(joint) for joint in one.joints]] = np.nan
@@ -88,7 +92,10 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     for look in (counts, swapped, degrees, exchanged, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
-    return found
+    if found or stage != "wire":
+        return found
+    course = pair_of(recording, model, stage, source, target, in_a_row=True)
+    return [] if course is None else guided(course)
 
 
 def _is_read(series: JointSeries, joint: str) -> bool:

@@ -9,14 +9,14 @@ import numpy as np
 
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import FEWEST, ROWS, SLIGHT
+from trunk_ros.diagnosis.levels import FEWEST, ROWS, SLIGHT, TENFOLD
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
 FOLLOWS = 1.0 - SLIGHT  # correlation of a joint with what turns it, wide loops and long lags included
 
-Kind = Literal["unit", "counts", "sign", "order", "clock"]
+Kind = Literal["unit", "counts", "sign", "order", "clock", "guided"]
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,8 @@ class Pair:
 
     stage: str
     joints: tuple[str, ...]
+    stamp: Array
+    """(n,) s."""
     angles: np.ndarray
     """(joints,) whether the joint turns: others are in m."""
     source: Array
@@ -68,12 +70,19 @@ class Pair:
 
 
 def pair_of(
-    recording: Recording, model: Model, stage: str, source: JointSeries, target: JointSeries
+    recording: Recording,
+    model: Model,
+    stage: str,
+    source: JointSeries,
+    target: JointSeries,
+    in_a_row: bool = False,
 ) -> Pair | None:
-    """The two topics, which have the same joints, where both were recorded; None for too few samples."""
+    """The two topics, which have the same joints, where both were recorded; None for too few samples. Of many
+    samples some, or as many as begin it ``in_a_row``.
+    """
     arm = model.for_joints(source.joints).arm.only(source.joints)
-    every = max(len(target.stamp) // ROWS, 1)
-    stamp, shown = target.stamp[::every], target.position[::every]
+    rows = slice(int(TENFOLD) * ROWS) if in_a_row else slice(None, None, max(len(target.stamp) // ROWS, 1))
+    stamp, shown = target.stamp[rows], target.position[rows]
     driving = np.column_stack([_at(stamp, source.stamp, column) for column in source.position.T])
     kept = np.isfinite(driving).all(axis=1) & np.isfinite(shown).all(axis=1)
     kept &= (stamp >= source.stamp[0]) & (stamp <= source.stamp[-1])
@@ -86,7 +95,7 @@ def pair_of(
     angles = np.array([recording.unit(joint) == "rad" for joint in source.joints])
     limit = limit if wire else limit / np.abs(arm.ratio)
     known = not (wire and model.any_joints)
-    return Pair(stage, source.joints, angles, driving[kept], shown[kept], factor, limit, known)
+    return Pair(stage, source.joints, stamp[kept], angles, driving[kept], shown[kept], factor, limit, known)
 
 
 def _at(stamp: Array, source: Array, column: Array) -> Array:
