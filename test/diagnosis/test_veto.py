@@ -20,6 +20,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import beats
 from trunk_ros.diagnosis.work import Work
+from trunk_ros.effects import effect
 from trunk_ros.model import load_model
 
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
@@ -40,14 +41,16 @@ def test_what_is_at_work_helps_on_blocks_that_were_not_seen() -> None:
     assert np.all(without > 2.0 * with_it)
 
 
-def test_what_helps_innovations_and_harms_the_run_itself_goes(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("named", "kept"), [(True, ["backlash"]), (False, [])])
+def test_what_has_no_name_goes_where_it_harms_the_run_itself(
+    monkeypatch: pytest.MonkeyPatch, named: bool, kept: list[str]
+) -> None:
     """Of noise that remembers, innovations hide what is slow."""
     now = fitted("backlash", BACKLASH)
-    better, worse = np.full(10, -20.0), np.full(10, 50.0)
-    for plain, kept in ((better, ["backlash"]), (worse, [])):
-        change = np.stack([better, plain])
-        monkeypatch.setattr(veto, "unseen", lambda _, h, *asked, c=change: 100.0 + c * len(h))
-        assert list(harmless(now).hypothesis) == kept
+    change = np.stack([np.full(10, -20.0), np.full(10, 50.0)])
+    monkeypatch.setattr(veto, "unseen", lambda _, h, *asked: 100.0 + change * len(h))
+    monkeypatch.setattr(effect("backlash"), "named", named)
+    assert list(harmless(now).hypothesis) == kept
 
 
 def test_what_chance_suggests_goes_joint_by_joint() -> None:

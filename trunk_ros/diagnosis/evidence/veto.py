@@ -199,12 +199,14 @@ def _removable(state: Fit) -> Iterator[tuple[str, int | None]]:
 
 
 def _harm(with_it: Array, without: Array, named: bool) -> float:
-    """By how much squared residuals (2, BLOCKS) are larger with an effect, for sure: as unit noise or, in the
-    same measure, as they are, which is what ``simulate`` leaves. What noise remembers hides in the first what
-    is slow, and so does physics that was left out.
+    """By how much squared residuals (2, BLOCKS) are larger with an effect, for sure: as unit noise, and for
+    what has no name also, in the same measure, as they are, which is what ``simulate`` leaves. What noise
+    remembers hides in the first what is slow. Names may be off by what else is still missing.
     """
-    innovations, plain = (_surely(*pair, named) for pair in zip(with_it, without, strict=True))
-    of_both = without.sum(axis=1)
+    innovations = _surely(with_it[0], without[0], named)
+    if named:
+        return innovations
+    plain, of_both = _surely(with_it[1], without[1], named), without.sum(axis=1)
     return max(innovations, plain * float(of_both[0] / max(of_both[1], TINY)))
 
 

@@ -18,7 +18,6 @@ from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
 SMALL = 1e-3  # of the moment at which a wire bends, to either side of a load: where its stiffness is taken
-BENDS = 0.01  # of a sag that is more than straight: what bends less is straight
 FIRM = 10.0  # times the moment at which a wire bends: more than that, friction is not held by it
 
 
@@ -51,14 +50,6 @@ class Sagging(OnBothSides):
         if motion.masses:
             return super().forms_shown(motion)
         return () if motion.one_way else tuple(f for f in super().forms_shown(motion) if f != HELD)
-
-    def credible(self, now: Now, beside: bool = False) -> bool:
-        """It bends under the loads that there are: what is straight there is an elasticity."""
-        drawn = self.drawn(now.load)
-        power = np.maximum(np.sum(now.load**2, axis=0), TINY)
-        straight = now.load * (np.sum(now.load * drawn, axis=0) / power)
-        bent = np.std(drawn - straight, axis=0) > BENDS * np.std(drawn, axis=0)
-        return beside or bool(np.all(bent))
 
     @abstractmethod
     def drawn(self, load: Array) -> Array:
