@@ -49,9 +49,9 @@ class PostureRatio(Effect):
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """Both joints move: where one stands it is a coupling, or a ratio."""
-        moved = np.ptp(np.column_stack([now.wires, now.gearbox * now.ratio]), axis=0)
-        sources = [now.joints.index(s) for s in self.words.get("source", ()) if s]
-        return bool(np.all(moved[[*sources, -1]] > STANDS * moved.max()))
+        moved, own = np.ptp(now.wires, axis=0), np.ptp(now.gearbox * now.ratio, axis=0)
+        sources = moved[[now.joints.index(s) for s in self.words.get("source", ()) if s]]
+        return bool(min(*sources, *own) > STANDS * moved.max())
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
