@@ -254,11 +254,12 @@ class Context:
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
         """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""
-        rests = (self.residual(i, hypothesis, column) for i in range(len(self.views)))
-        return [self._evened(view, rest, column) for view, rest in zip(self.views, rests, strict=True)]
+        return self.even([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
 
-    def _evened(self, view: View, signal: Array, column: int) -> Array:
-        return self.louder.evened(signal, view.columns[column].speed, column, view.span.loud)
+    def even(self, signals: list[Array], column: int) -> list[Array]:
+        """Signals (per span, (n,)) in the measure of the noise at rest."""
+        louder, pairs = self.louder, zip(signals, self.views, strict=True)
+        return [louder.evened(s, v.columns[column].speed, column, v.span.loud) for s, v in pairs]
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
@@ -269,8 +270,8 @@ class Context:
     def whiten(self, signals: list[Array], column: int) -> Array:
         """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""
         parts = []
-        for view, signal in zip(self.views, signals, strict=True):
-            seen, even = view.columns[column], self._evened(view, signal, column)
+        for view, even in zip(self.views, self.even(signals, column), strict=True):
+            seen = view.columns[column]
             parts.append(seen.those(self.noise[column].whiten(even, seen.follows)))
         return np.concatenate(parts) if len(parts) > 1 else parts[0]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.from_the_start import from_the_start
 from trunk_ros.diagnosis.evidence.as_given import as_given
-from trunk_ros.diagnosis.evidence.cross_validation import Error, held_out
+from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence
 from trunk_ros.diagnosis.evidence.no_worse import no_worse
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
@@ -54,16 +54,13 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
     give_back()
     state, part, found = believed(state, part)
     early = done.early or state.context.work.over
-    before = from_the_start(state, settle)
-    state, errors = no_worse(before)
-    if state is not before:
-        part = costed(part.context, state.hypothesis)
-        found = {name: told for name, told in found.items() if name in state.hypothesis}
+    state = from_the_start(state, settle)
     std = spreads(state)
     surer = as_the_surest(state, std)
-    if surer is not state:
-        part = surer if part is state else costed(part.context, surer.hypothesis)
-        std, state = spreads(surer), surer
-        errors = held_out(state)
+    kept, errors = no_worse(surer)
+    if kept is not state:
+        part = kept if part is state else costed(part.context, kept.hypothesis)
+        found = {name: told for name, told in found.items() if name in kept.hypothesis}
+        std, state = spreads(kept), kept
     found = found | banks_evidence(state, found)
     return Judged(state, part, found, std, errors, early)

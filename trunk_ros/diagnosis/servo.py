@@ -53,8 +53,8 @@ class ServoStage(Stage):
         """At least the encoder's steps; what stands still between them says nothing of correlation. Setpoints
         that nobody recorded are known no better.
         """
-        own = [max(n.std, self.resolution(c)) for c, n in enumerate(super().noises(found))]
-        return [Noise(float(np.hypot(*both))) for both in zip(own, self.filled, strict=True)]
+        own = super().noises(found)
+        return [Noise(float(np.hypot(n.std, filled))) for n, filled in zip(own, self.filled, strict=True)]
 
     def least_rest(self, sight: Sight, column: int) -> float:
         return STANDING

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 from trunk_ros.errors import ModelError
 
+STANDS = 0.03  # of the motion of the joint that moves most: a source that moves less
+
 
 def check_source(name: str, text: str, joint: str, word: str, choice: Sequence[str]) -> None:
     """Raise ModelError where ``word``, the effect's ``text`` of a joint, is none of those it may be."""

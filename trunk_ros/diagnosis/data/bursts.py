@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import mannwhitneyu, norm
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import fourth_differences
@@ -56,6 +55,8 @@ def _comes_with(loud: np.ndarray, speeds: Sequence[Array]) -> bool:
     of them counts once, as what moves a joint goes on. Source: Mann & Whitney (1947), Ann. Math. Statist.
     18(1).
     """
+    from scipy.stats import mannwhitneyu, norm  # of few recordings: importing it takes 25 MB
+
     rows = 1 + int(np.count_nonzero(np.diff(loud.astype(int))))
     some, others = (rows + 1) // 2, rows // 2
     if not others:

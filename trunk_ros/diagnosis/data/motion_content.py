@@ -102,6 +102,13 @@ def passed(position: Array, speed: Array, seen: np.ndarray) -> np.ndarray:
     return np.isin(cell, cell[seen])
 
 
+def in_its_play(path: Array, half_width: float) -> Array:
+    """(n,) from -1 to 1: where in a play of this half-width a joint is that follows a path (n,)."""
+    out = np.zeros(len(path))
+    drag(path, np.array([half_width]), np.ones(1), path[:1].copy(), out)
+    return np.asarray(out / half_width)
+
+
 def top_speed(stamp: Array, angle: Array) -> float:
     """rad/s of the fastest of some angles (n, joints)."""
     if len(stamp) <= APART:

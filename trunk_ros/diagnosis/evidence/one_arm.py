@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, NOTABLE
+from trunk_ros.diagnosis.search.credible import BY_THE_WAY
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
@@ -22,7 +23,6 @@ from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.effects import effect
 
 TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effect holds: less tells nothing
-ANYWHERE = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what goes by no angle
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def _overlap(base: Context, other: Context, found: Hypothesis, column: int) -> C
     through: beyond them an explanation that goes by angles is an extrapolation.
     """
     terms = found.on(column)
-    if all(effect(term.effect).regime in ANYWHERE for term in terms):
+    if all(effect(term.effect).regime in BY_THE_WAY for term in terms):
         return other
     words = [word for term in terms for word in term.words.get(column, {}).values()]
     acting = {column, *(base.joints.index(word) for word in words if word in base.joints)}
@@ -134,8 +134,7 @@ def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
 
 def _plain(context: Context, hypothesis: Hypothesis, column: int) -> float:
     """Mean square of the residuals as they are, in units of the noise."""
-    rms = _rms(context.seen_with(hypothesis), hypothesis, column)
-    return float((rms / context.noise[column].std) ** 2)
+    return (_rms(context, hypothesis, column) / context.noise[column].std) ** 2
 
 
 def _lasting(hypothesis: Hypothesis) -> Hypothesis:

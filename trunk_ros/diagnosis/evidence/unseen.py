@@ -31,10 +31,11 @@ def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int], w
         for c in columns:
             counted = zip(number, judged.views, strict=True)
             block = np.concatenate([n[view.columns[c].counted] for n, view in counted])
-            seen = zip(judged.evened(fitted, c), judged.views, strict=True)
-            rest = np.concatenate([rest[view.columns[c].counted] for rest, view in seen])
-            total[0] += np.bincount(block, judged.whitened(fitted, c) ** 2, BLOCKS)
-            total[1] += np.bincount(block, (rest / context.noise[c].std) ** 2, BLOCKS)
+            rests = [judged.residual(index, fitted, c) for index in range(len(judged.views))]
+            seen = zip(judged.even(rests, c), judged.views, strict=True)
+            plain = np.concatenate([rest[view.columns[c].counted] for rest, view in seen])
+            total[0] += np.bincount(block, judged.whiten(rests, c) ** 2, BLOCKS)
+            total[1] += np.bincount(block, (plain / context.noise[c].std) ** 2, BLOCKS)
     return total
 
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import WEIGHTS, Bank, parameters_of, words_of
+from trunk_ros.effects.wire.joint_coupling import JointCoupling
 
 BEYOND = 0.25  # of its range that a curve goes on straight beyond its ends
 NARROW = 1e-9  # rad
-AHEAD = 30  # with joints that follow others along a line
 
 
 class CouplingCurve(Bank):
@@ -37,7 +37,7 @@ class CouplingCurve(Bank):
 
     @property
     def acts_at(self) -> int:
-        return AHEAD if self.form == "guides" else self.place
+        return JointCoupling.place if self.form == "guides" else self.place
 
     @classmethod
     def ready(cls, low: float, high: float, weights: Array) -> tuple[float, float, Array]:

@@ -7,12 +7,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.sources import check_source, others
+from trunk_ros.effects.sources import STANDS, check_source, others
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.parameter import Parameter
 
 SOURCES = 3
-STANDS = 0.03  # of the motion of the joint that moves most
 
 
 def _gain(k: int) -> Parameter:

@@ -6,10 +6,9 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.sources import check_source, others
+from trunk_ros.effects.sources import STANDS, check_source, others
 from trunk_ros.parameter import Parameter
 
-STANDS = 0.03  # of the motion of the joint that moves most
 LEAST = 0.05  # of its ratio that a joint keeps: past that the first term of the expansion says nothing
 
 

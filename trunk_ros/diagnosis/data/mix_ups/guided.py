@@ -8,7 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, Pair
-from trunk_ros.diagnosis.data.motion_content import APART
+from trunk_ros.diagnosis.data.motion_content import APART, in_its_play
 from trunk_ros.diagnosis.levels import (
     CERTAIN,
     CLEARLY,
@@ -22,7 +22,6 @@ from trunk_ros.diagnosis.levels import (
     TENFOLD,
     THREEFOLD,
 )
-from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.guards import SAME, TINY
 
 
@@ -81,7 +80,7 @@ def lead(pair: Pair, joint: int) -> Lead:
     far = CLEARLY * (high - low) / 2.0
     if not SAME * np.ptp(drive) < far < HALF * np.ptp(drive):
         return none
-    side = _side(drive, far)
+    side = in_its_play(drive, far)
     stroke = np.cumsum(np.diff(np.sign(side), prepend=np.sign(side[0])) != 0.0)
     engaged = np.abs(side) > NEARLY
     if engaged.sum() < ENOUGH or len(np.unique(stroke[engaged])) < TENFOLD:
@@ -105,12 +104,6 @@ def _ahead(drive: Array, shown: Array) -> tuple[Array, float]:
     return off - off.mean(), ratio
 
 
-def _side(path: Array, half_width: float) -> Array:
-    """(n,) from -1 to 1: at which side of a play a path has gone."""
-    played = SharpPlay().run(path[:, None], np.array([[half_width]]), path[:1].copy())[0][:, 0]
-    return np.asarray((path - played) / half_width)
-
-
 def _beside(pair: Pair, joint: int, drive: Array, far: float) -> Array:
     """(n, k) what else a joint's angle may go by: its place, its speed and how that grows with time, its
     acceleration, time, and the place, speed and friction of the others.
@@ -122,7 +115,7 @@ def _beside(pair: Pair, joint: int, drive: Array, far: float) -> Array:
     out += [rush, stamp, stamp**2]
     for other, path in enumerate(pair.driven.T):
         if other != joint and np.ptp(path) > 0.0:
-            out += [_unit(path), _unit(_speed(pair.stamp, path)), _side(path, far)]
+            out += [_unit(path), _unit(_speed(pair.stamp, path)), in_its_play(path, far)]
     return np.column_stack(out)
 
 
@@ -159,7 +152,10 @@ def _by_a_play(
     """Whether the joint's play leaves less of its angle than its motor's does, and less than no play."""
     widths = by * np.geomspace(HALF, NOTABLE, APART)
     (off, half_width), (rival, _) = (
-        min((_left(_side(path, w), beside, ahead) for w in widths), key=lambda one: float(one[0] @ one[0]))
+        min(
+            (_left(in_its_play(path, w), beside, ahead) for w in widths),
+            key=lambda one: float(one[0] @ one[0]),
+        )
         for path in (shown, drive)
     )
     nothing = ahead - beside @ np.linalg.lstsq(beside, ahead, rcond=None)[0]

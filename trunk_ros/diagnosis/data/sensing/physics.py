@@ -11,6 +11,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.diagnosis.data.motion_content import in_its_play
 from trunk_ros.diagnosis.levels import FAR_OFF, MOST, ROWS
 from trunk_ros.diagnosis.machine import pieces, precision
 from trunk_ros.guards import BLIND, ROUNDED, TINY
@@ -110,7 +111,7 @@ def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -
 
 def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
     own, speed, load = motion.asked[:, joint], motion.speed[:, joint], motion.load[:, joint]
-    way, t = _way(own, _dead_band(motion, joint)), motion.time
+    way, t = in_its_play(own, _dead_band(motion, joint)), motion.time
     yield from (way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY))
     if wear:
         yield way * t
@@ -129,7 +130,7 @@ def wider_plays(motion: Motion, joint: int, wear: bool = True) -> Iterator[Array
     """(n,) each: what dead bands make of a joint that are wider than the model's, and ``wear``: that grow."""
     own, dead_band = motion.asked[:, joint], _dead_band(motion, joint)
     for wider in WIDER_PLAYS:
-        yield (way := _way(own, wider * dead_band))
+        yield (way := in_its_play(own, wider * dead_band))
         if wear:
             yield way * motion.time
 
@@ -186,16 +187,6 @@ def fitted(features: Array, off: Array) -> tuple[Array, Array]:
     blocks = np.add.reduceat(left, np.arange(0, len(left), BLOCK), axis=0)
     spread = np.sqrt(np.diag(inverse @ (blocks.T @ blocks) @ inverse))
     return values / size, np.maximum(spread / size, ROUNDED)
-
-
-@compiled
-def _way(own: Array, wide: float) -> Array:
-    """(n,) from -1 to 1: where in a play of this half-width a joint is that follows (n,) rad."""
-    out, last = np.empty_like(own), own[0]
-    for k in range(len(own)):
-        last = min(max(last, own[k] - wide), own[k] + wide)
-        out[k] = (own[k] - last) / wide
-    return out
 
 
 @compiled
