@@ -35,6 +35,7 @@ LARGER: dict[str, dict[str, float]] = {  # where the usual size would hardly be 
     "wire_slack": {"threshold": 0.03},
     "wire_stiffening": {"moment": 0.05},
     "wire_slip": {"onset": 20.0},
+    "wrap_friction": {"gain": 3e-3},
     "velocity_saturation": {"v_max": 0.6},
     "hard_stop": {"upper": 0.2},
     "thermal_drift": {"time_constant": 15.0},

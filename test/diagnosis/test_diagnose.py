@@ -95,7 +95,9 @@ def test_the_error_falls_to_the_noise_on_samples_that_the_fit_did_not_see(loose:
     assert joint["rmse_after"] == pytest.approx(joint["noise_floor"], rel=0.1)
 
 
-@pytest.mark.parametrize(("effect", "gain"), [("joint_coupling", 0.01), ("posture_ratio", 0.03)])
+@pytest.mark.parametrize(
+    ("effect", "gain"), [("joint_coupling", 0.01), ("posture_ratio", 0.03), ("wrap_friction", 3e-3)]
+)
 def test_the_model_found_predicts_another_run_of_the_same_arm(effect: str, gain: float) -> None:
     effects = {effect: {"gain": on(3, gain), "source": ["", "", "joint_2"]}}
     result = diagnose([of_the_wires(recorded(effects))])

@@ -114,6 +114,19 @@ def test_the_posture_of_another_joint_scales_what_the_motor_moves() -> None:
     assert got[:, 2] == pytest.approx(THETA[:, 2] * (1.0 - 0.1 * got[:, 1]), abs=1e-7)
 
 
+@pytest.mark.parametrize("form", ["bent", "turned"])
+def test_the_dead_band_grows_with_the_bend_of_the_joints_that_the_wire_passes(form: str) -> None:
+    got = wire(
+        "wrap_friction", dead_band=5e-4, form=form, gain=np.array([0.0, 0.01, 0.02]),
+        gain_2=np.array([0.0, 0.0, -0.005]), source=["", "joint_1", "joint_1"], source_2=["", "", "joint_2"],
+    )  # fmt: skip
+    bend = np.abs(got) if form == "bent" else got
+    width = np.maximum(
+        5e-4 + np.stack([0 * bend[:, 0], 0.01 * bend[:, 0], 0.02 * bend[:, 0] - 0.005 * bend[:, 1]], 1), 0.0
+    )
+    alike(got, play(THETA, width), 1e-7)
+
+
 def test_joints_may_drag_each_other() -> None:
     got = wire("joint_coupling", gain=np.array([0.0, 0.3, 0.25]), source=["", "joint_3", "joint_2"])
     assert got[:, 1] == pytest.approx(THETA[:, 1] + 0.3 * got[:, 2], abs=1e-7)

@@ -36,6 +36,7 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "hard_stop": ("wire", "posture", {"upper": "rad", "lower": "rad"}, set()),
     "sensor_delay": ("wire", "high_speed", {"delay": "s"}, {"delay"}),
     "zero_offset": ("wire", "always", {"offset": "rad"}, set()),
+    "wrap_friction": ("wire", "reversal", {"gain": "1"}, set()),
     "posture_ratio": ("wire", "posture", {"gain": "1/rad"}, set()),
     "servo_offset": ("servo", "always", {"offset": "rad"}, set()),
     "servo_delay": ("servo", "high_speed", {"delay": "s"}, {"delay"}),

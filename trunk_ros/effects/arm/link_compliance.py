@@ -13,7 +13,7 @@ class LinkCompliance(Effect):
     signature = "The tip hangs lower the farther the arm reaches out, with the joints where they should be."
     source = "Khalil & Besnard (2002), J. Robot. Autom. 18(1): flexibility in geometric calibration."
     parameters = (
-        Parameter("compliance", "rad/(N*m)", (0.0, 20.0), "turn about the joint per moment", typical=0.01),
+        Parameter("compliance", "rad/(N*m)", (0.0, 1e3), "turn about the joint per moment", typical=0.01),
     )
     needs = ("weight",)
     confused_with = (("joint_zero_error", "reach out and fold: a zero does not follow the load"),)

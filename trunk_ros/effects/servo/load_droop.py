@@ -22,8 +22,8 @@ class LoadDroop(Effect):
     forms = ("weight", "weight_and_friction", "apart")
     apart = "apart"
     parameters = (
-        Parameter("gain", "rad/(N*m)", (-5.0, 5.0), "standing error per moment", typical=1e-3, shared=True),
-        Parameter("friction", "N*m", (0.0, 50.0), "dry friction that the motor pulls as well", typical=0.1),
+        Parameter("gain", "rad/(N*m)", (-1e3, 1e3), "standing error per moment", typical=1e-3, shared=True),
+        Parameter("friction", "N*m", (0.0, 1e3), "dry friction that the motor pulls as well", typical=0.1),
         Parameter(
             "as_torque", "1", (0.0, 1.0), "share of it that acts past the speed limit, as a torque does",
             typical=1.0, shared=True, optional=True,

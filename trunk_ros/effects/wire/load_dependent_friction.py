@@ -24,9 +24,9 @@ class LoadDependentFriction(Effect):
     forms = ("sharp", "rounded")
     refined = ("rounded",)
     parameters = (
-        Parameter("gain", "rad/(N*m)", (0.0, 5.0), "half-width per moment of load", typical=3e-3),
+        Parameter("gain", "rad/(N*m)", (0.0, 1e3), "half-width per moment of load", typical=3e-3),
         Parameter(
-            "knee", "N*m", (0.0, 10.0), "load below which the friction grows more slowly", typical=0.02
+            "knee", "N*m", (0.0, 1e3), "load below which the friction grows more slowly", typical=0.02
         ),
     )
     needs = ("load",)

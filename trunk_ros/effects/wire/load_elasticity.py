@@ -19,10 +19,10 @@ STEEPEST = 5.0  # of the compliance's logarithm
 SPANS = 0.1  # of load times angle: what no parabola of either follows
 
 COMPLIANCE = Parameter(
-    "compliance", "rad/(N*m)", (0.0, 20.0), "deflection per moment", typical=0.03, stated="compliance"
+    "compliance", "rad/(N*m)", (0.0, 1e3), "deflection per moment", typical=0.03, stated="compliance"
 )
 PAYLOAD = Parameter(
-    "payload", "kg", (0.0, 2.0), "mass at the tip", typical=0.05, shared=True, optional=True, carried=True
+    "payload", "kg", (0.0, 20.0), "mass at the tip", typical=0.05, shared=True, optional=True, carried=True
 )
 
 

@@ -73,7 +73,7 @@ class ViscoelasticCreep(OnBothSides):
         Parameter(
             "compliance",
             "rad/(N*m)",
-            (0.0, 20.0),
+            (0.0, 1e3),
             "what it gives way by in the end, per moment",
             typical=0.01,
         ),

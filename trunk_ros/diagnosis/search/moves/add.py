@@ -224,6 +224,13 @@ def promising(best: Fit, desk: Desk, screen: Screen, kinds: list[type[Effect]]) 
     return desk.looked[key]
 
 
+def law_of_all(best: Fit, desk: Desk) -> float:
+    """The most that a further effect that acts on all joints alike explains by a linear look."""
+    kinds = kinds_of_all(best.context, best.hypothesis)
+    looks = promising(best, desk, Screen(best.context, best.hypothesis), kinds) if kinds else []
+    return max((candidate.gain for candidate in looks), default=0.0)
+
+
 def shown_again(best: Fit, desk: Desk, trial: Fit, name: str) -> Fit:
     """A trial that is better but for what the motion cannot show any more beside the new effect, such as a
     link that would no longer ring: with what looks like that in its place, or without it.

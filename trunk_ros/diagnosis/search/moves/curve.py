@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import LARGE, Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
-from trunk_ros.diagnosis.search.moves.add import trials
+from trunk_ros.diagnosis.search.moves.add import law_of_all, trials
 from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_at_least
 from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.diagnosis.search.state import state_of
@@ -40,8 +40,9 @@ def early_groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def _hopeless(best: Fit, desk: Desk, column: int) -> bool:
     """Whether the names that a joint may still have would have to explain more, each, than those that it has
-    do, or than the best one by itself, to leave as little as a curve promises in their place. A law of all
-    joints may give way to one with more to it, which is no further name.
+    do, or than the best one by itself, which may be a law of all joints, to leave as little as a curve
+    promises in their place. Where one is there, it may give way to one with more to it, which is no further
+    name.
     """
     local = own_effects(best.hypothesis, column)
     if not local or column in best.hypothesis.curved:
@@ -50,7 +51,8 @@ def _hopeless(best: Fit, desk: Desk, column: int) -> bool:
     each = (float(nominal @ nominal) - best.cost[column]) / len(local)
     if not any(effect(name).everywhere for name in local):
         further = (trial.cost for (_, alone), trial in trials(best, desk, [column])[0].items() if alone)
-        each = min(each, best.cost[column] - min(further, default=best.cost[column]))
+        own = best.cost[column] - min(further, default=best.cost[column])
+        each = min(each, max(own, law_of_all(best, desk)))
     reached = best.rest(column) - (OWN - len(local)) * each
     bare = best.hypothesis.less(local, column)
     return reached > 0.0 and any(
